@@ -1,0 +1,130 @@
+"""Static equilibrium of a batch: pick a solver, iterate until the certificate holds, say how it ended."""
+
+import time
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.dynamics.certificate import pressure_scale
+from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
+from gfmd_numba.dynamics.verlet import Verlet
+from gfmd_numba.fourier import Convolution
+from gfmd_numba.scene import Numerics
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+_CHECK_EVERY = 10  # iterations between two looks at the certificate
+_BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
+_BLOWN_UP = 1e12  # residual beyond which a run is unstable, not slow
+
+
+class Status(IntEnum):
+    """How a run ended; only `ok` results are used."""
+
+    ok = 0
+    not_converged = 1
+    unstable = 2
+    nonfinite = 3
+    timeout = 4
+    crashed = 5
+
+
+class Solver(Protocol):
+    """What `equilibrate` asks of a solver: after `violation`, `field` holds the displacement and its traction."""
+
+    field: Convolution
+    punch: Reals
+    load: Reals
+
+    def advance(self, active: Rows) -> None: ...  # noqa: D102
+    def violation(self, active: Rows) -> Reals: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Displacement and pressure `[realisation, x]` (L_x, E*), and per realisation how they were reached.
+
+    The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
+    largest traction on free nodes or tension on touching ones, over the rms pressure of full contact.
+    """
+
+    displacement: Reals
+    pressure: Reals
+    status: npt.NDArray[np.int8]
+    residual: Reals
+    n_iterations: npt.NDArray[np.int64]
+    n_transforms: npt.NDArray[np.int64]
+    wall_time: Reals
+
+
+def equilibrate(punch: Reals, stiffness: Reals, load: float | None, numerics: Numerics) -> Equilibrium:
+    """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch) without friction.
+
+    `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x; `load` the mean pressure in E*, or None if the position of the
+    punch prescribes the displacement (then K(0) counts).
+    """
+    realisations, n = punch.shape
+    result = Equilibrium(
+        displacement=np.empty((realisations, n)),
+        pressure=np.empty((realisations, n)),
+        status=np.full(realisations, Status.not_converged, dtype=np.int8),
+        residual=np.full(realisations, np.nan),
+        n_iterations=np.zeros(realisations, dtype=np.int64),
+        n_transforms=np.zeros(realisations, dtype=np.int64),
+        wall_time=np.zeros(realisations),
+    )
+    scale = pressure_scale(punch, stiffness)
+    block = max(1, _BLOCK_SAMPLES // n)
+    for first in range(0, realisations, block):
+        rows = slice(first, min(first + block, realisations))
+        started = time.perf_counter()
+        solver = _solver(punch[rows], stiffness, load, numerics)
+        _iterate(solver, scale[rows], numerics, result, first)
+        result.n_transforms[rows] = solver.field.n_transforms
+        share = solver.field.n_transforms / solver.field.n_transforms.sum()
+        result.wall_time[rows] = (time.perf_counter() - started) * share
+    return result
+
+
+def _solver(punch: Reals, stiffness: Reals, load: float | None, numerics: Numerics) -> Solver:
+    loads = None if load is None else np.full(len(punch), load)
+    if load is not None:  # the mean displacement is free: it follows the load without restoring force
+        stiffness = np.concatenate(([0.0], stiffness[1:]))
+    if numerics.solver == "verlet":
+        loads = np.zeros(len(punch)) if loads is None else loads
+        return Verlet(punch, stiffness, loads, numerics.time_step, numerics.damping)
+    return ConjugateGradients(punch, stiffness, loads)
+
+
+def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibrium, first: int) -> None:
+    """Advance all rows until each is certified or gives up, and store each as it ends."""
+    n = solver.field.n
+    active = np.arange(len(scale))
+    iterations = 0
+    while active.size:
+        for _ in range(_CHECK_EVERY):
+            solver.advance(active)
+        iterations += _CHECK_EVERY
+        residual = solver.violation(active) / scale[active]
+        status = np.full(active.size, Status.not_converged, dtype=np.int8)
+        status[residual <= numerics.residual] = Status.ok
+        status[residual > _BLOWN_UP] = Status.unstable
+        status[~np.isfinite(residual)] = Status.nonfinite
+        ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
+        rows = active[ended]
+        pressure = np.empty_like(solver.field.result)
+        kernels.contact_pressure(
+            solver.field.source, solver.field.result, solver.punch, solver.load, rows, n, pressure
+        )
+        where = first + rows
+        result.displacement[where] = solver.field.source[rows, :n]
+        result.pressure[where] = pressure[rows, :n]
+        result.status[where] = status[ended]
+        result.residual[where] = residual[ended]
+        result.n_iterations[where] = iterations
+        active = active[~ended]

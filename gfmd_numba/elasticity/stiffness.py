@@ -1,0 +1,56 @@
+"""Areal stiffness K(q) of an elastic body under frictionless normal load: p~(q) = K(q) w~(q).
+
+Units: E* / L_x. The tangential displacement is eliminated exactly (Schur complement, thesis (6.75)), which leaves
+the closed form of a layer bonded to a rigid base; with x = 2 q z_m and kappa = 3 - 4 nu it reads
+
+    K = q E*/2 * (2 kappa cosh x + 1 + kappa^2 + x^2) / (2 kappa sinh x - 2 x).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+Reals = npt.NDArray[np.float64]
+_SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0, 1307674368000.0])
+
+
+def half_space(q: Reals) -> Reals:
+    """Stiffness q/2 of the half-space, in E*/L_x (6.75 for q z_m -> infinity)."""
+    return 0.5 * q
+
+
+def slab(q: Reals, poissons_ratio: float, aspect_ratio: float) -> Reals:
+    """Stiffness of a slab of height `aspect_ratio` L_x on a rigid base, in E*/L_x; infinite at q = 0 if nu = 1/2."""
+    k = q * aspect_ratio
+    stiffness = np.empty_like(q)
+    waves = q > 0.0
+    stiffness[waves] = 0.5 * q[waves] * slab_factor(k[waves], poissons_ratio)
+    stiffness[~waves] = uniform(poissons_ratio, aspect_ratio)
+    return stiffness
+
+
+def uniform(poissons_ratio: float, aspect_ratio: float) -> float:
+    """Stiffness C11/z_m of the slab under uniform pressure, in E*/L_x (6.63); infinite for nu = 1/2."""
+    softness = 1.0 - 2.0 * poissons_ratio
+    if softness == 0.0:
+        return float("inf")
+    return (1.0 - poissons_ratio) ** 2 / (softness * aspect_ratio)
+
+
+def slab_factor(k: Reals, poissons_ratio: float) -> Reals:
+    """Ratio of slab to half-space stiffness at k = q z_m > 0, for -1 < nu <= 1/2."""
+    kappa = 3.0 - 4.0 * poissons_ratio
+    x = 2.0 * k
+    decay = np.exp(-x)
+    # 2 kappa sinh x - 2 x = 2 kappa (sinh x - x) + 2 x (kappa - 1): both terms are positive, nothing cancels.
+    numerator = kappa * (1.0 + decay**2) + (1.0 + kappa**2 + np.where(decay > 0.0, x, 0.0) ** 2) * decay
+    denominator = 2.0 * kappa * _scaled_sinh_minus_x(x) + 4.0 * (1.0 - 2.0 * poissons_ratio) * x * decay
+    return numerator / denominator
+
+
+def _scaled_sinh_minus_x(x: Reals) -> Reals:
+    """(sinh x - x) exp(-x) without cancellation at small x or overflow at large x."""
+    decay = np.exp(-x)
+    small = np.minimum(x, 1.0)
+    series = small**3 * np.polynomial.polynomial.polyval(small**2, _SERIES) * decay
+    direct = -0.5 * np.expm1(-2.0 * x) - x * decay
+    return np.where(x < 1.0, series, direct)

@@ -1,0 +1,58 @@
+"""Planned transforms with owned buffers: the solvers' only way into Fourier space."""
+
+import numpy as np
+import numpy.typing as npt
+import pyfftw
+
+from gfmd_numba import kernels
+
+Reals = npt.NDArray[np.float64]
+_LINE = 8  # doubles in a cache line: rows padded to it are all aligned alike, so every row has the same plan
+
+
+def aligned_rows(rows: int, n: int, dtype: type = np.float64) -> npt.NDArray[np.float64]:
+    """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
+    array: npt.NDArray[np.float64] = pyfftw.zeros_aligned((rows, -(-n // _LINE) * _LINE), dtype=dtype, n=64)
+    return array
+
+
+class Convolution:
+    """Product with a symbol of q on a batch: `result = inverse(symbol * forward(source))`, one plan a row.
+
+    Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
+    ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
+    """
+
+    def __init__(self, rows: int, n: int) -> None:
+        self.n = n
+        self.source = aligned_rows(rows, n)
+        self.result = aligned_rows(rows, n)
+        self.spectrum = aligned_rows(rows, n // 2 + 1, np.complex128)
+        self.n_transforms = np.zeros(rows, dtype=np.int64)
+        half = n // 2 + 1
+        self._forward = [
+            pyfftw.FFTW(self.source[i, :n], self.spectrum[i, :half], flags=("FFTW_ESTIMATE",))
+            for i in range(rows)
+        ]
+        self._inverse = [
+            pyfftw.FFTW(
+                self.spectrum[i, :half],
+                self.result[i, :n],
+                direction="FFTW_BACKWARD",
+                flags=("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),
+            )
+            for i in range(rows)
+        ]
+
+    def symbol(self, values: Reals) -> Reals:
+        """Symbol `[n // 2 + 1]` ready for `apply`, with the forward transform's 1/n folded in."""
+        return values / self.n
+
+    def apply(self, symbol: Reals, active: npt.NDArray[np.int64]) -> None:
+        """Fill the active rows of `result` from `source`; two transforms a row."""
+        for i in active:
+            self._forward[i].execute()
+        kernels.multiply(self.spectrum, symbol, active)
+        for i in active:
+            self._inverse[i].execute()
+        self.n_transforms[active] += 2

@@ -1,0 +1,34 @@
+"""The periodic grid: wave numbers and *the* transform convention.
+
+Forward transforms divide by the number of samples, so u~(q) are Fourier coefficients; real signals keep q >= 0
+only, and `multiplicity` says how often each kept coefficient stands in the full sum.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+Reals = npt.NDArray[np.float64]
+
+
+def wavenumbers(nx: int) -> Reals:
+    """Wave numbers q = 2 pi k / L_x, k = 0 ... nx // 2, in 1/L_x."""
+    return 2.0 * np.pi * np.arange(nx // 2 + 1, dtype=np.float64)
+
+
+def multiplicity(nx: int) -> Reals:
+    """Weight of each kept coefficient in a sum over all wave numbers: 1 for q = 0 and Nyquist, otherwise 2."""
+    weight = np.full(nx // 2 + 1, 2.0)
+    weight[0] = 1.0
+    if nx % 2 == 0:
+        weight[-1] = 1.0
+    return weight
+
+
+def coefficients(signal: Reals) -> npt.NDArray[np.complex128]:
+    """Fourier coefficients `[..., nx // 2 + 1]` of real signals `[..., nx]`."""
+    return np.fft.rfft(signal, norm="forward")
+
+
+def signal(spectrum: npt.NDArray[np.complex128], nx: int) -> Reals:
+    """Real signals `[..., nx]` of Fourier coefficients `[..., nx // 2 + 1]`."""
+    return np.fft.irfft(spectrum, nx, norm="forward")

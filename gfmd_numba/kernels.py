@@ -1,0 +1,157 @@
+"""Compiled loops over batches `[realisation, x]`; every function works in place on the rows listed in `active`.
+
+Rows may be longer than the `n` samples they hold (padding keeps each row aligned for the transforms).
+"""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+Reals = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
+Rows = npt.NDArray[np.int64]
+jit: Any = njit(cache=True, error_model="numpy")
+
+
+@jit
+def multiply(spectrum: Complexes, symbol: Reals, active: Rows) -> None:
+    """Multiply each active spectrum by a real symbol of the wave number."""
+    for i in active:
+        for k in range(symbol.size):
+            spectrum[i, k] *= symbol[k]
+
+
+@jit
+def verlet_step(
+    u: Reals,
+    u_old: Reals,
+    ku: Reals,
+    punch: Reals,
+    load: Reals,
+    active: Rows,
+    n: int,
+    dt2: float,
+    eta: float,
+) -> None:
+    """One position Stormer-Verlet step (6.31) with the displacement clipped at the hard wall (2.16)."""
+    memory = 1.0 - eta * dt2
+    for i in active:
+        for j in range(n):
+            now = u[i, j]
+            new = now + memory * (now - u_old[i, j]) + dt2 * (load[i] - ku[i, j])
+            u_old[i, j] = now
+            u[i, j] = min(new, punch[i, j])
+
+
+@jit
+def kkt_violation(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, worst: Reals) -> None:
+    """Largest traction on a free node or tension on a touching one, for displacements that do not penetrate."""
+    for i in active:
+        largest = 0.0
+        total = 0.0  # a NaN or infinity anywhere survives in the sum, not in the comparison
+        for j in range(n):
+            traction = load[i] - ku[i, j]
+            total += traction
+            violation = -traction if u[i, j] >= punch[i, j] else abs(traction)
+            largest = max(largest, violation)
+        worst[i] = largest if np.isfinite(total) else np.nan
+
+
+@jit
+def contact_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+    """Pressure on the touching nodes under compression, zero elsewhere."""
+    for i in active:
+        for j in range(n):
+            p[i, j] = max(load[i] - ku[i, j], 0.0) if u[i, j] >= punch[i, j] else 0.0
+
+
+@jit
+def cg_gap(p: Reals, sp: Reals, punch: Reals, gap: Reals, active: Rows, n: int, free_mean: bool) -> None:
+    """Gap left by the pressure p whose displacement is sp (Polonsky & Keer 1999, eqs 5-6).
+
+    `free_mean`: the load is prescribed, so the gap is known up to the approach, which the touching nodes fix.
+    """
+    for i in active:
+        approach = 0.0
+        if free_mean:
+            touching = 0
+            for j in range(n):
+                if p[i, j] > 0.0:
+                    approach += punch[i, j] + sp[i, j]
+                    touching += 1
+            approach /= touching
+        for j in range(n):
+            gap[i, j] = punch[i, j] + sp[i, j] - approach
+
+
+@jit
+def cg_direction(p: Reals, gap: Reals, t: Reals, norm: Reals, keep: Reals, active: Rows, n: int) -> None:
+    """Conjugate direction on the touching nodes (Polonsky & Keer 1999, eq. 7)."""
+    for i in active:
+        new_norm = 0.0
+        for j in range(n):
+            if p[i, j] > 0.0:
+                new_norm += gap[i, j] * gap[i, j]
+        beta = keep[i] * new_norm / norm[i] if norm[i] > 0.0 else 0.0
+        for j in range(n):
+            t[i, j] = gap[i, j] + beta * t[i, j] if p[i, j] > 0.0 else 0.0
+        norm[i] = new_norm
+
+
+@jit
+def cg_update(
+    p: Reals,
+    st: Reals,
+    gap: Reals,
+    t: Reals,
+    load: Reals,
+    step: Reals,
+    keep: Reals,
+    active: Rows,
+    n: int,
+    free_mean: bool,
+) -> None:
+    """Line search, clipping, overlap correction and load balance (Polonsky & Keer 1999, eqs 8-12)."""
+    for i in active:
+        mean = 0.0
+        if free_mean:
+            touching = 0
+            for j in range(n):
+                if p[i, j] > 0.0:
+                    mean += st[i, j]
+                    touching += 1
+            mean /= touching
+        gt = 0.0
+        rt = 0.0
+        for j in range(n):
+            if p[i, j] > 0.0:
+                gt += gap[i, j] * t[i, j]
+                rt += (st[i, j] - mean) * t[i, j]
+        if rt > 0.0:  # a single touching node has no direction of its own: it keeps the last step
+            step[i] = gt / rt
+        overlap = False
+        total = 0.0
+        for j in range(n):
+            new = p[i, j]
+            if new > 0.0:
+                new = max(new - step[i] * t[i, j], 0.0)
+            if new == 0.0 and gap[i, j] < 0.0:
+                overlap = True
+                new = -step[i] * gap[i, j]
+            p[i, j] = new
+            total += new
+        keep[i] = 0.0 if overlap else 1.0
+        if free_mean:
+            scale = load[i] * n / total
+            for j in range(n):
+                p[i, j] *= scale
+
+
+@jit
+def close_gap(p: Reals, gap: Reals, punch: Reals, active: Rows, n: int, u: Reals) -> None:
+    """Displacement that touches wherever there is pressure or overlap, and never penetrates."""
+    for i in active:
+        for j in range(n):
+            u[i, j] = punch[i, j] - (0.0 if p[i, j] > 0.0 else max(gap[i, j], 0.0))

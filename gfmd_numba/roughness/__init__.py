@@ -1,0 +1,1 @@
+"""Rough surfaces: generators, the user's own profiles and their statistics."""

@@ -1,0 +1,49 @@
+"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from gfmd_numba.scene import SceneFile
+
+__all__ = ["fit_tfc", "open_campaign", "run", "solve"]
+
+
+def solve(scene: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
+    """Solve one contact: a scene file, mapping or record in, fields over x and scalars out (SI units)."""
+    from gfmd_numba.single import solve_scene
+
+    return solve_scene(scene)
+
+
+def run(path: str | Path, output: str | Path | None = None, workers: int = 2) -> xr.Dataset:
+    """Run or resume a campaign file on local dask workers (0: in this process) and open its results."""
+    from gfmd_numba.campaign.run import run as run_campaign
+
+    return open_campaign(run_campaign(path, output, workers)[0])
+
+
+def open_campaign(path: str | Path) -> xr.Dataset:
+    """Results of a campaign, from its netCDF file or its output directory; raises FileNotFoundError."""
+    import xarray as xr
+
+    path = Path(path)
+    if path.is_dir():
+        files = sorted(path.glob("*.nc"))
+        if len(files) != 1:
+            raise FileNotFoundError(f"{path} holds {len(files)} netCDF files, not the one a finished run leaves")
+        path = files[0]
+    with xr.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+def fit_tfc(dataset: xr.Dataset, **options: Any) -> xr.Dataset:
+    """Fit kappa to its thermodynamic-fractal-continuum limit; options as in `gfmd_numba.analysis.fit_tfc`."""
+    from gfmd_numba.analysis import fit_tfc as fit
+
+    return fit(dataset, **options)

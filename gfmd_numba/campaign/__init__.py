@@ -1,0 +1,1 @@
+"""Campaigns: from a YAML file to cases, a plan, and a run."""

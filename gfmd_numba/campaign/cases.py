@@ -1,0 +1,82 @@
+"""From a campaign to its cases, and from cases to the distinct problems and tasks behind them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+from gfmd_numba.campaign.specification import AXES, Campaign
+from gfmd_numba.problem import Problem, random_surface, reduce
+from gfmd_numba.scene import Discretisation, Scene
+
+_TASK_SAMPLES = 2**18  # realisations times nx in one task: seconds of work, tens of megabytes
+_PARTS = {
+    "hurst": "roughness",
+    "rms_gradient": "roughness",
+    "poissons_ratio": "body",
+    "aspect_ratio": "body",
+    "reduced_pressure": "loading",
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One ensemble: a scene at one discretisation, and the dimensionless problem it reduces to.
+
+    `limit` names the discretisation that differs from the reference, or is "reference".
+    """
+
+    scene: Scene
+    discretisation: Discretisation
+    limit: str
+    problem: Problem
+    dropped: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A block of realisations of one problem: what one worker does at a time."""
+
+    problem: Problem
+    first: int
+    stop: int
+
+    @property
+    def name(self) -> str:
+        """File name of its shard, without suffix."""
+        return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"
+
+
+def expand(campaign: Campaign) -> list[Case]:
+    """All cases of a campaign: the grid's full product, each at the reference and along the limits."""
+    axes = [(name, values) for name, values in campaign.grid if values is not None and name not in AXES]
+    discretisations = [(d, limit or "reference") for d, _, limit in campaign.discretisations()]
+    cases = []
+    for values in product(*(values for _, values in axes)):
+        scene = _replaced(campaign.scene, dict(zip((name for name, _ in axes), values, strict=True)))
+        for discretisation, limit in discretisations:
+            surface = random_surface(scene, discretisation, campaign.seed)
+            problem, dropped = reduce(scene, surface, scene.roughness.rms_gradient, campaign.numerics)
+            cases.append(Case(scene, discretisation, limit, problem, dropped))
+    return cases
+
+
+def tasks(cases: list[Case], realisations: int) -> list[Task]:
+    """Tasks of the distinct problems among the cases, the largest grids first."""
+    problems = {case.problem.identity: case.problem for case in cases}
+    ordered = sorted(problems.values(), key=lambda problem: -problem.surface.nx)
+    return [task for problem in ordered for task in blocks(problem, realisations)]
+
+
+def blocks(problem: Problem, realisations: int) -> Iterator[Task]:
+    """Tasks that together hold the realisations of one problem."""
+    size = max(1, _TASK_SAMPLES // problem.surface.nx)
+    for first in range(0, realisations, size):
+        yield Task(problem, first, min(first + size, realisations))
+
+
+def _replaced(scene: Scene, values: dict[str, float]) -> Scene:
+    parts: dict[str, dict[str, float]] = {}
+    for name, value in values.items():
+        parts.setdefault(_PARTS[name], {})[name] = value
+    changed = {part: getattr(scene, part).model_copy(update=update) for part, update in parts.items()}
+    return scene.model_copy(update=changed)

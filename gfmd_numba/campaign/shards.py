@@ -1,0 +1,51 @@
+"""Finished work on disk: one file per task, complete and verified or not there at all."""
+
+import hashlib
+import io
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Arrays = dict[str, npt.NDArray[Any]]
+_MAGIC = b"gfmd shard 1\n"
+_DIGEST_BYTES = hashlib.sha256().digest_size
+
+
+def write(path: Path, arrays: Arrays) -> None:
+    """Store arrays under a path so that a kill at any moment leaves either all of them or nothing."""
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **arrays)
+    payload = buffer.getvalue()
+    replace(path, _MAGIC + hashlib.sha256(payload).digest() + payload)
+
+
+def read(path: Path) -> Arrays | None:
+    """Arrays of a shard; None if it is missing, truncated, altered or no shard."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    start = len(_MAGIC) + _DIGEST_BYTES
+    payload = content[start:]
+    if content[:start] != _MAGIC + hashlib.sha256(payload).digest():
+        return None
+    with np.load(io.BytesIO(payload), allow_pickle=False) as stored:
+        return dict(stored)
+
+
+def replace(path: Path, content: bytes) -> None:
+    """Write a file under a temporary name, force it to disk, then give it its name."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

@@ -1,0 +1,157 @@
+"""The campaign file: a scene, a reference discretisation, and what varies around it."""
+
+from collections.abc import Iterator
+from itertools import product
+from math import isinf, prod
+from pathlib import Path
+from typing import Annotated, Self, TypeVar
+
+from pydantic import AfterValidator, BaseModel, Field, model_validator
+
+from gfmd_numba.scene.document import Document, Location, check_discretisation, read_document, validate
+from gfmd_numba.scene.records import (
+    RECORD,
+    AspectRatio,
+    Discretisation,
+    EpsC,
+    EpsF,
+    EpsT,
+    Hurst,
+    Numerics,
+    PoissonsRatio,
+    ReducedPressure,
+    RmsGradient,
+    Scene,
+    Seed,
+    SelfAffine,
+    broken_rule,
+    check_solver,
+)
+
+AXES = tuple(Discretisation.model_fields)
+MOST_CASES = 1_000_000
+
+Value = TypeVar("Value")
+
+
+def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    for i, value in enumerate(values):
+        if value in values[:i]:
+            raise broken_rule((i,), "each value once")
+    return values
+
+
+Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
+
+
+class Limits(BaseModel):
+    """Discretisations (dimensionless) taken one at a time around the reference."""
+
+    model_config = RECORD
+    eps_c: Values[EpsC] | None = Field(None, description="Continuum limit (dimensionless)")
+    eps_f: Values[EpsF] | None = Field(None, description="Fractal limit (dimensionless)")
+    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic limit (dimensionless)")
+
+
+class Grid(BaseModel):
+    """Dimensionless parameters taken as a full product, each in place of the scene's or reference's value."""
+
+    model_config = RECORD
+    hurst: Values[Hurst] | None = Field(None, description="Hurst exponents (dimensionless)")
+    poissons_ratio: Values[PoissonsRatio] | None = Field(None, description="Poisson's ratios (dimensionless)")
+    aspect_ratio: Values[AspectRatio] | None = Field(None, description="z_m/L_x (dimensionless)")
+    reduced_pressure: Values[ReducedPressure] | None = Field(None, description="p/(g E*) (dimensionless)")
+    rms_gradient: Values[RmsGradient] | None = Field(None, description="Rms gradients (dimensionless)")
+    eps_c: Values[EpsC] | None = Field(None, description="Continuum discretisations (dimensionless)")
+    eps_f: Values[EpsF] | None = Field(None, description="Fractal discretisations (dimensionless)")
+    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic discretisations (dimensionless)")
+
+
+class Campaign(BaseModel):
+    """Grid product of cases, each at the reference and along its limits, times realisations."""
+
+    model_config = RECORD
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9_-][A-Za-z0-9._-]*$",
+        max_length=100,
+        description="Name of the campaign and of its output",
+        json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
+    )
+    seed: Seed
+    realisations: int = Field(ge=1, le=1_000_000, description="Random surfaces per case")
+    scene: Scene = Field(description="What is in contact")
+    reference: Discretisation = Field(description="Discretisation around which the limits are taken")
+    limits: Limits = Field(Limits(), description="Discretisations one at a time")
+    grid: Grid = Field(Grid(), description="Parameters as a full product")
+    numerics: Numerics = Field(Numerics(), description="How it is solved")
+
+    @property
+    def n_cases(self) -> int:
+        """Number of cases, without the realisations."""
+        grid = prod(len(values) for _, values in self.grid if values is not None)
+        return grid * (1 + sum(1 for _ in self._limit_values()))
+
+    def discretisations(self) -> Iterator[tuple[Discretisation, dict[str, Location], str | None]]:
+        """Each discretisation, where its values stand in the file, and the limit it belongs to or None."""
+        choices: list[list[tuple[float, Location]]] = []
+        for axis in AXES:
+            values = getattr(self.grid, axis)
+            choices.append(
+                [(getattr(self.reference, axis), ("reference", axis))]
+                if values is None
+                else [(value, ("grid", axis, i)) for i, value in enumerate(values)]
+            )
+        for chosen in product(*choices):
+            eps = {axis: value for axis, (value, _) in zip(AXES, chosen, strict=True)}
+            locations = {axis: location for axis, (_, location) in zip(AXES, chosen, strict=True)}
+            yield Discretisation(**eps), locations, None
+            for axis, i, value in self._limit_values():
+                location: Location = ("limits", axis, i)
+                yield Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis
+
+    def _limit_values(self) -> Iterator[tuple[str, int, float]]:
+        for axis, values in self.limits:
+            for i, value in enumerate(values or ()):
+                if value != getattr(self.reference, axis):
+                    yield axis, i, value
+
+    @model_validator(mode="after")
+    def _parts_agree(self) -> Self:
+        if not isinstance(self.scene.roughness, SelfAffine):
+            raise broken_rule(
+                ("scene", "roughness", "method"),
+                "'psd' in a campaign; a measured profile belongs to `gfmd solve`",
+            )
+        for axis in AXES:
+            if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
+                raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
+        controlled = self.scene.loading.displacement is not None
+        if controlled and self.grid.reduced_pressure is not None:
+            raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
+        check_solver(self.scene, self.numerics)
+        for i, value in enumerate(self.grid.aspect_ratio or ()):
+            if controlled and isinf(value):
+                raise broken_rule(
+                    ("grid", "aspect_ratio", i),
+                    "a finite aspect_ratio, as a half-space has no reference for displacement",
+                )
+        for i, value in enumerate(self.grid.poissons_ratio or ()):
+            if controlled and value == 0.5 and self.numerics.solver == "verlet":
+                raise broken_rule(
+                    ("grid", "poissons_ratio", i),
+                    "a number below 0.5 with solver verlet, as the mean displacement is rigid at 0.5",
+                )
+        return self
+
+
+def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
+    """Checked campaign of a YAML file, and the document itself; raises InputError."""
+    document = read_document(path)
+    campaign = validate(document, Campaign)
+    if campaign.n_cases > MOST_CASES:
+        raise document.error(
+            ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
+        )
+    for discretisation, locations, limit in campaign.discretisations():
+        check_discretisation(document, discretisation, locations, limit)
+    return campaign, document

@@ -1,0 +1,108 @@
+"""Results as xarray datasets in SI units: one contact, or a whole campaign."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.contact import Contact
+from gfmd_numba.dynamics import Status
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.observables import MEASURES, gap, measure
+from gfmd_numba.problem import Problem, effective_modulus
+from gfmd_numba.scene import Scene
+
+CONVENTIONS = "CF-1.11"
+
+
+def scales(scene: Scene, rms_gradient: float) -> dict[str, float]:
+    """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
+    return {
+        "1": 1.0,
+        "gradient": rms_gradient,
+        "height": rms_gradient * (scene.length or 1.0),
+        "pressure": rms_gradient * effective_modulus(scene),
+        "s": 1.0,
+    }
+
+
+def units(scene: Scene) -> dict[str, str]:
+    """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
+    return {
+        "1": "1",
+        "gradient": "1",
+        "height": "m" if scene.length else "1",
+        "pressure": "Pa" if scene.body.youngs_modulus else "1",
+        "s": "s",
+    }
+
+
+def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
+    """CF attributes of a measure."""
+    attributes: dict[str, Any] = {"long_name": long_name, "units": unit}
+    if name == "status":
+        attributes["flag_values"] = np.array([s.value for s in Status], dtype=np.int8)
+        attributes["flag_meanings"] = " ".join(s.name for s in Status)
+    return attributes
+
+
+def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
+    """Fields over x and scalars of the first realisation of a contact.
+
+    Displacements count from the unloaded body on a slab, and from their own mean on a half-space, whose mean
+    displacement has no reference.
+    """
+    scale, unit = scales(scene, rms_gradient), units(scene)
+    nx = contact.heights.shape[1]
+    displacement = contact.equilibrium.displacement[0]
+    if problem.displacement is None:
+        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
+    fields = {
+        "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
+        "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
+        "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
+        "gap": ("height", "gap between the surfaces", gap(contact)[0]),
+    }
+    dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})
+    dataset["x"].attrs = {"long_name": "position along the interface", "units": unit["height"]}
+    for name, (kind, long_name, values) in fields.items():
+        dataset[name] = ("x", values * scale[kind], {"long_name": long_name, "units": unit[kind]})
+    values = measure(contact)
+    for m in MEASURES:
+        attributes = measure_attributes(m.name, unit[m.unit], m.long_name)
+        dataset[m.name] = ((), scaled(values[m.name][0], scale[m.unit]), attributes)
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"}
+    return dataset
+
+
+def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
+    """Values in file units; counts and flags keep their integer type."""
+    return values if factor == 1.0 else values * factor
+
+
+def _uniform_compression(scene: Scene, problem: Problem) -> float:
+    body = scene.body
+    if problem.mean_pressure is None or np.isinf(body.aspect_ratio):
+        return 0.0
+    return problem.mean_pressure / stiffness.uniform(body.poissons_ratio, body.aspect_ratio)
+
+
+def campaign_dataset(
+    coordinates: Mapping[str, list[Any]],
+    values: list[dict[str, npt.NDArray[Any]]],
+    unit: Mapping[str, str],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """Dataset `(case, realisation)` of the measures of every case, already in file units."""
+    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, **attributes})
+    for m in MEASURES:
+        stacked = np.stack([case[m.name] for case in values])
+        dataset[m.name] = (
+            ("case", "realisation"),
+            stacked,
+            measure_attributes(m.name, unit[m.unit], m.long_name),
+        )
+    dataset = dataset.assign_coords(realisation=np.arange(dataset.sizes["realisation"]))
+    return dataset.assign_coords({name: ("case", column) for name, column in coordinates.items()})

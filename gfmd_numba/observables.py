@@ -1,0 +1,155 @@
+"""The table of measures: what is recorded of every contact, with units and meaning."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.contact import Contact
+from gfmd_numba.dynamics import Status
+from gfmd_numba.roughness import statistics
+
+Reals = npt.NDArray[np.float64]
+
+# A touching stretch of N nodes is shorter than N dx: on average by this many dx at each of its two ends, for the
+# spectral discretisation with the stiffness q E*/2 cut at Nyquist. It is 1/4 - sum_k (Si(k pi)/pi - 1/2), from the
+# Wiener-Hopf solution at the edge of a contact.
+EDGE_BIAS = 0.1900092859259187
+
+
+def touching(contact: Contact) -> npt.NDArray[np.bool_]:
+    """Nodes in contact `[realisation, x]`: those that carry pressure."""
+    return contact.equilibrium.pressure > 0.0
+
+
+def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
+    """Number of separate stretches of contact `[realisation]`; 0 in full contact, which has no edge."""
+    now = touching(contact)
+    return np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1)
+
+
+def contact_area_fraction_counted(contact: Contact) -> Reals:
+    """Touching nodes over all nodes `[realisation]`."""
+    return np.asarray(touching(contact).mean(axis=1))
+
+
+def contact_area_fraction(contact: Contact) -> Reals:
+    """Contact length over L_x with the mean correction for the two edges of each segment `[realisation]`."""
+    nx = contact.heights.shape[1]
+    return contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx
+
+
+def mean_pressure(contact: Contact) -> Reals:
+    """Mean contact pressure in g E* `[realisation]`."""
+    return np.asarray(contact.equilibrium.pressure.mean(axis=1))
+
+
+def rms_gradient(contact: Contact) -> Reals:
+    """Rms gradient of the punch in g `[realisation]`."""
+    return statistics.rms_gradient(contact.heights)
+
+
+def rms_gradient_contact(contact: Contact) -> Reals:
+    """Rms gradient of the punch over the touching nodes in g `[realisation]`."""
+    now = touching(contact)
+    squares = np.where(now, statistics.gradient(contact.heights) ** 2, 0.0).sum(axis=1)
+    return np.sqrt(squares / now.sum(axis=1))
+
+
+def gap(contact: Contact) -> Reals:
+    """Distance between the surfaces in g L_x `[realisation, x]`; exactly 0 where they touch."""
+    return contact.punch - contact.equilibrium.displacement
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A recorded quantity: what it tells of, and the unit that turns it into SI (1, g, g L_x, g E* or seconds)."""
+
+    name: str
+    of: Literal["contact", "surface", "run"]
+    unit: Literal["1", "gradient", "height", "pressure", "s"]
+    long_name: str
+    function: Callable[[Contact], npt.NDArray[Any]]
+
+
+MEASURES = (
+    Measure(
+        "kappa",
+        "contact",
+        "1",
+        "area-load coefficient a_r g E* / p, contact area corrected for segment edges",
+        lambda c: contact_area_fraction(c) * rms_gradient(c) / mean_pressure(c),
+    ),
+    Measure(
+        "kappa_counted",
+        "contact",
+        "1",
+        "area-load coefficient a_r g E* / p, contact area as counted nodes",
+        lambda c: contact_area_fraction_counted(c) * rms_gradient(c) / mean_pressure(c),
+    ),
+    Measure(
+        "kappa_r",
+        "contact",
+        "1",
+        "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
+        lambda c: contact_area_fraction(c) * rms_gradient_contact(c) / mean_pressure(c),
+    ),
+    Measure(
+        "contact_area_fraction",
+        "contact",
+        "1",
+        "contact length over L_x, corrected for segment edges",
+        contact_area_fraction,
+    ),
+    Measure(
+        "contact_area_fraction_counted",
+        "contact",
+        "1",
+        "touching nodes over all nodes",
+        contact_area_fraction_counted,
+    ),
+    Measure("n_segments", "contact", "1", "number of separate stretches of contact", n_segments),
+    Measure("mean_pressure", "contact", "pressure", "mean contact pressure", mean_pressure),
+    Measure("mean_gap", "contact", "height", "mean gap between the surfaces", lambda c: gap(c).mean(axis=1)),
+    Measure("rms_gradient", "surface", "gradient", "rms gradient of the punch", rms_gradient),
+    Measure(
+        "rms_gradient_contact",
+        "contact",
+        "gradient",
+        "rms gradient of the punch over the contact",
+        rms_gradient_contact,
+    ),
+    Measure(
+        "nayak",
+        "surface",
+        "1",
+        "Nayak's parameter m0 m4 / m2^2 of the punch",
+        lambda c: statistics.nayak(c.heights),
+    ),
+    Measure("status", "run", "1", "how the run ended", lambda c: c.equilibrium.status),
+    Measure(
+        "residual",
+        "run",
+        "1",
+        "largest violation of the contact conditions over the rms pressure of full contact",
+        lambda c: c.equilibrium.residual,
+    ),
+    Measure("n_iterations", "run", "1", "solver iterations", lambda c: c.equilibrium.n_iterations),
+    Measure(
+        "n_transforms", "run", "1", "fast Fourier transforms of length nx", lambda c: c.equilibrium.n_transforms
+    ),
+    Measure("wall_time", "run", "s", "time spent in the solver", lambda c: c.equilibrium.wall_time),
+)
+
+
+def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
+    """All measures of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
+    failed = contact.equilibrium.status != Status.ok
+    values = {}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for m in MEASURES:
+            value = m.function(contact)
+            values[m.name] = np.where(failed, np.nan, value) if m.of == "contact" else value
+    return values

@@ -1,0 +1,227 @@
+"""Frozen records of what the user describes; an effect absent from the scene is `None`."""
+
+from fractions import Fraction
+from math import ceil, floor, inf, isclose, isinf
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]
+AspectRatio = Annotated[
+    float,
+    Field(
+        gt=0,
+        allow_inf_nan=True,
+        description="Thickness over period, z_m/L_x (dimensionless); inf: a half-space",
+        json_schema_extra={"allowed": "a number above 0, or .inf for a half-space"},
+    ),
+]
+Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
+RmsGradient = Annotated[float, Field(gt=0, description="Root-mean-square gradient (dimensionless)")]
+ReducedPressure = Annotated[float, Field(gt=0, description="Mean pressure p/(g E*) (dimensionless)")]
+EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
+EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
+EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]
+Seed = Annotated[int, Field(ge=0, lt=2**63, description="Seed of the random surfaces")]
+
+
+def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustomError:
+    """Error of a rule between several fields, located relative to the record that states the rule."""
+    return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})
+
+
+class Body(BaseModel):
+    """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
+
+    model_config = RECORD
+    youngs_modulus: float | None = Field(
+        None, gt=0, description="Young's modulus in Pa; None: stresses are in units of E*"
+    )
+    poissons_ratio: PoissonsRatio
+    aspect_ratio: AspectRatio = inf
+
+
+class SelfAffine(BaseModel):
+    """Random self-affine roughness drawn from its power spectral density (dimensionless parameters)."""
+
+    model_config = RECORD
+    method: Literal["psd"] = Field(description="How the surface is made")
+    hurst: Hurst
+    rms_gradient: RmsGradient
+
+
+class Measured(BaseModel):
+    """Measured profile, read from a .npy, .csv or .nc file."""
+
+    model_config = RECORD
+    method: Literal["measured"] = Field(description="How the surface is made")
+    file: str = Field(min_length=1, description="Profile, relative to the scene file's folder")
+
+
+Roughness = Annotated[
+    SelfAffine | Measured, Field(discriminator="method", description="The rigid punch's roughness")
+]
+
+
+class HardWall(BaseModel):
+    """Non-overlap constraint, which has no parameters."""
+
+    model_config = RECORD
+
+
+class Interface(BaseModel):
+    """Interaction between body and punch."""
+
+    model_config = RECORD
+    hard_wall: HardWall = Field(description="Non-overlap constraint")
+
+
+class Loading(BaseModel):
+    """Mean pressure (dimensionless) or punch displacement (m or L_x), exactly one of the two."""
+
+    model_config = RECORD
+    reduced_pressure: ReducedPressure | None = Field(
+        None, description="Mean pressure p/(g E*) (dimensionless)"
+    )
+    displacement: float | None = Field(
+        None,
+        gt=0,
+        description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x",
+    )
+
+    @model_validator(mode="after")
+    def _one_control(self) -> Self:
+        if (self.reduced_pressure is None) == (self.displacement is None):
+            raise broken_rule((), "exactly one of reduced_pressure and displacement")
+        return self
+
+
+class Scene(BaseModel):
+    """One contact problem: body, roughness, interface, loading and the period L_x in m."""
+
+    model_config = RECORD
+    body: Body = Field(description="Elastic body")
+    roughness: Roughness
+    interface: Interface = Field(description="Interaction between body and punch")
+    loading: Loading = Field(description="Load or displacement control")
+    length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+
+    @model_validator(mode="after")
+    def _displacement_has_a_reference(self) -> Self:
+        if self.loading.displacement is not None and isinf(self.body.aspect_ratio):
+            raise broken_rule(
+                ("body", "aspect_ratio"),
+                "a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, "
+                "as a half-space has no reference for displacement",
+            )
+        return self
+
+
+class Discretisation(BaseModel):
+    """The three dimensionless discretisations; their products must give whole wave numbers."""
+
+    model_config = RECORD
+    eps_c: EpsC
+    eps_f: EpsF
+    eps_t: EpsT
+
+    @property
+    def waves(self) -> dict[str, float]:
+        """Unrounded k_l, k_s and nx under the discretisation that each needs beyond those before it."""
+        cut_on = 1 / self.eps_t
+        cut_off = cut_on / self.eps_f
+        return {"eps_t": cut_on, "eps_f": cut_off, "eps_c": 2 * cut_off / self.eps_c}
+
+    @property
+    def cut_on_index(self) -> int:
+        """Wave index of the longest roughness wavelength, k_l = 1/eps_t."""
+        return round(self.waves["eps_t"])
+
+    @property
+    def cut_off_index(self) -> int:
+        """Wave index of the shortest roughness wavelength, k_s = 1/(eps_t eps_f)."""
+        return round(self.waves["eps_f"])
+
+    @property
+    def nx(self) -> int:
+        """Number of grid points over the period, 2/(eps_t eps_f eps_c)."""
+        return round(self.waves["eps_c"])
+
+    @property
+    def misfit(self) -> str | None:
+        """First discretisation whose waves are not whole, eps_c for fewer than 4 grid points, or None."""
+        uneven = (axis for axis, n in self.waves.items() if not isclose(n, round(n), rel_tol=1e-9))
+        return next(uneven, "eps_c" if self.nx < 4 else None)
+
+    def nearest_fit(self, axis: str) -> Fraction | None:
+        """Value on one axis nearest to the present one that leaves no misfit, or None."""
+        present = getattr(self, axis)
+        unit = round(self.waves[axis] * present)
+        fits = []
+        for start, step in ((floor(unit / present), -1), (ceil(unit / present), 1)):
+            numbers = range(start, start + 1000 * step, step)
+            candidates = (Fraction(unit, n) for n in numbers if n >= max(unit, 1))
+            fit = next(
+                (c for c in candidates if self.model_copy(update={axis: float(c)}).misfit is None), None
+            )
+            fits += [] if fit is None else [fit]
+        return min(fits, key=lambda fit: abs(fit - Fraction(present)), default=None)
+
+
+class Numerics(BaseModel):
+    """How the problem is solved; every number is dimensionless."""
+
+    model_config = RECORD
+    solver: Literal["auto", "verlet", "conjugate_gradients"] = Field("auto", description="Solver")
+    residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
+    max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
+    time_step: float = Field(
+        0.95,
+        gt=0,
+        le=1,
+        description="Time step as a fraction of the stability limit",
+        json_schema_extra={"allowed": "a number above 0 and at most 1, as more is above the stability limit"},
+    )
+    damping: float = Field(
+        0.5, ge=0, le=100, description="Damping as a fraction of the slowest mode's critical damping"
+    )
+
+
+def check_solver(scene: Scene, numerics: Numerics) -> None:
+    """Raise a located PydanticCustomError if the solver cannot hold a mean displacement that is rigid."""
+    if (
+        numerics.solver == "verlet"
+        and scene.loading.displacement is not None
+        and scene.body.poissons_ratio == 0.5
+    ):
+        raise broken_rule(
+            ("numerics", "solver"),
+            "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
+            "where the mean displacement is rigid",
+        )
+
+
+class SceneFile(BaseModel):
+    """A scene with its numerics, discretisation and random realisation."""
+
+    model_config = RECORD
+    scene: Scene = Field(description="What is in contact")
+    numerics: Numerics = Field(Numerics(), description="How it is solved")
+    discretisation: Discretisation | None = Field(None, description="Needed by, and only by, method psd")
+    seed: Seed = 0
+    realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
+
+    @model_validator(mode="after")
+    def _parts_agree(self) -> Self:
+        random = isinstance(self.scene.roughness, SelfAffine)
+        if random and self.discretisation is None:
+            raise broken_rule(
+                ("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs"
+            )
+        if not random and self.discretisation is not None:
+            raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
+        check_solver(self.scene, self.numerics)
+        return self

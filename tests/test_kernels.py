@@ -1,0 +1,165 @@
+"""Every kernel against a plain NumPy twin, compiled and as Python."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba import kernels
+
+ROWS, PADDED, N = 3, 16, 13
+ACTIVE = np.array([0, 2])
+
+
+def both(kernel):
+    return pytest.param(kernel, id=f"{kernel.__name__}-compiled"), pytest.param(
+        kernel.py_func, id=f"{kernel.__name__}-python"
+    )
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(1)
+
+
+def only_active(new, old):
+    expected = old.copy()
+    expected[ACTIVE, :N] = new[ACTIVE, :N]
+    return expected
+
+
+@pytest.mark.parametrize("kernel", both(kernels.multiply))
+def test_multiply(kernel, rng):
+    spectrum = rng.normal(size=(ROWS, 8)) + 1j * rng.normal(size=(ROWS, 8))
+    symbol = rng.normal(size=7)
+    expected = spectrum.copy()
+    expected[ACTIVE, :7] *= symbol
+    kernel(spectrum, symbol, ACTIVE)
+    np.testing.assert_allclose(spectrum, expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.verlet_step))
+def test_verlet_step(kernel, rng):
+    u, u_old, ku = rng.normal(size=(3, ROWS, PADDED))
+    punch = u + rng.normal(size=u.shape) * 0.1
+    load, dt2, eta = rng.normal(size=ROWS), 0.3, 0.7
+    force = load[:, None] - ku + eta * (u_old - u)
+    new = np.minimum(2 * u - u_old + dt2 * force, punch)
+    expected, expected_old = only_active(new, u), only_active(u, u_old)
+    kernel(u, u_old, ku, punch, load, ACTIVE, N, dt2, eta)
+    np.testing.assert_allclose(u, expected, rtol=1e-13, atol=1e-13)
+    np.testing.assert_array_equal(u_old, expected_old)
+    assert (u[ACTIVE, :N] == punch[ACTIVE, :N]).any()
+    assert (u[ACTIVE, :N] < punch[ACTIVE, :N]).any()
+
+
+@pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
+def test_kkt_violation(kernel, rng):
+    punch, ku = rng.normal(size=(2, ROWS, PADDED))
+    u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
+    load = rng.normal(size=ROWS)
+    traction = load[:, None] - ku
+    violation = np.where(u < punch, abs(traction), np.maximum(-traction, 0.0))[:, :N].max(axis=1)
+    worst = np.full(ROWS, -1.0)
+    kernel(u, ku, punch, load, ACTIVE, N, worst)
+    np.testing.assert_allclose(worst, [violation[0], -1.0, violation[2]])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
+@pytest.mark.parametrize("poison", [np.nan, np.inf])
+@pytest.mark.parametrize("touches", [True, False])
+def test_kkt_violation_reports_what_is_not_finite(kernel, poison, touches):
+    punch = np.zeros((ROWS, PADDED))
+    u = punch - (0.0 if touches else 1.0)
+    ku = np.zeros_like(u)
+    ku[2, 3] = poison
+    worst = np.zeros(ROWS)
+    kernel(u, ku, punch, np.zeros(ROWS), ACTIVE, N, worst)
+    assert worst[0] == 0.0
+    assert np.isnan(worst[2])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.contact_pressure))
+def test_contact_pressure(kernel, rng):
+    punch, ku, p = rng.normal(size=(3, ROWS, PADDED))
+    u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
+    load = rng.normal(size=ROWS)
+    expected = only_active(np.where(u == punch, np.maximum(load[:, None] - ku, 0.0), 0.0), p)
+    kernel(u, ku, punch, load, ACTIVE, N, p)
+    np.testing.assert_array_equal(p, expected)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.cg_gap))
+def test_cg_gap(kernel, free_mean, rng):
+    sp, punch, gap = rng.normal(size=(3, ROWS, PADDED))
+    p = np.maximum(rng.normal(size=gap.shape), 0.0)
+    opened = punch + sp
+    for i in ACTIVE:
+        touching = p[i, :N] > 0.0
+        opened[i] -= opened[i, :N][touching].mean() if free_mean else 0.0
+    expected = only_active(opened, gap)
+    kernel(p, sp, punch, gap, ACTIVE, N, free_mean)
+    np.testing.assert_allclose(gap, expected, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.cg_direction))
+def test_cg_direction(kernel, rng):
+    gap, t = rng.normal(size=(2, ROWS, PADDED))
+    p = np.maximum(rng.normal(size=gap.shape), 0.0)
+    norm, keep = np.array([2.0, 3.0, 0.0]), np.array([1.0, 1.0, 1.0])
+    squares = np.where(p > 0.0, gap**2, 0.0)[:, :N].sum(axis=1)
+    beta = np.array([squares[0] / 2.0, 0.0, 0.0])  # the last row has no history
+    expected = only_active(np.where(p > 0.0, gap + beta[:, None] * t, 0.0), t)
+    kernel(p, gap, t, norm, keep, ACTIVE, N)
+    np.testing.assert_allclose(t, expected, rtol=1e-13)
+    np.testing.assert_allclose(norm, [squares[0], 3.0, squares[2]])
+
+
+def updated(p, st, gap, t, load, step, keep, free_mean):
+    """One row of Polonsky & Keer's update, by vectors."""
+    touching = p > 0.0
+    r = st - (st[touching].mean() if free_mean else 0.0)
+    curvature = (r * t)[touching].sum()
+    step = (gap * t)[touching].sum() / curvature if curvature > 0.0 else step
+    p = np.where(touching, np.maximum(p - step * t, 0.0), p)
+    overlap = (p == 0.0) & (gap < 0.0)
+    p = np.where(overlap, -step * gap, p)
+    return p * (load / p.mean() if free_mean else 1.0), step, 0.0 if overlap.any() else 1.0
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("overlap", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.cg_update))
+def test_cg_update(kernel, overlap, free_mean, rng):
+    gap, t, st = rng.normal(size=(3, ROWS, PADDED))
+    st = t + 0.1 * st  # positive curvature
+    gap = gap if overlap else abs(gap)
+    p = np.maximum(rng.normal(size=gap.shape), 0.0)
+    load, step, keep = np.array([0.3, 0.4, 0.5]), np.array([1.0, 2.0, 3.0]), np.full(ROWS, 0.5)
+    expected, steps, keeps = p.copy(), step.copy(), keep.copy()
+    for i in ACTIVE:
+        row = updated(p[i, :N], st[i, :N], gap[i, :N], t[i, :N], load[i], step[i], keep[i], free_mean)
+        expected[i, :N], steps[i], keeps[i] = row
+    kernel(p, st, gap, t, load, step, keep, ACTIVE, N, free_mean)
+    np.testing.assert_allclose(p, expected, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(step, steps)
+    np.testing.assert_array_equal(keep, keeps)
+    assert (keep[ACTIVE] == 0.0).all() == overlap
+
+
+@pytest.mark.parametrize("kernel", both(kernels.cg_update))
+def test_cg_update_keeps_the_last_step_at_a_single_touching_node(kernel):
+    p, st, gap, t = (np.zeros((1, 8)) for _ in range(4))
+    p[0, 3], st[0, 3], gap[0, 5] = 8.0, 1.0, -0.25  # one node touches, another overlaps
+    step, keep = np.array([2.0]), np.ones(1)
+    kernel(p, st, gap, t, np.ones(1), step, keep, np.array([0]), 8, True)
+    assert step[0] == 2.0
+    np.testing.assert_allclose(p[0, [3, 5]], np.array([8.0, 0.5]) * 8.0 / 8.5)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.close_gap))
+def test_close_gap(kernel, rng):
+    gap, punch, u = rng.normal(size=(3, ROWS, PADDED))
+    p = np.maximum(rng.normal(size=gap.shape), 0.0)
+    expected = only_active(punch - np.where(p > 0.0, 0.0, np.maximum(gap, 0.0)), u)
+    kernel(p, gap, punch, ACTIVE, N, u)
+    np.testing.assert_array_equal(u, expected)

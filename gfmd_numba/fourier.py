@@ -19,20 +19,22 @@ def aligned_rows(rows: int, n: int, dtype: type = np.float64) -> npt.NDArray[np.
 class Convolution:
     """Product with a symbol of q on a batch: `result = inverse(symbol * forward(source))`, one plan a row.
 
+    Each of the `sources` is a buffer of its own; spectrum and result are shared.
+
     Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
     ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
     """
 
-    def __init__(self, rows: int, n: int) -> None:
+    def __init__(self, rows: int, n: int, sources: int = 1) -> None:
         self.n = n
-        self.source = aligned_rows(rows, n)
+        self.sources = [aligned_rows(rows, n) for _ in range(sources)]
         self.result = aligned_rows(rows, n)
         self.spectrum = aligned_rows(rows, n // 2 + 1, np.complex128)
         self.n_transforms = np.zeros(rows, dtype=np.int64)
         half = n // 2 + 1
         self._forward = [
-            pyfftw.FFTW(self.source[i, :n], self.spectrum[i, :half], flags=("FFTW_ESTIMATE",))
-            for i in range(rows)
+            [pyfftw.FFTW(source[i, :n], self.spectrum[i, :half], flags=("FFTW_ESTIMATE",)) for i in range(rows)]
+            for source in self.sources
         ]
         self._inverse = [
             pyfftw.FFTW(
@@ -48,10 +50,11 @@ class Convolution:
         """Symbol `[n // 2 + 1]` ready for `apply`, with the forward transform's 1/n folded in."""
         return values / self.n
 
-    def apply(self, symbol: Reals, active: npt.NDArray[np.int64]) -> None:
-        """Fill the active rows of `result` from `source`; two transforms a row."""
+    def apply(self, symbol: Reals, active: npt.NDArray[np.int64], source: int = 0) -> None:
+        """Fill the active rows of `result` from one of the sources; two transforms a row."""
+        forward = self._forward[source]
         for i in active:
-            self._forward[i].execute()
+            forward[i].execute()
         kernels.multiply(self.spectrum, symbol, active)
         for i in active:
             self._inverse[i].execute()

@@ -21,13 +21,13 @@ class ConjugateGradients:
         rows, n = punch.shape
         self._free_mean = load is not None
         self._rigid_mean = not np.isfinite(stiffness[0])
-        self.field = Convolution(rows, n)
+        self.field = Convolution(rows, n, sources=3)
+        self._p, self._direction, self.displacement = self.field.sources
         self.punch = aligned_rows(rows, n)
         self.punch[:, :n] = punch
         softest = stiffness[1] if self._free_mean or self._rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if load is None else load
         self.load = np.zeros(rows) if load is None else load
-        self._p = aligned_rows(rows, n)
         self._p[:, :n] = start[:, np.newaxis]
         with np.errstate(divide="ignore"):
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
@@ -35,7 +35,6 @@ class ConjugateGradients:
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self._gap = aligned_rows(rows, n)
-        self._direction = aligned_rows(rows, n)
         self._norm = np.zeros(rows)
         self._step = np.zeros(rows)
         self._keep = np.zeros(rows)
@@ -45,8 +44,7 @@ class ConjugateGradients:
         self._open_gap(active)
         field, n = self.field, self.field.n
         kernels.cg_direction(self._p, self._gap, self._direction, self._norm, self._keep, active, n)
-        field.source[active] = self._direction[active]
-        field.apply(self._compliance, active)
+        field.apply(self._compliance, active, source=1)
         kernels.cg_update(
             self._p, field.result, self._gap, self._direction, self.load, self._step, self._keep, active, n,
             self._free_mean,
@@ -55,23 +53,22 @@ class ConjugateGradients:
     def violation(self, active: Rows) -> Reals:
         """Largest violation of the contact conditions by the nearest displacement that does not penetrate, in E*.
 
-        Leaves that displacement and its restoring traction in `field`; costs four transforms a row.
+        Leaves it in `displacement` and its restoring traction in `field.result`; costs four transforms a row.
         """
         self._open_gap(active)
         field, n = self.field, self.field.n
-        kernels.close_gap(self._p, self._gap, self.punch, active, n, field.source)
-        field.apply(self._stiffness, active)
+        kernels.close_gap(self._p, self._gap, self.punch, active, n, self.displacement)
+        field.apply(self._stiffness, active, source=2)
         worst = np.empty(self.load.size)
         if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
             self.load[active] = self._p[active, :n].mean(axis=1)
-        kernels.kkt_violation(field.source, field.result, self.punch, self.load, active, n, worst)
+        kernels.kkt_violation(self.displacement, field.result, self.punch, self.load, active, n, worst)
         if self._rigid_mean:
-            drift = np.abs(field.source[active, :n].mean(axis=1))
+            drift = np.abs(self.displacement[active, :n].mean(axis=1))
             worst[active] = np.maximum(worst[active], self._stiffest * drift)
         return worst[active]
 
     def _open_gap(self, active: Rows) -> None:
         field = self.field
-        field.source[active] = self._p[active]
-        field.apply(self._compliance, active)
+        field.apply(self._compliance, active, source=0)
         kernels.cg_gap(self._p, field.result, self.punch, self._gap, active, field.n, self._free_mean)

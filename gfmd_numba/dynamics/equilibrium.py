@@ -35,9 +35,10 @@ class Status(IntEnum):
 
 
 class Solver(Protocol):
-    """What `equilibrate` asks of a solver: after `violation`, `field` holds the displacement and its traction."""
+    """What `equilibrate` asks of a solver: after `violation`, `field.result` is the traction of `displacement`."""
 
     field: Convolution
+    displacement: Reals
     punch: Reals
     load: Reals
 
@@ -119,10 +120,10 @@ def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibri
         rows = active[ended]
         pressure = np.empty_like(solver.field.result)
         kernels.contact_pressure(
-            solver.field.source, solver.field.result, solver.punch, solver.load, rows, n, pressure
+            solver.displacement, solver.field.result, solver.punch, solver.load, rows, n, pressure
         )
         where = first + rows
-        result.displacement[where] = solver.field.source[rows, :n]
+        result.displacement[where] = solver.displacement[rows, :n]
         result.pressure[where] = pressure[rows, :n]
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]

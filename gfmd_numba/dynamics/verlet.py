@@ -32,15 +32,16 @@ class Verlet:
         self.punch = aligned_rows(rows, n)
         self.punch[:, :n] = punch
         self._stiffness = self.field.symbol(stiffness)
-        self.field.source[:, :n] = np.minimum(punch, 0.0)
-        self._u_old = self.field.source.copy()
+        (self.displacement,) = self.field.sources
+        self.displacement[:, :n] = np.minimum(punch, 0.0)
+        self._u_old = self.displacement.copy()
         self.field.apply(self._stiffness, np.arange(rows))
 
     def advance(self, active: Rows) -> None:
         """Make one time step in the active rows."""
         field = self.field
         kernels.verlet_step(
-            field.source, self._u_old, field.result, self.punch, self.load, active, field.n, self.dt2, self.eta
+            self.displacement, self._u_old, field.result, self.punch, self.load, active, field.n, self.dt2, self.eta
         )
         field.apply(self._stiffness, active)
 
@@ -49,6 +50,6 @@ class Verlet:
         field = self.field
         worst = np.empty(self.load.size)
         kernels.kkt_violation(
-            field.source, field.result, self.punch, self.load, active, field.n, worst
+            self.displacement, field.result, self.punch, self.load, active, field.n, worst
         )
         return worst[active]

@@ -1,0 +1,7 @@
+"""Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
+
+from .plots import plot_campaign, plot_contact
+from .selection import select_limit
+from .tfc import fit_tfc
+
+__all__ = ["fit_tfc", "plot_campaign", "plot_contact", "select_limit"]

@@ -1,0 +1,67 @@
+"""Measures on contacts made by hand, and the edge constant."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from gfmd_numba import observables
+from gfmd_numba.contact import Contact
+from gfmd_numba.dynamics import Equilibrium, Status
+
+
+def contact(touching, heights=None, status=Status.ok):
+    pressure = np.atleast_2d(touching).astype(float)
+    rows, n = pressure.shape
+    heights = np.zeros((rows, n)) + np.cos(2 * np.pi * np.arange(n) / n) if heights is None else heights
+    counts = np.ones(rows, dtype=np.int64)
+    equilibrium = Equilibrium(
+        np.zeros((rows, n)), pressure, np.full(rows, status), counts * 1e-9, counts, counts, counts * 1.0
+    )
+    return Contact(heights, np.ones((rows, n)), np.zeros(n // 2 + 1), equilibrium)
+
+
+def test_edge_bias_is_the_wiener_hopf_constant():
+    excess = mpmath.nsum(lambda k: mpmath.si(k * mpmath.pi) / mpmath.pi - 0.5, [1, mpmath.inf])
+    assert pytest.approx(float(0.25 - excess), abs=1e-13) == observables.EDGE_BIAS
+
+
+@pytest.mark.parametrize(
+    ("nodes", "segments"),
+    [
+        ("00000000", 0),
+        ("00010000", 1),
+        ("10000001", 1),  # one stretch across the period
+        ("11011011", 2),
+        ("10101010", 4),
+        ("11111111", 0),
+    ],
+)
+def test_segments(nodes, segments):
+    touching = np.array([int(c) for c in nodes])
+    c = contact(touching)
+    assert observables.n_segments(c)[0] == segments
+    assert observables.contact_area_fraction_counted(c)[0] == touching.mean()
+    corrected = (touching.sum() - 2 * observables.EDGE_BIAS * segments) / 8
+    assert observables.contact_area_fraction(c)[0] == pytest.approx(corrected)
+
+
+def test_kappa_and_gradient_over_the_contact():
+    touching = np.zeros(64)
+    touching[14:19] = 3.0
+    values = observables.measure(contact(touching))
+    slope = 2 * np.pi * np.sin(2 * np.pi * np.arange(14, 19) / 64)
+    g, p = np.sqrt(2) * np.pi, 15 / 64
+    assert values["rms_gradient"][0] == pytest.approx(g)
+    assert values["rms_gradient_contact"][0] == pytest.approx(np.sqrt((slope**2).mean()))
+    assert values["kappa_counted"][0] == pytest.approx(5 / 64 * g / p)
+    area = values["contact_area_fraction"][0]
+    assert values["kappa"][0] == pytest.approx(area * g / p)
+    assert values["kappa_r"][0] == pytest.approx(area * values["rms_gradient_contact"][0] / p)
+    assert values["mean_gap"][0] == 1.0
+
+
+@pytest.mark.parametrize("status", [s for s in Status if s != Status.ok])
+def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
+    values = observables.measure(contact(np.ones(8), status=status))
+    for m in observables.MEASURES:
+        assert np.isnan(values[m.name]).all() == (m.of == "contact"), m.name

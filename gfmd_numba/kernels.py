@@ -87,16 +87,42 @@ def cg_gap(p: Reals, sp: Reals, punch: Reals, gap: Reals, active: Rows, n: int, 
 
 
 @jit
-def cg_direction(p: Reals, gap: Reals, t: Reals, norm: Reals, keep: Reals, active: Rows, n: int) -> None:
-    """Conjugate direction on the touching nodes (Polonsky & Keer 1999, eq. 7)."""
+def cg_direction(
+    p: Reals,
+    gap: Reals,
+    t: Reals,
+    norm: Reals,
+    keep: Reals,
+    rounding: Reals,
+    active: Rows,
+    n: int,
+    free_mean: bool,
+) -> None:
+    """Conjugate direction on the touching nodes (Polonsky & Keer 1999, eq. 7).
+
+    Nodes that left or joined the contact spoil the old direction in two ways. Under a prescribed load it may now
+    change the load, which rescaling the pressure would undo: it loses its mean. And it may lead uphill: it is
+    then dropped. Gaps within `rounding` of closed point nowhere: the direction is then zero.
+    """
     for i in active:
         new_norm = 0.0
+        downhill = 0.0
+        mean = 0.0
+        touching = 0
         for j in range(n):
             if p[i, j] > 0.0:
                 new_norm += gap[i, j] * gap[i, j]
+                downhill += gap[i, j] * t[i, j]
+                mean += t[i, j]
+                touching += 1
+        mean = mean / touching if free_mean else 0.0
         beta = keep[i] * new_norm / norm[i] if norm[i] > 0.0 else 0.0
+        if new_norm + beta * downhill <= 0.0:
+            beta = 0.0
+        closed = new_norm <= touching * rounding[i] ** 2
         for j in range(n):
-            t[i, j] = gap[i, j] + beta * t[i, j] if p[i, j] > 0.0 else 0.0
+            moves = p[i, j] > 0.0 and not closed
+            t[i, j] = gap[i, j] + beta * (t[i, j] - mean) if moves else 0.0
         norm[i] = new_norm
 
 

@@ -89,6 +89,15 @@ def test_both_solvers_find_the_same_contact():
                 np.testing.assert_allclose(verlet, gradients, atol=1e-6 * verlet.max())
 
 
+@pytest.mark.parametrize("nx", [16, 64])
+@pytest.mark.parametrize("load", [1e-6, 1e-3, 0.0032, 0.01, 10.0])
+def test_one_or_two_touching_nodes_and_full_contact(nx, load):
+    """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
+    heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(40)) for hurst in (0, 0.5, 1)])
+    verlet, gradients = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)
+    np.testing.assert_array_equal(verlet > 0, gradients > 0)
+
+
 def test_area_grows_with_load():
     heights = self_affine.profiles(0.8, 2, 64, 256, 3, range(3))
     areas = np.array([(press(heights, load).pressure > 0).sum(axis=1) for load in np.logspace(-3, 1, 9)])

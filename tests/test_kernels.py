@@ -101,17 +101,40 @@ def test_cg_gap(kernel, free_mean, rng):
     np.testing.assert_allclose(gap, expected, rtol=1e-13, atol=1e-13)
 
 
+@pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
-def test_cg_direction(kernel, rng):
+def test_cg_direction(kernel, free_mean, rng):
     gap, t = rng.normal(size=(2, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
     norm, keep = np.array([2.0, 3.0, 0.0]), np.array([1.0, 1.0, 1.0])
+    t[0] *= np.sign((np.where(p > 0.0, gap, 0.0) * t)[0, :N].sum())  # downhill
     squares = np.where(p > 0.0, gap**2, 0.0)[:, :N].sum(axis=1)
-    beta = np.array([squares[0] / 2.0, 0.0, 0.0])  # the last row has no history
-    expected = only_active(np.where(p > 0.0, gap + beta[:, None] * t, 0.0), t)
-    kernel(p, gap, t, norm, keep, ACTIVE, N)
+    beta = [squares[0] / 2.0, 0.0, 0.0]  # the last row has no history
+    new = np.zeros_like(t)
+    for i in ACTIVE:
+        touching = p[i] > 0.0
+        mean = t[i, :N][touching[:N]].mean() if free_mean else 0.0
+        new[i, touching] = (gap[i] + beta[i] * (t[i] - mean))[touching]
+    expected = only_active(new, t)
+    kernel(p, gap, t, norm, keep, np.zeros(ROWS), ACTIVE, N, free_mean)
     np.testing.assert_allclose(t, expected, rtol=1e-13)
     np.testing.assert_allclose(norm, [squares[0], 3.0, squares[2]])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.cg_direction))
+def test_cg_direction_never_leads_uphill(kernel):
+    p, gap = np.ones((1, N)), np.zeros((1, N))
+    gap[0, :2] = 1.0, -1.0
+    t, norm = -2.0 * gap, np.array([1.0])
+    kernel(p, gap, t, norm, np.ones(1), np.full(1, 0.1), np.array([0]), N, True)
+    np.testing.assert_array_equal(t, gap)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.cg_direction))
+def test_cg_direction_stops_at_rounding(kernel):
+    p, gap, t = np.ones((1, N)), np.full((1, N), 0.1), np.ones((1, N))
+    kernel(p, gap, t, np.ones(1), np.ones(1), np.full(1, 0.11), np.array([0]), N, True)
+    assert not t[0, :N].any()
 
 
 def updated(p, st, gap, t, load, step, keep, free_mean):

@@ -35,6 +35,7 @@ class ConjugateGradients:
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self._gap = aligned_rows(rows, n)
+        self._rounding = np.finfo(float).eps * np.ptp(punch, axis=1)
         self._norm = np.zeros(rows)
         self._step = np.zeros(rows)
         self._keep = np.zeros(rows)
@@ -43,7 +44,10 @@ class ConjugateGradients:
         """Make one iteration in the active rows."""
         self._open_gap(active)
         field, n = self.field, self.field.n
-        kernels.cg_direction(self._p, self._gap, self._direction, self._norm, self._keep, active, n)
+        kernels.cg_direction(
+            self._p, self._gap, self._direction, self._norm, self._keep, self._rounding, active, n,
+            self._free_mean,
+        )  # fmt: skip
         field.apply(self._compliance, active, source=1)
         kernels.cg_update(
             self._p, field.result, self._gap, self._direction, self.load, self._step, self._keep, active, n,

@@ -41,6 +41,9 @@ def main() -> None:
 
 _file = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 _results = click.argument("results", type=click.Path(exists=True, path_type=Path))
+_variable = click.option("--variable", help="kappa, kappa_counted or kappa_r [as the campaign says]")
+_exponents = click.option("--exponents", type=click.Choice(["shared", "free"]), help="[as the campaign says]")
+_fixed = click.option("--fixed", multiple=True, metavar="EPS=X[:Y]", help="Fix an exponent, or say its range")
 
 
 @main.command()
@@ -92,7 +95,9 @@ def run(file: Path, output: Path | None, workers: int, scheduler: str | None) ->
     click.echo(f"results  {results}")
     dataset = gfmd_numba.open_campaign(results)
     if {"eps_c", "eps_f", "eps_t"} & set(dataset["limit"].values):
-        _fit_and_plot(dataset, results)
+        fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, (), None, None))
+        _show(dataset, fitted)
+        _draw(dataset, fitted, results.with_suffix(".png"))
     for task, reason in failures.items():
         click.echo(f"gfmd: task {task} crashed: {reason}", err=True)
     unfinished = int((dataset["status"] != 0).sum())
@@ -103,17 +108,19 @@ def run(file: Path, output: Path | None, workers: int, scheduler: str | None) ->
 
 @main.command()
 @_results
-@click.option("--variable", default="kappa", show_default=True, help="kappa, kappa_counted or kappa_r")
-@click.option("--exponents", default="shared", show_default=True, type=click.Choice(["shared", "free"]))
-@click.option("--fixed", multiple=True, metavar="EPS=VALUE", help="Fix an exponent, e.g. eps_t=1")
+@_variable
+@_exponents
+@_fixed
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the fit as netCDF")
-def fit(results: Path, variable: str, exponents: str, fixed: tuple[str, ...], output: Path | None) -> None:
+def fit(
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[str, ...], output: Path | None
+) -> None:
     """Fit kappa in RESULTS (a campaign's file or directory) to its limit."""
     import gfmd_numba
 
     dataset = gfmd_numba.open_campaign(results)
-    fitted = gfmd_numba.fit_tfc(dataset, variable=variable, exponents=exponents, fixed=_fixed(fixed))
-    _show_fit(dataset, fitted, variable)
+    fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, fixed, variable, exponents))
+    _show(dataset, fitted)
     if output is not None:
         fitted.to_netcdf(output, engine="netcdf4")
         click.echo(f"fit      {output}")
@@ -121,21 +128,21 @@ def fit(results: Path, variable: str, exponents: str, fixed: tuple[str, ...], ou
 
 @main.command()
 @_results
+@_variable
+@_exponents
+@_fixed
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture [beside RESULTS]")
-@click.option("--fixed", multiple=True, metavar="EPS=VALUE", help="Fix an exponent of the fit, e.g. eps_t=1")
-def plot(results: Path, output: Path | None, fixed: tuple[str, ...]) -> None:
+def plot(
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[str, ...], output: Path | None
+) -> None:
     """Draw RESULTS: kappa against the discretisations, or the fields of one contact."""
     import gfmd_numba
-    from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
 
     dataset = gfmd_numba.open_campaign(results)
-    path = output or (results / "kappa.png" if results.is_dir() else results.with_suffix(".png"))
+    fitted = None
     if "case" in dataset.dims:
-        figure = plot_campaign(dataset, fit_tfc(dataset, fixed=_fixed(fixed)))
-    else:
-        figure = plot_contact(dataset)
-    figure.savefig(path, dpi=150)
-    click.echo(f"picture  {path}")
+        fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, fixed, variable, exponents))
+    _draw(dataset, fitted, output or (results / "kappa.png" if results.is_dir() else results.with_suffix(".png")))
 
 
 @main.command()
@@ -156,29 +163,75 @@ def solve(file: Path, output: Path) -> None:
         sys.exit(SOME_FAILED)
 
 
-def _fixed(options: tuple[str, ...]) -> dict[str, float]:
-    fixed = {}
-    for option in options:
-        name, _, value = option.partition("=")
-        try:
-            fixed[name] = float(value)
-        except ValueError:
-            raise click.BadParameter(f"{option!r}: give it like eps_t=1", param_hint="--fixed") from None
-    return fixed
+def _options(
+    dataset: xr.Dataset, fixed: tuple[str, ...], variable: str | None, exponents: str | None
+) -> dict[str, Any]:
+    """Options of the fit: the campaign's own, overridden by those of the command line."""
+    import json
+
+    options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
+    options["fixed"] = options.get("fixed", {}) | dict(map(_exponent, fixed))
+    if variable is not None:
+        options["variable"] = variable
+    if exponents is not None:
+        options["exponents"] = exponents
+    return options
 
 
-def _fit_and_plot(dataset: xr.Dataset, results: Path) -> None:
-    from gfmd_numba.analysis import fit_tfc, plot_campaign
+def _exponent(option: str) -> tuple[str, float | tuple[float, float]]:
+    name, _, value = option.partition("=")
+    low, _, high = value.partition(":")
+    try:
+        return name, (float(low), float(high)) if high else float(low)
+    except ValueError:
+        raise click.BadParameter(f"{option!r}; give it like eps_t=1 or eps_f=0.5:1", param_hint="--fixed") from None
 
-    fitted = fit_tfc(dataset)
-    _show_fit(dataset, fitted, "kappa")
-    picture = results.with_suffix(".png")
-    plot_campaign(dataset, fitted).savefig(picture, dpi=150)
-    click.echo(f"picture  {picture}")
+
+def _draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
+    from gfmd_numba.analysis import plot_campaign, plot_contact
+
+    figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
+    figure.savefig(path, dpi=150)
+    click.echo(f"picture  {path}")
 
 
-def _show_fit(dataset: xr.Dataset, fitted: xr.Dataset, variable: str) -> None:
-    raise NotImplementedError
+def _show(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
+    """Print kappa at the reference and in the limit, and what separates the two."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from gfmd_numba.analysis import ensemble_mean
+
+    variable = fitted.attrs["variable"]
+    table = Table(box=box.SIMPLE_HEAD, title=f"{variable} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)")
+    parameters = {"H": "hurst", "nu": "poissons_ratio", "a": "aspect_ratio", "p*": "reduced_pressure"}
+    limits = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
+    for column in (*parameters, "reference", "limit", *limits.values()):
+        table.add_column(column, justify="right", no_wrap=True)
+    reference = ensemble_mean(dataset, variable)
+    for i in range(fitted.sizes["group"]):
+        group = fitted.isel(group=i)
+        corrections = [
+            _with_error(group["correction"].sel(limit=limit), group["correction_error"].sel(limit=limit))
+            for limit in limits
+        ]
+        table.add_row(
+            *(f"{float(group[name]):g}" for name in parameters.values()),
+            _with_error(reference["mean"][i], reference["error"][i]),
+            _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
+            *corrections,
+        )
+    Console(width=120).print(table)
+    click.echo(f"exponents  {_exponents_found(fitted)}")
+    for message in dict.fromkeys(str(m) for m in fitted["message"].values if m):
+        click.echo(f"note     {message}")
+
+
+def _with_error(value: Any, error: Any) -> str:
+    if not float(value) == float(value):
+        return "-"
+    return f"{float(value):.3f} ± {float(error):.3f}"
 
 
 @contextmanager
@@ -204,3 +257,7 @@ def _progress() -> Iterator[Callable[[int, int], Callable[[], None]]]:
             return advance
 
         yield watch
+
+
+if __name__ == "__main__":
+    main()

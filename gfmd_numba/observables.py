@@ -27,7 +27,7 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`; 0 in full contact, which has no edge."""
     now = touching(contact)
-    return np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1)
+    return np.asarray(np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1))
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -38,7 +38,7 @@ def contact_area_fraction_counted(contact: Contact) -> Reals:
 def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x with the mean correction for the two edges of each segment `[realisation]`."""
     nx = contact.heights.shape[1]
-    return contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx
+    return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
 
 
 def mean_pressure(contact: Contact) -> Reals:
@@ -55,7 +55,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the touching nodes in g `[realisation]`."""
     now = touching(contact)
     squares = np.where(now, statistics.gradient(contact.heights) ** 2, 0.0).sum(axis=1)
-    return np.sqrt(squares / now.sum(axis=1))
+    return np.asarray(np.sqrt(squares / now.sum(axis=1)))
 
 
 def gap(contact: Contact) -> Reals:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Discretisation, Numerics, Scene
+from gfmd_numba.scene import Discretisation, Numerics, Scene, SelfAffine
 
 Reals = npt.NDArray[np.float64]
 
@@ -76,13 +76,17 @@ class Problem:
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 
 
+def self_affine(scene: Scene) -> SelfAffine:
+    """Roughness of a scene that asks for random surfaces; raises TypeError for any other."""
+    if not isinstance(scene.roughness, SelfAffine):
+        raise TypeError(f"a random surface needs roughness.method psd, not {scene.roughness.method}")
+    return scene.roughness
+
+
 def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> RandomSurface:
     """Ensemble of surfaces a scene with `psd` roughness asks for at one discretisation."""
-    roughness = scene.roughness
-    if roughness.method != "psd":
-        raise TypeError(f"a random surface needs roughness.method psd, not {roughness.method}")
     return RandomSurface(
-        hurst=roughness.hurst,
+        hurst=self_affine(scene).hurst,
         cut_on_index=discretisation.cut_on_index,
         cut_off_index=discretisation.cut_off_index,
         nx=discretisation.nx,
@@ -132,8 +136,8 @@ def _slab(scene: Scene, mean_matters: bool) -> tuple[Slab | None, tuple[str, ...
     if mean_matters or effect > np.finfo(float).eps / 2:
         return slab, ()
     return None, (
-        f"slab of aspect ratio {body.aspect_ratio:g}: it stiffens no wave by more than {effect:.0e} "
-        "relative to the half-space, below double precision",
+        f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.poissons_ratio:g}: it stiffens no wave "
+        f"by more than {effect:.0e} relative to the half-space, below double precision",
     )
 
 

@@ -19,20 +19,22 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
-    if isinstance(scene.roughness, Measured):
-        surface, rms_gradient = _profile(scene.roughness, scene.length)
-        realisation = 0
-    else:
-        assert file.discretisation is not None  # load_scene's promise
-        surface = problem.random_surface(scene, file.discretisation, file.seed)
-        rms_gradient, realisation = scene.roughness.rms_gradient, file.realisation
+    surface, rms_gradient = _surface(file)
     reduced, dropped = problem.reduce(scene, surface, rms_gradient, file.numerics)
-    solved = contact.solve(reduced, range(realisation, realisation + 1))
+    solved = contact.solve(reduced, range(file.realisation, file.realisation + 1))
     dataset = contact_dataset(scene, reduced, rms_gradient, solved)
     dataset.attrs["scene"] = file.model_dump_json()
     dataset.attrs["solver"] = reduced.numerics.solver
     dataset.attrs["dropped_effects"] = "\n".join(dropped)
     return dataset
+
+
+def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:
+    scene = file.scene
+    if isinstance(scene.roughness, Measured):
+        return _profile(scene.roughness, scene.length)
+    assert file.discretisation is not None  # load_scene's promise
+    return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
 
 
 def _profile(roughness: Measured, length: float | None) -> tuple[problem.Profile, float]:

@@ -1,6 +1,6 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
-from .plots import plot_campaign, plot_contact
+from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from .selection import select_limit
 from .tfc import fit_tfc
 

@@ -3,15 +3,21 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Task
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
+from gfmd_numba.problem import RandomSurface
 
 Failures = dict[str, str]
 Progress = Callable[[], None]
+
+_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def shard_path(directory: Path, task: Task) -> Path:
@@ -43,21 +49,16 @@ def execute(
         return {}
     if workers == 0 and scheduler is None:
         return _execute_here(tasks, directory, progress)
-    perform_once_here(tasks, directory)
+    compile_kernels(tasks)
     with _client(workers, scheduler) as client:
-        return _execute_on(client, tasks, directory, progress)
+        return _execute_on(client, tasks, directory.resolve(), progress)
 
 
-def perform_once_here(tasks: list[Task], directory: Path) -> None:
-    """Compile the kernels before the workers start, so that they find them in the cache."""
-    from dataclasses import replace
-
-    from gfmd_numba.problem import RandomSurface
-
-    for solver in sorted({task.problem.numerics.solver for task in tasks}):
-        problem = next(task.problem for task in tasks if task.problem.numerics.solver == solver)
-        tiny = replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0))
-        measure(solve(tiny, range(1)))
+def compile_kernels(tasks: list[Task]) -> None:
+    """Run each solver on a tiny surface, so that workers find the compiled kernels in the cache."""
+    solvers = {task.problem.numerics.solver: task.problem for task in tasks}
+    for problem in solvers.values():
+        measure(solve(replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0)), range(1)))
 
 
 def _execute_here(tasks: list[Task], directory: Path, progress: Progress) -> Failures:
@@ -71,43 +72,36 @@ def _execute_here(tasks: list[Task], directory: Path, progress: Progress) -> Fai
     return failures
 
 
-def _execute_on(client, tasks: list[Task], directory: Path, progress: Progress) -> Failures:
+def _execute_on(client: Any, tasks: list[Task], directory: Path, progress: Progress) -> Failures:
     from distributed import as_completed
 
-    failures = {}
-    waiting = iter(tasks)
-    names = {}
-
-    def submit() -> Iterator:
-        for task in waiting:
-            future = client.submit(perform, task, directory, key=f"perform-{task.name}", pure=False)
-            names[future.key] = task.name
-            yield future
-
+    names = {f"perform-{task.name}": task.name for task in tasks}
+    submissions = (
+        client.submit(perform, task, directory, key=key, pure=False)
+        for key, task in zip(names, tasks, strict=True)
+    )
     in_flight = 2 * max(1, len(client.scheduler_info()["workers"]))
-    more = submit()
-    futures = as_completed([future for _, future in zip(range(in_flight), more, strict=False)])
+    futures = as_completed(list(islice(submissions, in_flight)))
+    failures = {}
     for future in futures:
-        if future.status != "finished":
-            error = future.exception()
+        error = future.exception()
+        if error is not None:
             failures[names[future.key]] = f"{type(error).__name__}: {error}"
         progress()
-        following = next(more, None)
-        if following is not None:
+        for following in islice(submissions, 1):
             futures.add(following)
     return failures
 
 
 @contextmanager
-def _client(workers: int, scheduler: str | None):
+def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
     if scheduler is not None:
         with Client(scheduler) as client:
             yield client
         return
-    for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ[variable] = "1"  # inherited by the workers: one thread each, two solves never share a core
+    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
     with (
         LocalCluster(
             n_workers=workers,

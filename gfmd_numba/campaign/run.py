@@ -20,6 +20,7 @@ from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.dataset import campaign_dataset, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
+from gfmd_numba.problem import self_affine
 from gfmd_numba.scene import Document, InputError
 
 _PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
@@ -117,7 +118,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     campaign = planned.campaign
     values = []
     for case in planned.cases:
-        scale = scales(case.scene, case.scene.roughness.rms_gradient)
+        scale = scales(case.scene, self_affine(case.scene).rms_gradient)
         measured = _measured(case, campaign.realisations, directory)
         values.append({m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES})
     text = planned.document.text
@@ -159,12 +160,12 @@ def _coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "eps_c": [case.discretisation.eps_c for case in cases],
         "eps_f": [case.discretisation.eps_f for case in cases],
         "eps_t": [case.discretisation.eps_t for case in cases],
-        "hurst": [case.scene.roughness.hurst for case in cases],
+        "hurst": [self_affine(case.scene).hurst for case in cases],
         "poissons_ratio": [case.scene.body.poissons_ratio for case in cases],
         "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
         "reduced_pressure": [
             np.nan if case.problem.mean_pressure is None else case.problem.mean_pressure for case in cases
         ],
-        "rms_gradient_target": [case.scene.roughness.rms_gradient for case in cases],
+        "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
         "nx": [case.discretisation.nx for case in cases],
     }

@@ -1,0 +1,1 @@
+"""Linear elastic bodies, condensed to the stiffness of their surface."""

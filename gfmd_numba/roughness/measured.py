@@ -1,6 +1,7 @@
 """The user's own profiles, taken as they are: equidistant heights over one period."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,10 +14,10 @@ def read_profile(path: Path) -> Reals:
 
     Raises ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
     """
-    heights = _READERS[path.suffix](path)
+    heights: npt.NDArray[Any] = _READERS[path.suffix](path)
     if heights.ndim != 1 or heights.dtype.kind not in "fiu":
         raise ValueError(f"an array of shape {heights.shape} and type {heights.dtype}, not one row of numbers")
-    heights = heights.astype(np.float64)
+    heights = np.asarray(heights, dtype=np.float64)
     if len(heights) < 4:
         raise ValueError(f"{len(heights)} heights, not at least 4")
     if not np.isfinite(heights).all():
@@ -41,7 +42,7 @@ def _read_netcdf(path: Path) -> npt.NDArray[np.generic]:
             (name,) = map(str, dataset.data_vars)
         if name is None:
             raise ValueError(f"variables {', '.join(map(str, dataset.data_vars))}, not one named height")
-        return dataset[name].to_numpy()
+        return np.asarray(dataset[name])
 
 
 _READERS = {

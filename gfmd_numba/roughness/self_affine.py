@@ -33,4 +33,4 @@ def _complex_gaussian(seed: int, realisation: int, count: int) -> npt.NDArray[np
     """Complex Gaussians of wave index 1 ... count by Box-Muller (3.35); a prefix of any longer request."""
     stream = np.random.Generator(np.random.Philox(np.random.SeedSequence((seed, realisation))))
     radius, angle = stream.random((count, 2)).T
-    return np.sqrt(-2.0 * np.log1p(-radius)) * np.exp(2j * np.pi * angle)
+    return np.asarray(np.sqrt(-2.0 * np.log1p(-radius)) * np.exp(2j * np.pi * angle))

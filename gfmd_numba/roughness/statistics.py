@@ -12,7 +12,8 @@ def spectral_moment(heights: Reals, order: int) -> Reals:
     """Moment m_n = sum_q q^n |h~(q)|^2 of each profile `[..., nx]`, in L_x^(2 - n)."""
     nx = heights.shape[-1]
     power = grid.multiplicity(nx) * np.abs(grid.coefficients(heights)) ** 2
-    return np.asarray(power[..., 1:] @ grid.wavenumbers(nx)[1:] ** order)
+    # summed row by row: a matrix product would round differently in batches of different size
+    return np.asarray((power[..., 1:] * grid.wavenumbers(nx)[1:] ** order).sum(axis=-1))
 
 
 def rms_gradient(heights: Reals) -> Reals:

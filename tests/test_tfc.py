@@ -4,7 +4,6 @@ import xarray as xr
 from scipy.stats import binom
 
 from gfmd_numba.analysis import fit_tfc, select_limit
-from gfmd_numba.analysis.tfc import _block, _group
 
 LEVELS = {
     "eps_c": [1 / 2, 1 / 4, 1 / 8],

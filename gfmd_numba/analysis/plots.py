@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from .selection import GROUP, LIMITS, good, groups, select_limit
+from gfmd_numba.analysis.selection import GROUP, LIMITS, good, groups, select_limit
 
 # Okabe and Ito: told apart with any colour vision
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -73,9 +73,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
             axis.grid(axis="y", color="0.9", linewidth=0.8)
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
-            handles.append(
-                Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted")
-            )
+            handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if fit is not None and fit.attrs["omit_nyquist"] == "True" and (dataset["eps_c"] >= 1).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             axes[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
@@ -128,9 +126,7 @@ def _draw_limit(
             counted, _ = _mean_and_error(group, "kappa_counted")
             axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45)
         mean, error = _mean_and_error(group, variable)
-        axis.errorbar(
-            position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3
-        )
+        axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
         if key in fitted:
             _draw_curve(axis, fitted[key], limit, group[limit].values, look)
     title, label = _AXES[limit]
@@ -157,9 +153,7 @@ def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: NDArray[np.floa
     eps = np.geomspace(levels.max() * 1.1, levels.min() / 1.25, 100)
     others = float(fit["kappa_tfc"] + fit["correction"].drop_sel(limit=limit).sum())
     one = fit.sel(limit=limit)
-    axis.plot(
-        1 / eps, others + float(one["C"]) * eps ** float(one["alpha"]), look["linestyle"], c=look["color"]
-    )
+    axis.plot(1 / eps, others + float(one["C"]) * eps ** float(one["alpha"]), look["linestyle"], c=look["color"])
 
 
 def _draw_extrapolated(
@@ -175,9 +169,7 @@ def _draw_extrapolated(
             float(fit["kappa_tfc"]),
             float(fit["kappa_tfc_error"]),
         )
-        axis.errorbar(
-            position, value, error, fmt=look["marker"], color=look["color"], ms=6.5, capsize=3, lw=1.3
-        )
+        axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=6.5, capsize=3, lw=1.3)
     axis.set_xticks(range(len(hursts)), [f"{hurst:g}" for hurst in hursts])
     axis.set(title="TFC limit", xlabel="Hurst $H$", xlim=(-0.6, len(hursts) - 0.4))
 
@@ -231,7 +223,5 @@ def _prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
     if unit not in ("m", "Pa"):
         return 1.0, unit
-    scale, prefix = next(
-        ((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, "")
-    )
+    scale, prefix = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
     return 1 / scale, prefix + unit

@@ -1,0 +1,36 @@
+"""Contact sets of the two solvers on 30 self-affine surfaces each, and what they took: `python benchmarks/solvers_agree.py`."""
+
+import time
+
+import numpy as np
+
+from gfmd_numba import grid
+from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import Numerics
+
+SURFACES, NX = 30, 8192
+body = stiffness.half_space(grid.wavenumbers(NX))
+print(f"{SURFACES} surfaces, nx = {NX}, eps_c^-1 = 2, eps_f^-1 = 1024, eps_t^-1 = 2, residual 1e-8")
+print("  H     p*    differing nodes   kappa (counted)    transforms (median)    seconds a surface")
+print("                                                    Verlet      CG         Verlet      CG")
+for hurst in (0.3, 0.5, 0.8):
+    heights = self_affine.profiles(hurst, 2, 2048, NX, 2018, range(SURFACES))
+    punch = heights.max(axis=1, keepdims=True) - heights
+    for load in (0.007, 0.05, 0.3):
+        results, seconds = [], []
+        for solver in ("verlet", "conjugate_gradients"):
+            equilibrate(punch[:1], body, load, Numerics(solver=solver, max_iterations=10))
+            started = time.perf_counter()
+            results.append(equilibrate(punch, body, load, Numerics(solver=solver)))
+            seconds.append((time.perf_counter() - started) / SURFACES)
+        assert all((result.status == 0).all() for result in results)
+        touching = [result.pressure > 0 for result in results]
+        kappa = touching[0].mean(axis=1) / load
+        transforms = [np.median(result.n_transforms) for result in results]
+        print(
+            f"{hurst:4} {load:6} {np.count_nonzero(touching[0] != touching[1]):12}"
+            f"      {kappa.mean():8.3f} +- {kappa.std(ddof=1) / SURFACES**0.5:5.3f}"
+            f"   {transforms[0]:9.0f} {transforms[1]:9.0f}    {seconds[0]:9.3f} {seconds[1]:9.3f}"
+        )

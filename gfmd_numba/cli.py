@@ -51,7 +51,7 @@ _fixed = click.option("--fixed", multiple=True, metavar="EPS=X[:Y]", help="Fix a
 def check(file: Path) -> None:
     """Check a campaign or scene FILE and say what is wrong with it."""
     from gfmd_numba.campaign.specification import Campaign, load_campaign
-    from gfmd_numba.scene.document import load_scene, read_document
+    from gfmd_numba.scene import load_scene, read_document
 
     data = read_document(file).data
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
@@ -209,7 +209,7 @@ def _show(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
     limits = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
     for column in (*parameters, "reference", "limit", *limits.values()):
         table.add_column(column, justify="right", no_wrap=True)
-    reference = ensemble_mean(dataset, variable)
+    means, errors = ensemble_mean(dataset.isel(case=dataset["is_reference"].values), variable)
     for i in range(fitted.sizes["group"]):
         group = fitted.isel(group=i)
         corrections = [
@@ -218,14 +218,26 @@ def _show(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
         ]
         table.add_row(
             *(f"{float(group[name]):g}" for name in parameters.values()),
-            _with_error(reference["mean"][i], reference["error"][i]),
+            _with_error(means[i], errors[i]),
             _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
             *corrections,
         )
     Console(width=120).print(table)
-    click.echo(f"exponents  {_exponents_found(fitted)}")
+    for limit, kind in limits.items():
+        click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
     for message in dict.fromkeys(str(m) for m in fitted["message"].values if m):
         click.echo(f"note     {message}")
+
+
+def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
+    """Return the exponent of a limit, or one for each group if they differ."""
+    found = {
+        _with_error(value, error)
+        for value, error in zip(
+            fitted["alpha"].sel(limit=limit).values, fitted["alpha_error"].sel(limit=limit).values, strict=True
+        )
+    }
+    return ", ".join(sorted(found))
 
 
 def _with_error(value: Any, error: Any) -> str:

@@ -101,7 +101,7 @@ def profile(heights: Reals) -> tuple[Profile, float]:
     """
     gradient = float(statistics.rms_gradient(heights))
     if gradient == 0.0:
-        raise ValueError("the profile is flat: its rms gradient is 0")
+        raise ValueError("an rms gradient of 0: it is flat")
     unit = heights / gradient
     return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), gradient
 

@@ -9,7 +9,7 @@ import xarray as xr
 from gfmd_numba import contact, problem
 from gfmd_numba.dataset import contact_dataset
 from gfmd_numba.roughness.measured import read_profile
-from gfmd_numba.scene import InputError, Measured, SceneFile, load_scene
+from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, load_scene, scene_document
 
 
 def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
@@ -19,7 +19,10 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
-    surface, rms_gradient = _surface(file)
+    try:
+        surface, rms_gradient = _surface(file)
+    except ValueError as error:
+        raise _unusable_profile(source, scene, error) from None
     reduced, dropped = problem.reduce(scene, surface, rms_gradient, file.numerics)
     solved = contact.solve(reduced, range(file.realisation, file.realisation + 1))
     dataset = contact_dataset(scene, reduced, rms_gradient, solved)
@@ -32,16 +35,15 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
 def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        return _profile(scene.roughness, scene.length)
+        return problem.profile(read_profile(Path(scene.roughness.file)) / (scene.length or 1.0))
     assert file.discretisation is not None  # load_scene's promise
     return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
 
 
-def _profile(roughness: Measured, length: float | None) -> tuple[problem.Profile, float]:
-    try:
-        return problem.profile(read_profile(Path(roughness.file)) / (length or 1.0))
-    except ValueError as error:
-        raise InputError(
-            f"{roughness.file}: scene.roughness.file: given {error}; "
-            "allowed: equidistant finite heights over one period, not all equal"
-        ) from None
+def _unusable_profile(
+    source: str | Path | Mapping[str, Any] | SceneFile, scene: Scene, error: ValueError
+) -> InputError:
+    assert isinstance(scene.roughness, Measured)
+    given = f"{Path(scene.roughness.file).name} with {error}"
+    allowed = "at least 4 equidistant finite heights over one period, not all equal"
+    return InputError(scene_document(source).line(("scene", "roughness", "file"), given, allowed))

@@ -33,9 +33,7 @@ limits: {eps_c: [1, 1/2], eps_t: [1, 1/2, 1/4]}
 grid: {hurst: [0.3, 0.5]}
 numerics: {solver: auto}
 """
-MEASURED = SCENE.replace(
-    "method: psd\n    hurst: 0.8\n    rms_gradient: 0.01", "method: measured\n    file: steel.npy"
-)
+MEASURED = SCENE.replace("method: psd\n    hurst: 0.8\n    rms_gradient: 0.01", "method: measured\n    file: steel.npy")
 FLAT = """\
 body: {poissons_ratio: 0.33}
 roughness: {method: psd, hurst: 1.4, rms_gradient: 0.01}
@@ -43,10 +41,8 @@ interface: {hard_wall: {}}
 loading: {reduced_presure: 0.007}
 discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}
 """
-WHOLE = (
-    "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps_c) "
-    "whole numbers, nx at least 4, with "
-)
+EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
+WHOLE = "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps_c) whole numbers, nx at least 4, with "
 
 
 def complaint(folder, load, text, name="bad.yaml"):
@@ -96,8 +92,7 @@ SCENES = {
     ),
     "unknown method": (
         ("method: psd", "method: pds"),
-        "bad.yaml:4:13: scene.roughness.method: given 'pds'; allowed: one of 'measured', "
-        "'psd'; did you mean 'psd'?",
+        "bad.yaml:4:13: scene.roughness.method: given 'pds'; allowed: one of 'measured', 'psd'; did you mean 'psd'?",
     ),
     "no method": (
         ("method: psd\n    ", ""),
@@ -154,13 +149,11 @@ SCENES = {
     ),
     "aspect ratio of 0": (
         ("aspect_ratio: .inf", "aspect_ratio: 0"),
-        "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: a number above 0, or "
-        ".inf for a half-space",
+        "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: a number above 0, or .inf for a half-space",
     ),
     "aspect ratio of nan": (
         ("aspect_ratio: .inf", "aspect_ratio: .nan"),
-        "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: a number above 0, "
-        "or .inf for a half-space",
+        "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: a number above 0, or .inf for a half-space",
     ),
     "Young's modulus of 0": (
         ("poissons_ratio: 0.33", "poissons_ratio: 0.33, youngs_modulus: 0"),
@@ -232,8 +225,7 @@ SCENES = {
     ),
     "psd without discretisation": (
         ("discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}\n", ""),
-        "bad.yaml:1:1: discretisation: given nothing; allowed: a mapping with eps_c, "
-        "eps_f and eps_t, which method psd",
+        "bad.yaml:1:1: discretisation: given nothing; allowed: a mapping with eps_c, eps_f and eps_t, which method psd",
     ),
     "k_l not whole": (
         ("eps_t: 1/2", "eps_t: 2/5"),
@@ -253,8 +245,7 @@ SCENES = {
     ),
     "nx below 4": (
         ("eps_c: 1/2, eps_f: 1/64, eps_t: 1/2", "eps_c: 1, eps_f: 1, eps_t: 1"),
-        f"bad.yaml:11:25: discretisation.eps_c: given 1; allowed: {WHOLE}eps_f = 1 and "
-        "eps_t = 1; did you mean 1/2?",
+        f"bad.yaml:11:25: discretisation.eps_c: given 1; allowed: {WHOLE}eps_f = 1 and eps_t = 1; did you mean 1/2?",
     ),
     "overflowing nx": (
         ("eps_f: 1/64", "eps_f: 1e-320"),
@@ -278,8 +269,7 @@ SCENES = {
     ),
     "tag": (
         ("hurst: 0.8", "hurst: !!python/object/apply:os.system [echo]"),
-        "bad.yaml:5:12: given the tag tag:yaml.org,2002:python/object/apply:os.system; "
-        "allowed: a value without a tag",
+        "bad.yaml:5:12: given the tag tag:yaml.org,2002:python/object/apply:os.system; allowed: a value without a tag",
     ),
     "number as a key": (
         ("hurst: 0.8", "1: 0.8"),
@@ -349,8 +339,7 @@ def test_path_that_is_no_file(tmp_path):
     with pytest.raises(InputError) as caught:
         load_scene(tmp_path / "absent.yaml")
     assert str(caught.value) == (
-        f"{tmp_path}/absent.yaml: given a path that cannot be read (No such file or "
-        "directory); allowed: a YAML file"
+        f"{tmp_path}/absent.yaml: given a path that cannot be read (No such file or directory); allowed: a YAML file"
     )
     with pytest.raises(InputError, match="Is a directory"):
         load_scene(tmp_path)
@@ -368,24 +357,19 @@ def test_flat_file_is_told_its_own_paths(tmp_path):
         .startswith("bad.yaml:1:1: roughnes: given an unknown key; allowed: one of 'body', 'roughness', ")
     )
     body = changed(FLAT, "body: {poissons_ratio: 0.33}\n", "")
-    assert complaint(tmp_path, load_scene, body).startswith(
-        "bad.yaml:1:1: body: given nothing; allowed: a mapping"
-    )
+    assert complaint(tmp_path, load_scene, body).startswith("bad.yaml:1:1: body: given nothing; allowed: a mapping")
 
 
 def test_mapping_is_told_the_path_alone():
     with pytest.raises(InputError) as caught:
         load_scene({"body": {"poissons_ratio": "0.3"}})
     assert str(caught.value).splitlines()[0] == (
-        "body.poissons_ratio: given '0.3'; allowed: a number above -1 and at most 0.5; "
-        "did you mean 0.3 without quotes?"
+        "body.poissons_ratio: given '0.3'; allowed: a number above -1 and at most 0.5; did you mean 0.3 without quotes?"
     )
 
 
 def test_mapping_with_a_number_as_a_key():
-    with pytest.raises(
-        InputError, match=r"body\[1\]: given an unknown key; allowed: one of 'youngs_modulus'"
-    ):
+    with pytest.raises(InputError, match=r"body\[1\]: given an unknown key; allowed: one of 'youngs_modulus'"):
         load_scene({"body": {"poissons_ratio": 0.3, 1: 2}})
 
 
@@ -393,9 +377,7 @@ def test_record_is_checked_too(tmp_path):
     path = tmp_path / "good.yaml"
     path.write_text(SCENE)
     good = load_scene(path)
-    bad = SceneFile.model_validate(
-        {**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}}
-    )
+    bad = SceneFile.model_validate({**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}})
     with pytest.raises(InputError, match=r"^discretisation\.eps_t: given 0\.3; .*; did you mean 1/3\?$"):
         load_scene(bad)
 
@@ -423,9 +405,7 @@ def test_nx_too_large(tmp_path, monkeypatch):
         "memory, where nx = 1.34218e+08 needs 17.2 GB"
     )
     text = changed(CAMPAIGN, "eps_c: [1, 1/2]", "eps_c: [1, 1/2, 1/262144]")
-    assert complaint(tmp_path, load_campaign, text).startswith(
-        "bad.yaml:10:26: limits.eps_c[2]: given 3.8146"
-    )
+    assert complaint(tmp_path, load_campaign, text).startswith("bad.yaml:10:26: limits.eps_c[2]: given 3.8146")
 
 
 @pytest.mark.parametrize(
@@ -437,8 +417,7 @@ def test_nx_too_large(tmp_path, monkeypatch):
         ),
         (
             "steel.txt",
-            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: a file ending "
-            "in .npy, .csv, .nc",
+            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: a file ending in .npy, .csv, .nc",
         ),
         ("steal.npy", "; did you mean 'steels.npy'?"),
         ("a/b/steel.npy", "allowed: an existing file, unlike a/b/steel.npy"),
@@ -465,8 +444,7 @@ def test_measured_profile_with_discretisation(tmp_path):
 CAMPAIGNS = {
     "name": (
         ("name: chapter4", "name: ../etc"),
-        "bad.yaml:1:7: name: given '../etc'; allowed: up to 100 letters, digits, '.', "
-        "'_' and '-', not starting",
+        "bad.yaml:1:7: name: given '../etc'; allowed: up to 100 letters, digits, '.', '_' and '-', not starting",
     ),
     "long name": (
         ("name: chapter4", "name: " + 101 * "a"),
@@ -484,12 +462,12 @@ CAMPAIGNS = {
         ("seed: 2018", "seed: 2018\nlength: 1e-6"),
         "bad.yaml:3:1: length: given an unknown key; allowed: one of 'name', 'seed', "
         "'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics'; 'length' belongs to scene",
+        "'reference', 'limits', 'grid', 'numerics', 'fit'; 'length' belongs to scene",
     ),
     "key of several levels": (
         ("seed: 2018", "seed: 2018\neps_c: 1"),
         "bad.yaml:3:1: eps_c: given an unknown key; allowed: one of 'name', 'seed', 'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics'; 'eps_c' belongs to reference or limits or grid",
+        "'reference', 'limits', 'grid', 'numerics', 'fit'; 'eps_c' belongs to reference or limits or grid",
     ),
     "unknown axis": (
         ("grid: {hurst", "grid: {hurts"),
@@ -529,21 +507,17 @@ CAMPAIGNS = {
         (
             "{reduced_pressure: 0.007}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\n"
             "limits: {eps_c: [1, 1/2], eps_t: [1, 1/2, 1/4]}\ngrid: {hurst: [0.3, 0.5]}",
-            "{displacement: 0.1}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\n"
-            "grid: {reduced_pressure: [0.3]}",
+            "{displacement: 0.1}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\ngrid: {reduced_pressure: [0.3]}",
         ),
-        "bad.yaml:10:26: grid.reduced_pressure: given [0.3]; allowed: nothing, as the "
-        "loading is a displacement",
+        "bad.yaml:10:26: grid.reduced_pressure: given [0.3]; allowed: nothing, as the loading is a displacement",
     ),
     "half-space axis under displacement": (
         (
             "{reduced_pressure: 0.007}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\n"
             "limits: {eps_c: [1, 1/2], eps_t: [1, 1/2, 1/4]}\ngrid: {hurst: [0.3, 0.5]}",
-            "{displacement: 0.1}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\n"
-            "grid: {aspect_ratio: [1, .inf]}",
+            "{displacement: 0.1}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\ngrid: {aspect_ratio: [1, .inf]}",
         ),
-        "bad.yaml:10:26: grid.aspect_ratio[1]: given inf; allowed: a finite "
-        "aspect_ratio, as a half-space has no",
+        "bad.yaml:10:26: grid.aspect_ratio[1]: given inf; allowed: a finite aspect_ratio, as a half-space has no",
     ),
     "incompressible axis under displacement with verlet": (
         (
@@ -562,8 +536,7 @@ CAMPAIGNS = {
     ),
     "reference that gives no whole waves": (
         ("eps_f: 1/1024", "eps_f: 0.3"),
-        f"bad.yaml:9:32: reference.eps_f: given 0.3; allowed: {WHOLE}eps_c = 0.5 and "
-        "eps_t = 0.5; did you mean 2/7?",
+        f"bad.yaml:9:32: reference.eps_f: given 0.3; allowed: {WHOLE}eps_c = 0.5 and eps_t = 0.5; did you mean 2/7?",
     ),
     "limit at odds with the reference": (
         ("eps_f: 1/1024", "eps_f: 2/3"),
@@ -572,8 +545,76 @@ CAMPAIGNS = {
     ),
     "grid that gives no whole waves": (
         ("grid: {hurst: [0.3, 0.5]}", "grid: {eps_f: [1/64, 0.3]}"),
-        f"bad.yaml:11:22: grid.eps_f[1]: given 0.3; allowed: {WHOLE}eps_c = 0.5 and eps_t "
-        "= 0.5; did you mean 2/7?",
+        f"bad.yaml:11:22: grid.eps_f[1]: given 0.3; allowed: {WHOLE}eps_c = 0.5 and eps_t = 0.5; did you mean 2/7?",
+    ),
+    "unknown variable of the fit": (
+        ("numerics: {solver: auto}", "fit: {variable: kapa}"),
+        "bad.yaml:12:17: fit.variable: given 'kapa'; allowed: one of 'kappa', 'kappa_counted', 'kappa_r'; "
+        "did you mean 'kappa'?",
+    ),
+    "unknown sharing of exponents": (
+        ("numerics: {solver: auto}", "fit: {exponents: both}"),
+        "bad.yaml:12:18: fit.exponents: given 'both'; allowed: one of 'shared', 'free'",
+    ),
+    "unknown key of the fit": (
+        ("numerics: {solver: auto}", "fit: {fix: {eps_t: 1}}"),
+        "bad.yaml:12:7: fit.fix: given an unknown key; allowed: one of 'variable', 'exponents', 'fixed'",
+    ),
+    "exponent of no limit": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_x: 1}}"),
+        "bad.yaml:12:15: fit.fixed.eps_x: given an unknown key; allowed: one of 'eps_c', 'eps_f', 'eps_t'",
+    ),
+    "exponents without limits": (
+        ("numerics: {solver: auto}", "fit: {fixed: 1}"),
+        "bad.yaml:12:14: fit.fixed: given 1; allowed: a mapping of 'eps_c', 'eps_f', 'eps_t'",
+    ),
+    "exponent of 0": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: 0}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given 0; allowed: {EXPONENT}",
+    ),
+    "infinite exponent": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: .inf}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given inf; allowed: {EXPONENT}",
+    ),
+    "exponent of nan": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: .nan}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given nan; allowed: {EXPONENT}",
+    ),
+    "exponent that is no number": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: one}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given 'one'; allowed: {EXPONENT}",
+    ),
+    "quoted exponent": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: '1'}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given '1'; allowed: {EXPONENT}; did you mean 1 without quotes?",
+    ),
+    "boolean exponent": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: true}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given true; allowed: {EXPONENT}",
+    ),
+    "range of exponents upside down": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [1, 1/2]}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given [1, 0.5]; allowed: {EXPONENT}",
+    ),
+    "range of exponents from 0": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [0, 1]}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given [0, 1]; allowed: {EXPONENT}",
+    ),
+    "endless range of exponents": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [1, .inf]}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given [1, inf]; allowed: {EXPONENT}",
+    ),
+    "range of exponents with three ends": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [0.5, 0.7, 1]}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given [0.5, 0.7, 1]; allowed: {EXPONENT}",
+    ),
+    "empty range of exponents": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: []}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given []; allowed: {EXPONENT}",
+    ),
+    "range of exponents in words": (
+        ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [low, high]}}"),
+        f"bad.yaml:12:22: fit.fixed.eps_t: given ['low', 'high']; allowed: {EXPONENT}",
     ),
 }
 
@@ -588,9 +629,7 @@ def test_bad_campaign(tmp_path, name):
 
 def test_too_many_cases(tmp_path):
     hundred = [f"{i}/1000" for i in range(1, 101)]
-    axes = ", ".join(
-        f"{axis}: [{', '.join(hundred)}]" for axis in ("hurst", "aspect_ratio", "reduced_pressure")
-    )
+    axes = ", ".join(f"{axis}: [{', '.join(hundred)}]" for axis in ("hurst", "aspect_ratio", "reduced_pressure"))
     message = complaint(tmp_path, load_campaign, changed(CAMPAIGN, "hurst: [0.3, 0.5]", axes))
     assert message.startswith("bad.yaml:11:7: grid: given {")
     assert message.endswith("; allowed: at most 1000000 cases, not 4000000")

@@ -163,7 +163,7 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     left = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
-    assert 3 <= len(left)
+    assert len(left) >= 3
     result = gfmd_numba.run(path, out, workers)
     xr.testing.assert_identical(numbers(result), numbers(finished))
     assert {shard: shard.stat().st_mtime_ns for shard in left} == left

@@ -5,7 +5,7 @@ from math import inf, isnan
 import pytest
 from pydantic import ValidationError
 
-from gfmd_numba.campaign.specification import load_campaign
+from gfmd_numba.campaign.specification import Campaign, Fit, load_campaign
 from gfmd_numba.scene import Discretisation, InputError, SceneFile, SelfAffine, load_scene, read_document
 
 NESTED = """\
@@ -190,18 +190,29 @@ def test_grid_discretisations_are_a_product(tmp_path):
     assert [d.eps_c for d, _, _ in campaign.discretisations()] == 5 * [1] + 5 * [0.5]
 
 
-def test_every_field_is_described():
-    schema = SceneFile.model_json_schema()
-    for record in (*schema["$defs"].values(), schema):
-        for name, node in record["properties"].items():
+def test_fit_has_defaults_and_exponents_may_be_ranges(tmp_path):
+    default = load_campaign(write(tmp_path, CAMPAIGN))[0].fit
+    assert (default.variable, default.exponents) == ("kappa", "shared")
+    assert default.fixed.model_dump(exclude_none=True) == {}
+    text = CAMPAIGN + "fit: {variable: kappa_r, exponents: free, fixed: {eps_f: [1/2, 1], eps_t: 1}}\n"
+    fit = load_campaign(write(tmp_path, text))[0].fit
+    assert (fit.variable, fit.exponents) == ("kappa_r", "free")
+    assert fit.fixed.model_dump() == {"eps_c": None, "eps_f": (0.5, 1.0), "eps_t": 1.0}
+    assert type(fit.fixed.eps_t) is float
+    assert Fit.model_validate_json(fit.model_dump_json()) == fit
+
+
+@pytest.mark.parametrize("record", [SceneFile, Campaign])
+def test_every_field_is_described(record):
+    schema = record.model_json_schema()
+    for known in (*schema["$defs"].values(), schema):
+        for name, node in known["properties"].items():
             assert node.get("description"), name
 
 
 def test_start_up_imports_nothing_heavy():
     code = "import sys, gfmd_numba.campaign.specification; print(*sys.modules)"
-    modules = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout.split()
+    modules = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "gfmd_numba.campaign.specification" in modules
     assert not {"numpy", "numba", "dask", "xarray", "scipy", "psutil"} & set(modules)
 

@@ -109,15 +109,11 @@ def test_full_product_without_a_reference_case():
     dataset = base.isel(case=np.zeros(c.size, int)).assign_coords(
         eps_c=("case", c), eps_f=("case", f), eps_t=("case", t), is_reference=("case", np.zeros(c.size, bool))
     )
-    dataset["kappa"] += (
-        2 + 0.4 * dataset["eps_c"] ** 1.1 + 6 * dataset["eps_f"] ** 0.6 + 0.3 * dataset["eps_t"]
-    )
+    dataset["kappa"] += 2 + 0.4 * dataset["eps_c"] ** 1.1 + 6 * dataset["eps_f"] ** 0.6 + 0.3 * dataset["eps_t"]
     dataset["kappa"] -= base["kappa"].values[0, 0]
     fit = fit_tfc(dataset, bootstrap=5)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
-    np.testing.assert_allclose(
-        fit["correction"].sel(limit="eps_t"), 0.3 / 8, rtol=1e-7
-    )  # at the finest level
+    np.testing.assert_allclose(fit["correction"].sel(limit="eps_t"), 0.3 / 8, rtol=1e-7)  # at the finest level
 
 
 def test_noisy_parameters_lie_inside_the_error_bars():
@@ -201,6 +197,41 @@ def test_same_seed_same_numbers():
     assert other["kappa_tfc_error"] != first["kappa_tfc_error"]
 
 
+def test_error_bars_cover_an_exponent_known_only_to_a_range():
+    planted = ALPHA | {"eps_f": 0.67}
+    dataset = noisy(campaign(alpha=planted, realisations=30), np.random.default_rng(14), spread=0.02)
+    others = {"eps_c": ALPHA["eps_c"], "eps_t": ALPHA["eps_t"]}
+    exact, ranged = (fit_tfc(dataset, fixed=others | {"eps_f": e}, bootstrap=200) for e in (0.67, (0.5, 1.0)))
+    assert ranged["kappa_tfc_low"] < 2.0 < ranged["kappa_tfc_high"]
+    assert ranged["kappa_tfc_error"] > 2 * exact["kappa_tfc_error"]
+    eps_f = ranged.sel(limit="eps_f", group=0)
+    assert eps_f["alpha"] == 0.75
+    np.testing.assert_allclose(eps_f["alpha_error"], 0.5 / np.sqrt(12), rtol=0.15)
+    assert abs(eps_f["C"] - C["eps_f"]) < 3 * eps_f["C_error"]
+    assert ranged.attrs["fixed"] == "eps_c: 1.1, eps_t: 1, eps_f: 0.5..1"
+
+
+@pytest.mark.parametrize("exponents", ["shared", "free"])
+def test_without_noise_the_error_is_that_of_the_range(exponents):
+    dataset = campaign((0.3, 0.8), realisations=3)
+    fit = fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": (0.8, 1.2)}, bootstrap=400)
+    ends = [
+        fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": end}, bootstrap=0)["kappa_tfc"]
+        for end in (0.8, 1.2)
+    ]
+    # kappa_tfc is nearly linear in the exponent over so short a range
+    np.testing.assert_allclose(fit["kappa_tfc_error"], abs(ends[1] - ends[0]) / np.sqrt(12), rtol=0.1)
+    assert (fit["kappa_tfc_low"] >= ends[0]).all()
+    assert (fit["kappa_tfc_high"] <= ends[1]).all()
+    assert (fit["alpha_error"].sel(limit="eps_c") < 1e-12).all()
+
+
+def test_a_range_of_no_width_is_an_exact_exponent():
+    dataset = noisy(campaign(realisations=10), np.random.default_rng(0))
+    exact, ranged = (fit_tfc(dataset, fixed=ALPHA | {"eps_t": e}, bootstrap=20) for e in (1.0, [1.0, 1.0]))
+    xr.testing.assert_identical(exact, ranged)
+
+
 @pytest.mark.parametrize("spread", [0.0, 0.02])
 def test_a_flat_limit_has_no_exponent(spread):
     rng = np.random.default_rng(6)
@@ -234,9 +265,7 @@ def test_an_exponent_known_only_to_a_factor_of_ten_is_refused():
 
 
 def test_one_doubtful_exponent_refuses_every_group_that_shares_it():
-    dataset = noisy(
-        campaign((0.3, 0.8), coefficients=C | {"eps_t": 0.0}, realisations=10), np.random.default_rng(1)
-    )
+    dataset = noisy(campaign((0.3, 0.8), coefficients=C | {"eps_t": 0.0}, realisations=10), np.random.default_rng(1))
     fit = fit_tfc(dataset, bootstrap=30)
     assert_refused(fit, "exponent of eps_t")
     assert "exponent of eps_t" in fit["message"].values[1]
@@ -244,9 +273,7 @@ def test_one_doubtful_exponent_refuses_every_group_that_shares_it():
 
 def test_two_levels_need_a_fixed_exponent():
     dataset = campaign(levels=LEVELS | {"eps_t": [1, 1 / 2]})
-    assert_refused(
-        fit_tfc(dataset, bootstrap=5), "eps_t needs three levels, has two (1, 1/2)", "fixed={'eps_t'"
-    )
+    assert_refused(fit_tfc(dataset, bootstrap=5), "eps_t needs three levels, has two (1, 1/2)", "fixed={'eps_t'")
     fit = fit_tfc(dataset, fixed={"eps_t": 1.0}, bootstrap=5)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
 
@@ -289,17 +316,63 @@ def test_roughness_at_nyquist_is_left_out_by_default():
     assert abs(kept["kappa_tfc"] - 2.0) > 1e-3
 
 
-def test_failed_results_are_left_out_and_counted():
-    rng = np.random.default_rng(9)
-    whole = noisy(campaign(realisations=12), rng)
-    broken = fails(fails(whole, case=2, realisation=slice(0, 8)), case=7, realisation=3)
+def test_only_complete_realisations_are_fitted():
+    whole = noisy(campaign((0.3, 0.8), realisations=12), np.random.default_rng(9))
+    broken = fails(whole, case=7, realisation=3)
     broken["kappa"][5, 4] = np.nan
-    fit = fit_tfc(broken, fixed=ALPHA, bootstrap=40)
-    assert fit["n_excluded"] == 10
-    assert fit["n_realisations"] == 12
-    assert fit["n_cases"] == 10
-    reference = fit_tfc(whole, fixed=ALPHA, bootstrap=40)
-    assert abs(fit["kappa_tfc"] - reference["kappa_tfc"]) < fit["kappa_tfc_error"]
+    fit = fit_tfc(broken, exponents="free", fixed=ALPHA, bootstrap=40)
+    assert fit["n_excluded"].values.tolist() == [2, 0]
+    assert fit["n_realisations"].values.tolist() == [10, 12]
+    assert fit["n_cases"].values.tolist() == [10, 10]
+    assert fit["message"].values.tolist() == ["2 of 12 realisations dropped, not good in every case", ""]
+    rest = whole.isel(realisation=np.delete(np.arange(12), [3, 4]))
+    for row, same in enumerate((rest, whole)):
+        expected = fit_tfc(same, exponents="free", fixed=ALPHA, bootstrap=0)
+        for name in ("kappa_tfc", "C", "chi2"):
+            np.testing.assert_allclose(fit[name][row], expected[name][row], rtol=1e-12)
+
+
+def test_bootstrap_of_incomplete_groups_scatters_as_if_the_rest_had_never_been_run():
+    whole = noisy(campaign((0.3, 0.8), realisations=30), np.random.default_rng(13))
+    broken = fails(whole, case=5, realisation=slice(0, 10))
+    few, all_of_them = (fit_tfc(data, fixed=ALPHA, bootstrap=400)["kappa_tfc_error"] for data in (broken, whole))
+    expected = fit_tfc(whole.isel(realisation=slice(10, 30)), fixed=ALPHA, bootstrap=400)["kappa_tfc_error"]
+    np.testing.assert_allclose(few[0], expected[0], rtol=0.15)
+    np.testing.assert_allclose(few[1], all_of_them[1], rtol=1e-12)
+
+
+def test_a_case_that_mostly_failed_is_left_out_by_name():
+    dataset = noisy(campaign(realisations=12), np.random.default_rng(9))
+    fit = fit_tfc(fails(dataset, case=2, realisation=slice(0, 7)), fixed=ALPHA, bootstrap=5)
+    assert fit["message"] == "left out, failed in more than half of the realisations: case-2"
+    assert (fit["n_cases"], fit["n_realisations"], fit["n_excluded"]) == (9, 12, 7)
+    half = fit_tfc(fails(dataset, case=2, realisation=slice(0, 6)), fixed=ALPHA, bootstrap=5)
+    assert (half["n_cases"], half["n_realisations"], half["n_excluded"]) == (10, 6, 6)
+
+
+def test_realisations_not_run_yet_are_no_failures_of_single_cases():
+    dataset = campaign(realisations=12)
+    dataset["kappa"][:, 4:] = np.nan
+    fit = fit_tfc(dataset, bootstrap=5)
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
+    assert (fit["n_cases"], fit["n_realisations"], fit["message"]) == (10, 4, "")
+
+
+def test_a_group_without_a_complete_realisation_is_refused():
+    dataset = campaign(realisations=4)
+    for realisation in range(4):
+        dataset = fails(dataset, case=realisation, realisation=realisation)
+    assert_refused(fit_tfc(dataset, bootstrap=5), "no realisation is good in all 10 cases")
+
+
+def test_a_group_with_one_complete_realisation_has_no_sampling_error():
+    dataset = noisy(campaign((0.3, 0.8), realisations=4), np.random.default_rng(12), spread=0.01)
+    for realisation in range(3):
+        dataset = fails(dataset, case=realisation, realisation=realisation)
+    fit = fit_tfc(dataset, fixed=ALPHA, bootstrap=40)
+    assert fit["n_realisations"].values.tolist() == [1, 4]
+    assert np.isnan(fit["kappa_tfc_error"]).values.tolist() == [True, False]
+    assert "sampling error is unknown (1 realisation," in fit["message"].values[0]
 
 
 def test_missing_results_do_not_break_the_pairing():
@@ -308,23 +381,10 @@ def test_missing_results_do_not_break_the_pairing():
     dataset = campaign(realisations=20)
     offset = 10 * rng.standard_normal(20)
     dataset["kappa"] = dataset["kappa"] + offset + 0.001 * rng.standard_normal(dataset["kappa"].shape)
-    broken = fails(dataset, case=2, realisation=np.flatnonzero(offset > 0))
+    broken = fails(dataset, case=2, realisation=np.argsort(offset)[10:])
     fit = fit_tfc(broken, fixed=ALPHA, bootstrap=0)
-    np.testing.assert_allclose(fit["C"].values[0], list(C.values()), rtol=0.05)
-
-
-def test_a_case_with_one_good_realisation_is_used_by_the_replicates_that_draw_it():
-    dataset = noisy(campaign(realisations=6), np.random.default_rng(12))
-    fit = fit_tfc(fails(dataset, case=2, realisation=slice(1, 6)), fixed=ALPHA, bootstrap=40)
     assert fit["n_cases"] == 10
-    assert np.isfinite(fit["kappa_tfc_error"])
-    assert np.isfinite(fit["C_error"]).all()
-
-
-def test_complete_data_are_fitted_by_their_plain_means():
-    dataset = noisy(campaign(realisations=9), np.random.default_rng(3))
-    block = _block(_group({}, dataset, "kappa", True), slice(None), ["eps_c", "eps_f", "eps_t"])
-    np.testing.assert_allclose(block.means, dataset["kappa"].mean("realisation"), rtol=1e-13)
+    np.testing.assert_allclose(fit["C"].values[0], list(C.values()), rtol=0.05)
 
 
 def test_a_case_that_failed_entirely_is_left_out_by_name():
@@ -358,6 +418,11 @@ def test_a_group_that_failed_entirely_does_not_take_the_others_along():
         ({"fixed": {"eps_x": 1.0}}, "eps_x"),
         ({"fixed": {"eps_c": -1.0}}, "positive"),
         ({"fixed": {"eps_c": np.nan}}, "positive"),
+        ({"fixed": {"eps_c": (0.0, 1.0)}}, "positive"),
+        ({"fixed": {"eps_c": (1.0, 0.5)}}, r"not 'eps_c': \(1.0, 0.5\)"),
+        ({"fixed": {"eps_c": (1.0, np.inf)}}, "positive"),
+        ({"fixed": {"eps_c": (0.5, 0.7, 1.0)}}, r"\(low, high\)"),
+        ({"fixed": {"eps_c": "1.0"}}, "not 'eps_c': '1.0'"),
     ],
 )
 def test_wrong_options_are_named(options, match):

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis.selection import GROUP, LIMITS, good, groups, select_limit
+from gfmd_numba.analysis.selection import GROUP, LIMITS, ensemble_mean, groups, select_limit
 
 # Okabe and Ito: told apart with any colour vision
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -123,9 +123,9 @@ def _draw_limit(
         look = looks[key]
         position = np.exp(spacing * (order.index(key) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
-            counted, _ = _mean_and_error(group, "kappa_counted")
+            counted, _ = ensemble_mean(group, "kappa_counted")
             axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45)
-        mean, error = _mean_and_error(group, variable)
+        mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
         if key in fitted:
             _draw_curve(axis, fitted[key], limit, group[limit].values, look)
@@ -135,16 +135,6 @@ def _draw_limit(
     axis.set_xticks(levels, [f"{level:g}" for level in levels])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set(title=title, xlabel=label)
-
-
-def _mean_and_error(group: xr.Dataset, variable: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return means over good realisations and their standard errors, nan where undefined."""
-    usable = good(group, variable).values
-    values = group[variable].transpose("case", "realisation").values.astype(float)
-    n = usable.sum(axis=1)
-    mean = np.where(n > 0, np.where(usable, values, 0).sum(axis=1) / n.clip(1), np.nan)
-    squares = np.where(usable, (values - mean[:, None]) ** 2, 0).sum(axis=1)
-    return mean, np.where(n > 1, np.sqrt(squares / (n - 1).clip(1) / n.clip(1)), np.nan)
 
 
 def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: NDArray[np.float64], look: _Look) -> None:

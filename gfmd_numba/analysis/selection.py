@@ -33,7 +33,7 @@ class Group:
     @property
     def n_cases(self) -> int:
         """Number of cases."""
-        return self.values.shape[1]
+        return int(self.values.shape[1])
 
     def log_ratio(self, limit: str) -> Array:
         """Return the logarithm of a limit's levels over its reference level."""
@@ -47,6 +47,16 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()
     mask &= abs(dataset[variable]) < np.inf
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
+
+
+def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
+    """Return each case's mean over good realisations and its standard error, nan where undefined."""
+    usable = good(cases, variable).values
+    values = cases[variable].transpose("case", "realisation").values.astype(float)
+    n = usable.sum(axis=1)
+    mean = np.where(n > 0, np.where(usable, values, 0).sum(axis=1) / n.clip(1), np.nan)
+    squares = np.where(usable, (values - mean[:, None]) ** 2, 0).sum(axis=1)
+    return mean, np.where(n > 1, np.sqrt(squares / (n - 1).clip(1) / n.clip(1)), np.nan)
 
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:

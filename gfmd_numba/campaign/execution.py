@@ -37,9 +37,7 @@ def unfinished(tasks: list[Task], directory: Path) -> list[Task]:
     return [task for task in tasks if shards.read(shard_path(directory, task)) is None]
 
 
-def execute(
-    tasks: list[Task], directory: Path, workers: int, scheduler: str | None, progress: Progress
-) -> Failures:
+def execute(tasks: list[Task], directory: Path, workers: int, scheduler: str | None, progress: Progress) -> Failures:
     """Perform tasks on `workers` local dask processes (0: here), or on an existing dask scheduler.
 
     Returns task name -> reason of those that failed; the others are finished all the same.
@@ -77,8 +75,7 @@ def _execute_on(client: Any, tasks: list[Task], directory: Path, progress: Progr
 
     names = {f"perform-{task.name}": task.name for task in tasks}
     submissions = (
-        client.submit(perform, task, directory, key=key, pure=False)
-        for key, task in zip(names, tasks, strict=True)
+        client.submit(perform, task, directory, key=key, pure=False) for key, task in zip(names, tasks, strict=True)
     )
     in_flight = 2 * max(1, len(client.scheduler_info()["workers"]))
     futures = as_completed(list(islice(submissions, in_flight)))

@@ -127,6 +127,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "campaign": text,
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "seed": campaign.seed,
+        "fit": campaign.fit.model_dump_json(exclude_none=True),
         "dropped_effects": "\n".join(planned.dropped),
         "n_distinct_problems": planned.n_problems,
         "versions": json.dumps({name: version(name) for name in _PACKAGES}),

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from itertools import product
-from math import isinf, prod
+from math import inf, isinf, prod
 from pathlib import Path
-from typing import Annotated, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BaseModel, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.document import Document, Location, check_discretisation, read_document, validate
+from gfmd_numba.scene.document import Document, Location, read_document
 from gfmd_numba.scene.records import (
     RECORD,
     AspectRatio,
@@ -27,6 +27,8 @@ from gfmd_numba.scene.records import (
     broken_rule,
     check_solver,
 )
+from gfmd_numba.scene.scene_file import check_discretisation
+from gfmd_numba.scene.validation import validate
 
 AXES = tuple(Discretisation.model_fields)
 MOST_CASES = 1_000_000
@@ -42,6 +44,21 @@ def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
 
 
 Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
+
+
+EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
+
+
+def _exponent(given: Any) -> float | tuple[float, float]:
+    ends = given if isinstance(given, list | tuple) else (given, given)
+    numbers = len(ends) == 2 and all(type(end) in (int, float) for end in ends)
+    if not numbers or not 0 < ends[0] <= ends[1] < inf:
+        raise ValueError(EXPONENT)
+    return (float(ends[0]), float(ends[1])) if isinstance(given, list | tuple) else float(given)
+
+
+# checked before the union of types, which would tell every fault twice
+Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), WithJsonSchema({"allowed": EXPONENT})]
 
 
 class Limits(BaseModel):
@@ -67,6 +84,24 @@ class Grid(BaseModel):
     eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic discretisations (dimensionless)")
 
 
+class FixedExponents(BaseModel):
+    """Exponents (dimensionless) that the fit does not search: a value, or the range it lies in."""
+
+    model_config = RECORD
+    eps_c: Exponent | None = Field(None, description="Exponent of eps_c or its range (dimensionless)")
+    eps_f: Exponent | None = Field(None, description="Exponent of eps_f or its range (dimensionless)")
+    eps_t: Exponent | None = Field(None, description="Exponent of eps_t or its range (dimensionless)")
+
+
+class Fit(BaseModel):
+    """How the results are fitted to their limit."""
+
+    model_config = RECORD
+    variable: Literal["kappa", "kappa_counted", "kappa_r"] = Field("kappa", description="What is fitted")
+    exponents: Literal["shared", "free"] = Field("shared", description="One set for all groups, or one for each")
+    fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
+
+
 class Campaign(BaseModel):
     """Grid product of cases, each at the reference and along its limits, times realisations."""
 
@@ -84,6 +119,7 @@ class Campaign(BaseModel):
     limits: Limits = Field(Limits(), description="Discretisations one at a time")
     grid: Grid = Field(Grid(), description="Parameters as a full product")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
+    fit: Fit = Field(Fit(), description="How the results are fitted")
 
     @property
     def n_cases(self) -> int:

@@ -119,9 +119,7 @@ def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibri
         ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
         rows = active[ended]
         pressure = np.empty_like(solver.field.result)
-        kernels.contact_pressure(
-            solver.displacement, solver.field.result, solver.punch, solver.load, rows, n, pressure
-        )
+        kernels.contact_pressure(solver.displacement, solver.field.result, solver.punch, solver.load, rows, n, pressure)
         where = first + rows
         result.displacement[where] = solver.displacement[rows, :n]
         result.pressure[where] = pressure[rows, :n]

@@ -18,9 +18,7 @@ class Verlet:
     the punch is prescribed instead.
     """
 
-    def __init__(
-        self, punch: Reals, stiffness: Reals, load: Reals, time_step: float, damping: float
-    ) -> None:
+    def __init__(self, punch: Reals, stiffness: Reals, load: Reals, time_step: float, damping: float) -> None:
         rows, n = punch.shape
         elastic = stiffness[stiffness > 0.0]
         softest, stiffest = float(elastic.min()), float(elastic.max())
@@ -49,7 +47,5 @@ class Verlet:
         """Largest violation of the contact conditions, in E* `[active]`; costs no transform."""
         field = self.field
         worst = np.empty(self.load.size)
-        kernels.kkt_violation(
-            self.displacement, field.result, self.punch, self.load, active, field.n, worst
-        )
+        kernels.kkt_violation(self.displacement, field.result, self.punch, self.load, active, field.n, worst)
         return worst[active]

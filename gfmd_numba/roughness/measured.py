@@ -1,5 +1,6 @@
 """The user's own profiles, taken as they are: equidistant heights over one period."""
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ def read_profile(path: Path) -> Reals:
 
     Raises ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
     """
-    heights: npt.NDArray[Any] = _READERS[path.suffix](path)
+    heights = _READERS[path.suffix](path)
     if heights.ndim != 1 or heights.dtype.kind not in "fiu":
         raise ValueError(f"an array of shape {heights.shape} and type {heights.dtype}, not one row of numbers")
     heights = np.asarray(heights, dtype=np.float64)
@@ -26,27 +27,32 @@ def read_profile(path: Path) -> Reals:
     return heights
 
 
-def _read_csv(path: Path) -> npt.NDArray[np.generic]:
-    table = np.atleast_1d(np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64))
-    if table.ndim == 2:
+def _read_npy(path: Path) -> npt.NDArray[Any]:
+    try:
+        return np.asarray(np.load(path, allow_pickle=False))
+    except (ValueError, EOFError):
+        raise ValueError("no .npy array of numbers") from None
+
+
+def _read_csv(path: Path) -> npt.NDArray[Any]:
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of an empty file, which has 0 heights
+        table = np.loadtxt(path, delimiter=",", ndmin=2)
+    if table.shape[1] > 1:
         raise ValueError(f"{table.shape[1]} columns, not one column of equidistant heights")
-    return table
+    return table.ravel()
 
 
-def _read_netcdf(path: Path) -> npt.NDArray[np.generic]:
+def _read_netcdf(path: Path) -> npt.NDArray[Any]:
     import xarray as xr
 
-    with xr.open_dataset(path) as dataset:
-        name = "height" if "height" in dataset.data_vars else None
-        if name is None and len(dataset.data_vars) == 1:
-            (name,) = map(str, dataset.data_vars)
-        if name is None:
-            raise ValueError(f"variables {', '.join(map(str, dataset.data_vars))}, not one named height")
-        return np.asarray(dataset[name])
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as dataset:
+            names = [str(name) for name in dataset.data_vars]
+            if "height" not in names and len(names) != 1:
+                raise ValueError(f"variables {', '.join(names)}, not one named height")
+            return np.asarray(dataset["height" if "height" in names else names[0]])
+    except OSError:
+        raise ValueError("no netCDF file") from None
 
 
-_READERS = {
-    ".npy": lambda path: np.load(path, allow_pickle=False),
-    ".csv": _read_csv,
-    ".nc": _read_netcdf,
-}
+_READERS = {".npy": _read_npy, ".csv": _read_csv, ".nc": _read_netcdf}

@@ -8,9 +8,7 @@ from gfmd_numba import grid
 Reals = npt.NDArray[np.float64]
 
 
-def profiles(
-    hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range
-) -> Reals:
+def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
     """Heights `[realisation, nx]` of zero mean and unit rms gradient, in L_x.
 
     The amplitude falls as q^-(1/2 + H) (3.28) between the wave indices `cut_on_index` = L_x / lambda_l and

@@ -1,6 +1,6 @@
 """What the user describes, and how it is read and checked."""
 
-from gfmd_numba.scene.document import Document, InputError, load_scene, read_document, validate
+from gfmd_numba.scene.document import Document, InputError, read_document
 from gfmd_numba.scene.records import (
     Body,
     Discretisation,
@@ -14,6 +14,8 @@ from gfmd_numba.scene.records import (
     SceneFile,
     SelfAffine,
 )
+from gfmd_numba.scene.scene_file import check_discretisation, load_scene, scene_document
+from gfmd_numba.scene.validation import validate
 
 __all__ = [
     "Body",
@@ -29,7 +31,9 @@ __all__ = [
     "Scene",
     "SceneFile",
     "SelfAffine",
+    "check_discretisation",
     "load_scene",
     "read_document",
+    "scene_document",
     "validate",
 ]

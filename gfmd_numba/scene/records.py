@@ -61,9 +61,7 @@ class Measured(BaseModel):
     file: str = Field(min_length=1, description="Profile, relative to the scene file's folder")
 
 
-Roughness = Annotated[
-    SelfAffine | Measured, Field(discriminator="method", description="The rigid punch's roughness")
-]
+Roughness = Annotated[SelfAffine | Measured, Field(discriminator="method", description="The rigid punch's roughness")]
 
 
 class HardWall(BaseModel):
@@ -83,9 +81,7 @@ class Loading(BaseModel):
     """Mean pressure (dimensionless) or punch displacement (m or L_x), exactly one of the two."""
 
     model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(
-        None, description="Mean pressure p/(g E*) (dimensionless)"
-    )
+    reduced_pressure: ReducedPressure | None = Field(None, description="Mean pressure p/(g E*) (dimensionless)")
     displacement: float | None = Field(
         None,
         gt=0,
@@ -164,9 +160,7 @@ class Discretisation(BaseModel):
         for start, step in ((floor(unit / present), -1), (ceil(unit / present), 1)):
             numbers = range(start, start + 1000 * step, step)
             candidates = (Fraction(unit, n) for n in numbers if n >= max(unit, 1))
-            fit = next(
-                (c for c in candidates if self.model_copy(update={axis: float(c)}).misfit is None), None
-            )
+            fit = next((c for c in candidates if self.model_copy(update={axis: float(c)}).misfit is None), None)
             fits += [] if fit is None else [fit]
         return min(fits, key=lambda fit: abs(fit - Fraction(present)), default=None)
 
@@ -192,11 +186,7 @@ class Numerics(BaseModel):
 
 def check_solver(scene: Scene, numerics: Numerics) -> None:
     """Raise a located PydanticCustomError if the solver cannot hold a mean displacement that is rigid."""
-    if (
-        numerics.solver == "verlet"
-        and scene.loading.displacement is not None
-        and scene.body.poissons_ratio == 0.5
-    ):
+    if numerics.solver == "verlet" and scene.loading.displacement is not None and scene.body.poissons_ratio == 0.5:
         raise broken_rule(
             ("numerics", "solver"),
             "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
@@ -218,9 +208,7 @@ class SceneFile(BaseModel):
     def _parts_agree(self) -> Self:
         random = isinstance(self.scene.roughness, SelfAffine)
         if random and self.discretisation is None:
-            raise broken_rule(
-                ("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs"
-            )
+            raise broken_rule(("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs")
         if not random and self.discretisation is not None:
             raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
         check_solver(self.scene, self.numerics)

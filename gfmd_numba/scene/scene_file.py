@@ -1,0 +1,104 @@
+"""Scene files, nested or flat, and the checks that need more than their records."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from gfmd_numba.scene.document import Document, Location, read_document
+from gfmd_numba.scene.records import Discretisation, Measured, Scene, SceneFile
+from gfmd_numba.scene.validation import nearest, validate
+
+ARRAYS_PER_REALISATION = 16
+PROFILE_SUFFIXES = (".npy", ".csv", ".nc")
+
+
+def check_discretisation(
+    document: Document,
+    discretisation: Discretisation,
+    locations: Mapping[str, Location],
+    varied: str | None = None,
+) -> None:
+    """Raise InputError, at the varied value if any, unless waves are whole and the grid fits in memory."""
+    import psutil
+
+    eps = discretisation.model_dump()
+    nx = discretisation.waves["eps_c"]
+    needed, available = 8 * nx * ARRAYS_PER_REALISATION / 1e9, psutil.virtual_memory().total / 1e9
+    if needed > available:
+        axis = varied or min(eps, key=eps.__getitem__)
+        raise document.error(
+            locations[axis],
+            document.value(locations[axis]),
+            f"a grid that fits in {available:.3g} GB of memory, where nx = {nx:.6g} needs {needed:.3g} GB",
+        )
+    misfit = discretisation.misfit
+    if misfit is not None:
+        axis = varied or misfit
+        others = " and ".join(f"{name} = {value:.6g}" for name, value in eps.items() if name != axis)
+        fit = discretisation.nearest_fit(axis)
+        raise document.error(
+            locations[axis],
+            document.value(locations[axis]),
+            "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps_c) whole numbers, "
+            f"nx at least 4, with {others}",
+            "" if fit is None else f"did you mean {fit}?",
+        )
+
+
+def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
+    """Checked scene of a YAML file, nested or flat, a mapping or a record; raises InputError."""
+    document = scene_document(source)
+    scene_file = source if isinstance(source, SceneFile) else validate(document, SceneFile)
+    if scene_file.discretisation is not None:
+        axes = Discretisation.model_fields
+        check_discretisation(document, scene_file.discretisation, {axis: ("discretisation", axis) for axis in axes})
+    if isinstance(scene_file.scene.roughness, Measured):
+        profile = _profile(document, scene_file.scene.roughness)
+        scene = scene_file.scene.model_copy(update={"roughness": profile})
+        scene_file = scene_file.model_copy(update={"scene": scene})
+    return scene_file
+
+
+def scene_document(source: str | Path | Mapping[str, Any] | SceneFile) -> Document:
+    """Document behind a scene, for messages that say where its values stand; raises InputError."""
+    if isinstance(source, SceneFile):
+        return Document(None, "", source.model_dump())
+    return _nested(Document(None, "", dict(source)) if isinstance(source, Mapping) else read_document(source))
+
+
+def _nested(document: Document) -> Document:
+    """Document with a flat file's scene gathered under `scene`, its positions with it."""
+    data = document.data
+    if not isinstance(data, dict) or "scene" in data or not any(key in Scene.model_fields for key in data):
+        return document
+
+    def home(location: Location) -> Location:
+        return location if not location or location[0] in SceneFile.model_fields else ("scene", *location)
+
+    nested: dict[str, Any] = {"scene": {}}
+    for key, value in data.items():
+        (nested if key in SceneFile.model_fields else nested["scene"])[key] = value
+    return replace(
+        document,
+        data=nested,
+        positions={home(location): at for location, at in document.positions.items()},
+        key_positions={home(location): at for location, at in document.key_positions.items()},
+        flat=True,
+    )
+
+
+def _profile(document: Document, roughness: Measured) -> Measured:
+    """Measured roughness with an absolute path to an existing profile of a known kind."""
+    location = ("scene", "roughness", "file")
+    folder = Path() if document.path is None else document.path.parent
+    file = folder / roughness.file
+    if file.suffix not in PROFILE_SUFFIXES:
+        raise document.error(location, roughness.file, "a file ending in " + ", ".join(PROFILE_SUFFIXES))
+    if not os.path.isfile(file):
+        present = [p.name for p in folder.iterdir() if p.suffix in PROFILE_SUFFIXES]
+        raise document.error(
+            location, roughness.file, f"an existing file, unlike {file}", nearest(roughness.file, present)
+        )
+    return roughness.model_copy(update={"file": str(file.resolve())})

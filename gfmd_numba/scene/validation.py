@@ -1,0 +1,129 @@
+"""Checks of a document against a record, every fault told in the words of the document."""
+
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from gfmd_numba.scene.document import Document, InputError, Location, brief, plain_scalar
+
+Record = TypeVar("Record", bound=BaseModel)
+
+
+def validate(document: Document, model: type[Record]) -> Record:
+    """Record of a document's data; raises InputError with one line per fault."""
+    try:
+        return model.model_validate(document.data)
+    except ValidationError as error:
+        schema = model.model_json_schema()
+        faults = error.errors(include_url=False)
+        raise InputError("\n".join(_fault(document, schema, fault) for fault in faults)) from None
+
+
+def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> str:
+    location, node = _at(schema, fault["loc"])
+    match fault["type"]:
+        case "rule":
+            location += fault["ctx"]["location"]
+            return document.line(location, brief(document.value(location)), fault["ctx"]["allowed"])
+        case "extra_forbidden" | "invalid_key":
+            siblings = list(_at(schema, fault["loc"][:-1])[1]["properties"])
+            if document.flat and len(location) == 2:
+                siblings += [key for key in schema["properties"] if key != "scene"]
+            hint = _belongs(schema, str(location[-1])) or nearest(location[-1], siblings)
+            return document.key_line(location, "an unknown key", _listed(siblings), hint)
+        case "union_tag_invalid" | "union_tag_not_found":
+            location += (node["discriminator"]["propertyName"],)
+            node = {"enum": list(node["discriminator"]["mapping"])}
+    value = document.value(location)
+    hint = nearest(value, node.get("enum", ()))
+    if isinstance(value, str) and isinstance(plain_scalar(value), int | float) and "enum" not in node:
+        hint = f"did you mean {value} without quotes?"
+    return document.line(location, brief(value), _allowed(schema, node), hint)
+
+
+def _at(schema: dict[str, Any], loc: Iterable[str | int]) -> tuple[Location, dict[str, Any]]:
+    """Location in the document, free of union tags, and JSON Schema node of an error's location."""
+    location: Location = ()
+    node = schema
+    for part in loc:
+        tagged = node.get("discriminator", {}).get("mapping", {})
+        if part in tagged:
+            node = _resolved(schema, {"$ref": tagged[part]})
+        else:
+            location += (part,)
+            inner = node.get("items", {}) if isinstance(part, int) else node.get("properties", {}).get(part, {})
+            node = _resolved(schema, inner)
+    return location, node
+
+
+def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
+    choices = node.get("anyOf") or node.get("allOf") or [node]
+    node = next(choice for choice in choices if choice.get("type") != "null")
+    if "$ref" in node:
+        resolved: dict[str, Any] = schema["$defs"][node["$ref"].rpartition("/")[2]]
+        return resolved
+    return node
+
+
+def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
+    """Plain words for what a JSON Schema node admits."""
+    if "allowed" in node:
+        return str(node["allowed"])
+    if "enum" in node or "const" in node:
+        return _listed(node.get("enum", [node.get("const")]))
+    if "discriminator" in node:
+        union = node["discriminator"]
+        return f"a mapping with {union['propertyName']} {_listed(union['mapping'])}"
+    match node.get("type"):
+        case "array":
+            item = _allowed(schema, _resolved(schema, node["items"]))
+            return "a list of one or more " + item.removeprefix("a ").replace("number", "numbers", 1)
+        case "object":
+            return "a mapping of " + ", ".join(map(repr, node["properties"])) if node["properties"] else "{}"
+        case "integer":
+            return "a whole number" + _range(node)
+        case "number":
+            return ("a number" if "maximum" in node else "a finite number") + _range(node)
+    return "text"
+
+
+def _range(node: dict[str, Any]) -> str:
+    if "minimum" in node and "maximum" in node:
+        return f" from {node['minimum']} to {node['maximum']}"
+    words = {
+        "exclusiveMinimum": "above",
+        "minimum": "at least",
+        "maximum": "at most",
+        "exclusiveMaximum": "below",
+    }
+    bounds = [f"{word} {node[bound]}" for bound, word in words.items() if bound in node]
+    return " " + " and ".join(bounds) if bounds else ""
+
+
+def _listed(names: Iterable[str]) -> str:
+    quoted = [repr(name) for name in names]
+    return quoted[0] if len(quoted) == 1 else "one of " + ", ".join(quoted)
+
+
+def nearest(given: object, names: Iterable[str]) -> str:
+    """Question whether the most similar name was meant, or nothing."""
+    matches = get_close_matches(given, names, 1) if isinstance(given, str) else []
+    return f"did you mean {matches[0]!r}?" if matches else ""
+
+
+def _belongs(schema: dict[str, Any], key: str) -> str:
+    homes = [home for home, name in _keys(schema, schema, "") if name == key]
+    return f"'{key}' belongs to {' or '.join(home or 'the top level' for home in homes)}" if homes else ""
+
+
+def _keys(schema: dict[str, Any], node: dict[str, Any], home: str) -> Iterator[tuple[str, str]]:
+    """Every key the model knows, with the dotted name of the mapping that holds it."""
+    for tag, reference in node.get("discriminator", {}).get("mapping", {}).items():
+        inside = f"{home} with {node['discriminator']['propertyName']} {tag}"
+        yield from _keys(schema, _resolved(schema, {"$ref": reference}), inside)
+    for name, inner in node.get("properties", {}).items():
+        yield home, name
+        yield from _keys(schema, _resolved(schema, inner), f"{home}.{name}".removeprefix("."))

@@ -1,4 +1,4 @@
-"""Error against Westergaard, Hertz and full contact, and the order at which it falls: `python benchmarks/closed_forms.py`."""
+"""Error against Westergaard, Hertz and full contact, and the order at which it falls."""
 
 import numpy as np
 

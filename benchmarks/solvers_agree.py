@@ -1,4 +1,4 @@
-"""Contact sets of the two solvers on 30 self-affine surfaces each, and what they took: `python benchmarks/solvers_agree.py`."""
+"""Contact sets of the two solvers on 30 self-affine surfaces each, and what they took."""
 
 import time
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -227,6 +228,8 @@ def _show(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
         click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
     for message in dict.fromkeys(str(m) for m in fitted["message"].values if m):
         click.echo(f"note     {message}")
+    if (fitted["fit_status"] != "ok").any():
+        click.echo("note     exponents are fixed with `gfmd fit --fixed eps_f=0.5:1`, or in the campaign's block `fit`")
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
@@ -241,7 +244,7 @@ def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
 
 
 def _with_error(value: Any, error: Any) -> str:
-    if not float(value) == float(value):
+    if isnan(float(value)):
         return "-"
     return f"{float(value):.3f} ± {float(error):.3f}"
 

@@ -44,6 +44,6 @@ def _unusable_profile(
     source: str | Path | Mapping[str, Any] | SceneFile, scene: Scene, error: ValueError
 ) -> InputError:
     assert isinstance(scene.roughness, Measured)
-    given = f"{Path(scene.roughness.file).name} with {error}"
+    given = f"{Path(scene.roughness.file).name} ({error})"
     allowed = "at least 4 equidistant finite heights over one period, not all equal"
     return InputError(scene_document(source).line(("scene", "roughness", "file"), given, allowed))

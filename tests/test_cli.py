@@ -140,7 +140,7 @@ def test_unusable_profile(tmp_path, name, content, given):
     scene.write_text(text.partition("discretisation")[0])
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 2
-    assert f"{scene}:5:38: scene.roughness.file: given {name} with " in done.stderr
+    assert f"{scene}:5:39: scene.roughness.file: given {name} (" in done.stderr
     assert given in done.stderr
     assert "allowed: at least 4 equidistant finite heights" in done.stderr
 

@@ -77,8 +77,8 @@ def plan(file: Path) -> None:
     click.echo(f"largest grid  nx = {max(case.discretisation.nx for case in planned.cases)}")
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB")
-    for sentence in planned.dropped:
-        click.echo(f"dropped       {sentence}")
+    for effect in planned.effects:
+        click.echo(f"{effect.state:13} {effect.name}: {effect.reason}")
 
 
 @main.command()

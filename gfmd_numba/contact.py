@@ -28,14 +28,21 @@ class Contact:
     equilibrium: Equilibrium
 
 
-def solve(problem: Problem, realisations: range) -> Contact:
-    """Press the realisations of a problem into contact; heights in g L_x, stresses in g E*."""
+def solve(problem: Problem, realisations: range, before: Equilibrium | None = None) -> Contact:
+    """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*)."""
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
-    return Contact(heights, punch, body, equilibrate(punch, body, problem.mean_pressure, problem.numerics))
+    # what touched the punch follows it: a gap torn open by the step itself would break an adhesive contact early
+    start = None if before is None else np.where(before.touching, punch, before.displacement)
+    return Contact(
+        heights,
+        punch,
+        body,
+        equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start),
+    )
 
 
 def _heights(problem: Problem, realisations: range) -> Reals:

@@ -1,6 +1,6 @@
 """Results as xarray datasets in SI units: one contact, or a whole campaign."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from gfmd_numba.contact import Contact
 from gfmd_numba.dynamics import Status
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import MEASURES, gap, measure
-from gfmd_numba.problem import Problem, effective_modulus
+from gfmd_numba.problem import Effect, Problem, effective_modulus
 from gfmd_numba.scene import Scene
 
 CONVENTIONS = "CF-1.11"
@@ -37,6 +37,11 @@ def units(scene: Scene) -> dict[str, str]:
         "pressure": "Pa" if scene.body.youngs_modulus else "1",
         "s": "s",
     }
+
+
+def dropped_effects(effects: Iterable[Effect]) -> str:
+    """One line for each effect of the scene that was left out of the computation."""
+    return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
 
 
 def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:

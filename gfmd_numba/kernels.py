@@ -24,6 +24,14 @@ def multiply(spectrum: Complexes, symbol: Reals, active: Rows) -> None:
 
 
 @jit
+def exponential_pull(u: Reals, ku: Reals, punch: Reals, active: Rows, n: int, strength: float, length: float) -> None:
+    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the restoring traction ku."""
+    for i in active:
+        for j in range(n):
+            ku[i, j] -= strength * np.exp((u[i, j] - punch[i, j]) / length)
+
+
+@jit
 def verlet_step(
     u: Reals,
     u_old: Reals,
@@ -32,17 +40,67 @@ def verlet_step(
     load: Reals,
     active: Rows,
     n: int,
-    dt2: float,
-    eta: float,
+    memory: float,
+    push: float,
 ) -> None:
-    """One position Stormer-Verlet step (6.31) with the displacement clipped at the hard wall (2.16)."""
-    memory = 1.0 - eta * dt2
+    """One Verlet step (6.55) with the displacement clipped at the hard wall (2.16)."""
     for i in active:
         for j in range(n):
             now = u[i, j]
-            new = now + memory * (now - u_old[i, j]) + dt2 * (load[i] - ku[i, j])
+            new = now + memory * (now - u_old[i, j]) + push * (load[i] - ku[i, j])
             u_old[i, j] = now
             u[i, j] = min(new, punch[i, j])
+
+
+@jit
+def fire_step(
+    u: Reals,
+    v: Reals,
+    ku: Reals,
+    punch: Reals,
+    load: Reals,
+    dt: Reals,
+    mixing: Reals,
+    downhill: Rows,
+    active: Rows,
+    n: int,
+    longest: float,
+) -> None:
+    """One step of FIRE (Bitzek et al., Phys. Rev. Lett. 97:170201, 2006) with the hard wall.
+
+    A node that the force holds against the wall has neither force nor velocity.
+    """
+    for i in active:
+        power = 0.0
+        speed2 = 0.0
+        force2 = 0.0
+        for j in range(n):
+            force = load[i] - ku[i, j]
+            if u[i, j] >= punch[i, j] and force >= 0.0:
+                v[i, j] = 0.0
+            else:
+                power += force * v[i, j]
+                force2 += force * force
+                speed2 += v[i, j] * v[i, j]
+        keep = 0.0
+        steer = 0.0
+        if power > 0.0:
+            keep = 1.0 - mixing[i]
+            steer = mixing[i] * np.sqrt(speed2 / force2)
+            downhill[i] += 1
+            if downhill[i] > 5:
+                dt[i] = min(1.1 * dt[i], longest)
+                mixing[i] *= 0.99
+        elif speed2 > 0.0:
+            downhill[i] = 0
+            dt[i] *= 0.5
+            mixing[i] = 0.1
+        for j in range(n):
+            force = load[i] - ku[i, j]
+            if u[i, j] >= punch[i, j] and force >= 0.0:
+                continue
+            v[i, j] = keep * v[i, j] + (steer + dt[i]) * force
+            u[i, j] = min(u[i, j] + dt[i] * v[i, j], punch[i, j])
 
 
 @jit
@@ -60,8 +118,8 @@ def kkt_violation(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, 
 
 
 @jit
-def contact_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
-    """Pressure on the touching nodes under compression, zero elsewhere."""
+def wall_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+    """Pressure of the hard wall: on touching nodes under compression, zero elsewhere."""
     for i in active:
         for j in range(n):
             p[i, j] = max(load[i] - ku[i, j], 0.0) if u[i, j] >= punch[i, j] else 0.0

@@ -20,8 +20,8 @@ EDGE_BIAS = 0.1900092859259187
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
-    """Nodes in contact `[realisation, x]`: those that carry pressure."""
-    return contact.equilibrium.pressure > 0.0
+    """Nodes in contact `[realisation, x]`: those on which the hard wall presses."""
+    return contact.equilibrium.touching
 
 
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:

@@ -13,12 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.interface import Exponential, Interface
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Discretisation, Numerics, Scene, SelfAffine
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 1  # raised whenever a change of the code changes a number: older shards are then not reused
+RESULTS_VERSION = 2  # raised whenever a change of the code changes a number: older shards are then not reused
 _SPARSE_CONTACT = 0.01  # reduced pressure up to which conjugate gradients need less time than Verlet
 
 
@@ -51,11 +52,21 @@ class Slab:
 
 
 @dataclass(frozen=True)
+class Effect:
+    """What became of one effect of the scene (on, off, condensed or dropped) and why."""
+
+    name: str
+    state: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Problem:
     """Heights in g L_x, stresses in g E*; `slab` is None for a half-space; one of the two loads is None."""
 
     surface: RandomSurface | Profile
     slab: Slab | None
+    interface: Interface
     mean_pressure: float | None
     displacement: float | None
     numerics: Numerics
@@ -69,6 +80,7 @@ class Problem:
             "results_version": RESULTS_VERSION,
             "surface": surface,
             "slab": None if self.slab is None else asdict(self.slab),
+            "interface": asdict(self.interface),
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
             "numerics": self.numerics.model_dump(),
@@ -108,17 +120,27 @@ def profile(heights: Reals) -> tuple[Profile, float]:
 
 def reduce(
     scene: Scene, surface: RandomSurface | Profile, rms_gradient: float, numerics: Numerics
-) -> tuple[Problem, tuple[str, ...]]:
-    """Dimensionless problem of a scene, and a sentence for each effect that was dropped."""
+) -> tuple[Problem, tuple[Effect, ...]]:
+    """Dimensionless problem of a scene, and what became of each of its effects."""
     loading = scene.loading
     displacement = None
     if loading.displacement is not None:
         displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    slab, dropped = _slab(scene, displacement is not None)
+    slab, elasticity = _slab(scene, displacement is not None)
+    interface, interactions = _interface(scene, rms_gradient)
     if numerics.solver == "auto":
         sparse = loading.reduced_pressure is None or loading.reduced_pressure <= _SPARSE_CONTACT
-        numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if sparse else "verlet"})
-    return Problem(surface, slab, loading.reduced_pressure, displacement, numerics), dropped
+        gradients = sparse and interface.law is None
+        numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if gradients else "verlet"})
+    problem = Problem(surface, slab, interface, loading.reduced_pressure, displacement, numerics)
+    return problem, (_TANGENTIAL, *elasticity, *interactions)
+
+
+_TANGENTIAL = Effect(
+    "tangential displacement",
+    "condensed",
+    "without friction it follows the normal one exactly (Schur complement, 6.75)",
+)
 
 
 def effective_modulus(scene: Scene) -> float:
@@ -127,18 +149,33 @@ def effective_modulus(scene: Scene) -> float:
     return 1.0 if body.youngs_modulus is None else body.youngs_modulus / (1.0 - body.poissons_ratio**2)
 
 
-def _slab(scene: Scene, mean_matters: bool) -> tuple[Slab | None, tuple[str, ...]]:
+def _slab(scene: Scene, mean_matters: bool) -> tuple[Slab | None, tuple[Effect, ...]]:
     body = scene.body
     if math.isinf(body.aspect_ratio):
-        return None, ("Poisson's ratio: a frictionless half-space knows it only through E*",)
+        return None, (
+            Effect("slab", "off", "the body is a half-space"),
+            Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*"),
+        )
     slab = Slab(body.poissons_ratio, body.aspect_ratio)
     effect = slab_effect(slab)
+    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.poissons_ratio:g}"
+    bound = f"it stiffens the longest wave by {effect:.1e} relative to the half-space"
     if mean_matters or effect > np.finfo(float).eps / 2:
-        return slab, ()
-    return None, (
-        f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.poissons_ratio:g}: it stiffens no wave "
-        f"by more than {effect:.0e} relative to the half-space, below double precision",
+        return slab, (Effect(name, "on", bound),)
+    return None, (Effect(name, "dropped", f"{bound}, below double precision"),)
+
+
+def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effect, ...]]:
+    wall, exponential = scene.interface.hard_wall is not None, scene.interface.exponential
+    effects = [Effect("hard wall", "on" if wall else "off", "as the scene says")]
+    if exponential is None:
+        return Interface(wall, None), (*effects, Effect("exponential law", "off", "not in the scene"))
+    length = rms_gradient * (scene.length or 1.0)
+    law = Exponential(
+        work=exponential.work_of_adhesion / (length * rms_gradient * effective_modulus(scene)),
+        length=exponential.range / length,
     )
+    return Interface(wall, law), (*effects, Effect("exponential law", "on", "as the scene says"))
 
 
 def slab_effect(slab: Slab) -> float:

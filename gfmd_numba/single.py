@@ -1,15 +1,15 @@
 """One contact from a scene file to a dataset."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from gfmd_numba import contact, problem
-from gfmd_numba.dataset import contact_dataset
+from gfmd_numba.dataset import contact_dataset, dropped_effects
 from gfmd_numba.roughness.measured import read_profile
-from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, load_scene, scene_document
+from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
 
 
 def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
@@ -23,13 +23,34 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
         surface, rms_gradient = _surface(file)
     except ValueError as error:
         raise _unusable_profile(source, scene, error) from None
-    reduced, dropped = problem.reduce(scene, surface, rms_gradient, file.numerics)
-    solved = contact.solve(reduced, range(file.realisation, file.realisation + 1))
-    dataset = contact_dataset(scene, reduced, rms_gradient, solved)
+    check_range(scene_document(source), scene, surface.nx)
+    steps, before = [], None
+    for scene in _path(file):
+        reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics)
+        solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before)
+        before = solved.equilibrium
+        steps.append(contact_dataset(scene, reduced, rms_gradient, solved))
+    dataset = steps[0] if not file.path else _joined(steps)
     dataset.attrs["scene"] = file.model_dump_json()
     dataset.attrs["solver"] = reduced.numerics.solver
-    dataset.attrs["dropped_effects"] = "\n".join(dropped)
+    dataset.attrs["dropped_effects"] = dropped_effects(effects)
     return dataset
+
+
+def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
+    return xr.concat(
+        steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
+    )
+
+
+def _path(file: SceneFile) -> Iterator[Scene]:
+    """The scene at its own loading, then at each value of the path."""
+    loading = file.scene.loading
+    control = "reduced_pressure" if loading.displacement is None else "displacement"
+    yield file.scene
+    for value in file.path:
+        step = loading.model_copy(update={control: value})
+        yield file.scene.model_copy(update={"loading": step})
 
 
 def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:

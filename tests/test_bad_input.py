@@ -83,12 +83,12 @@ SCENES = {
         ("numerics: {", "numeric: {"),
         "bad.yaml:10:1: numeric: given an unknown key; allowed: one of 'scene', "
         "'numerics', 'discretisation', "
-        "'seed', 'realisation'; did you mean 'numerics'?",
+        "'seed', 'realisation', 'path'; did you mean 'numerics'?",
     ),
     "unknown choice": (
         ("solver: auto", "solver: verlett"),
         "bad.yaml:10:20: numerics.solver: given 'verlett'; allowed: one of 'auto', 'verlet', "
-        "'conjugate_gradients'; did you mean 'verlet'?",
+        "'gronbech_jensen', 'fire', 'conjugate_gradients'; did you mean 'verlet'?",
     ),
     "unknown method": (
         ("method: psd", "method: pds"),
@@ -108,7 +108,7 @@ SCENES = {
     ),
     "an empty value": (
         ("{hard_wall: {}}", "{hard_wall: }"),
-        "bad.yaml:7:25: scene.interface.hard_wall: given an empty value; allowed: {}",
+        "bad.yaml:7:14: scene.interface: given {'hard_wall': None}; allowed: hard_wall, or an exponential law that repels",
     ),
     "a truncated long value": (
         ("solver: auto", "solver: " + 500 * "x"),

@@ -12,7 +12,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
 
-SOLVERS = ["verlet", "conjugate_gradients"]
+SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients"]
 
 
 def amplification(k, dt, eta):

@@ -42,13 +42,52 @@ def test_verlet_step(kernel, rng):
     punch = u + rng.normal(size=u.shape) * 0.1
     load, dt2, eta = rng.normal(size=ROWS), 0.3, 0.7
     force = load[:, None] - ku + eta * (u_old - u)
-    new = np.minimum(2 * u - u_old + dt2 * force, punch)
+    new = np.minimum(2 * u - u_old + dt2 * force, punch)  # (6.55a)
     expected, expected_old = only_active(new, u), only_active(u, u_old)
-    kernel(u, u_old, ku, punch, load, ACTIVE, N, dt2, eta)
+    kernel(u, u_old, ku, punch, load, ACTIVE, N, 1 - eta * dt2, dt2)
     np.testing.assert_allclose(u, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_array_equal(u_old, expected_old)
     assert (u[ACTIVE, :N] == punch[ACTIVE, :N]).any()
     assert (u[ACTIVE, :N] < punch[ACTIVE, :N]).any()
+
+
+def fired(u, v, force, punch, dt, mixing, downhill, longest):
+    """One row of a FIRE step, by vectors."""
+    held = (u == punch) & (force >= 0)
+    v, f = np.where(held, 0.0, v), np.where(held, 0.0, force)
+    power, speed = f @ v, np.linalg.norm(v)
+    if power > 0:
+        v = (1 - mixing) * v + mixing * f / np.linalg.norm(f) * speed
+        downhill += 1
+        if downhill > 5:
+            dt, mixing = min(1.1 * dt, longest), 0.99 * mixing
+    else:
+        v = 0 * v
+        if speed > 0:
+            dt, mixing, downhill = dt / 2, 0.1, 0
+    v = v + dt * f
+    return np.minimum(u + dt * v, punch), v, dt, mixing, downhill
+
+
+@pytest.mark.parametrize("downhill", [0, 5])
+@pytest.mark.parametrize("kernel", both(kernels.fire_step))
+def test_fire_step(kernel, downhill, rng):
+    u, ku = rng.normal(size=(2, ROWS, PADDED))
+    load = rng.normal(size=ROWS)
+    punch = u + np.maximum(rng.normal(size=u.shape), 0.0)
+    v = np.array([1.0, 0.0, -1.0])[:, None] * (load[:, None] - ku)  # one row downhill, one uphill
+    dt, mixing, steps = np.full(ROWS, 0.1), np.full(ROWS, 0.08), np.full(ROWS, downhill)
+    before = u.copy(), v.copy(), dt.copy(), mixing.copy(), steps.copy()
+    kernel(u, v, ku, punch, load, dt, mixing, steps, ACTIVE, N, 0.105)
+    for i in range(ROWS):
+        row = [a[i, :N] if a.ndim == 2 else a[i] for a in before]
+        if i in ACTIVE:
+            force = (load[:, None] - ku)[i, :N]
+            row = fired(row[0], row[1], force, punch[i, :N], row[2], row[3], row[4], 0.105)
+        np.testing.assert_allclose(u[i, :N], row[0], rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(v[i, :N], row[1], rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose([dt[i], mixing[i], steps[i]], row[2:], rtol=1e-12)
+    assert dt[2] == 0.05
 
 
 @pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
@@ -77,8 +116,8 @@ def test_kkt_violation_reports_what_is_not_finite(kernel, poison, touches):
     assert np.isnan(worst[2])
 
 
-@pytest.mark.parametrize("kernel", both(kernels.contact_pressure))
-def test_contact_pressure(kernel, rng):
+@pytest.mark.parametrize("kernel", both(kernels.wall_pressure))
+def test_wall_pressure(kernel, rng):
     punch, ku, p = rng.normal(size=(3, ROWS, PADDED))
     u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
     load = rng.normal(size=ROWS)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from gfmd_numba.campaign.specification import AXES, Campaign
-from gfmd_numba.problem import Problem, random_surface, reduce, self_affine
+from gfmd_numba.problem import Effect, Problem, random_surface, reduce, self_affine
 from gfmd_numba.scene import Discretisation, Scene
 
 _TASK_SAMPLES = 2**18  # realisations times nx in one task: seconds of work, tens of megabytes
@@ -29,7 +29,7 @@ class Case:
     discretisation: Discretisation
     limit: str
     problem: Problem
-    dropped: tuple[str, ...]
+    effects: tuple[Effect, ...]
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ def expand(campaign: Campaign) -> list[Case]:
         scene = _replaced(campaign.scene, dict(zip((name for name, _ in axes), values, strict=True)))
         for discretisation, limit in discretisations:
             surface = random_surface(scene, discretisation, campaign.seed)
-            problem, dropped = reduce(scene, surface, self_affine(scene).rms_gradient, campaign.numerics)
-            cases.append(Case(scene, discretisation, limit, problem, dropped))
+            problem, effects = reduce(scene, surface, self_affine(scene).rms_gradient, campaign.numerics)
+            cases.append(Case(scene, discretisation, limit, problem, effects))
     return cases
 
 

@@ -17,10 +17,10 @@ import xarray as xr
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.cases import Case, Task, blocks, expand, tasks
 from gfmd_numba.campaign.specification import Campaign, load_campaign
-from gfmd_numba.dataset import campaign_dataset, scaled, scales, units
+from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
-from gfmd_numba.problem import self_affine
+from gfmd_numba.problem import Effect, self_affine
 from gfmd_numba.scene import Document, InputError
 
 _PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
@@ -41,9 +41,9 @@ class Plan:
         return len({case.problem.identity for case in self.cases})
 
     @property
-    def dropped(self) -> tuple[str, ...]:
-        """What was left out of the computation and why, each sentence once."""
-        return tuple(dict.fromkeys(sentence for case in self.cases for sentence in case.dropped))
+    def effects(self) -> tuple[Effect, ...]:
+        """What became of the effects of all scenes, each sentence once."""
+        return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
 
     @property
     def file_bytes(self) -> int:
@@ -128,7 +128,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "seed": campaign.seed,
         "fit": campaign.fit.model_dump_json(exclude_none=True),
-        "dropped_effects": "\n".join(planned.dropped),
+        "dropped_effects": dropped_effects(planned.effects),
         "n_distinct_problems": planned.n_problems,
         "versions": json.dumps({name: version(name) for name in _PACKAGES}),
         "machine": f"{platform.machine()}, {os.cpu_count()} CPUs, Python {platform.python_version()}",

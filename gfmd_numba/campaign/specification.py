@@ -27,7 +27,7 @@ from gfmd_numba.scene.records import (
     broken_rule,
     check_solver,
 )
-from gfmd_numba.scene.scene_file import check_discretisation
+from gfmd_numba.scene.scene_file import check_discretisation, check_range
 from gfmd_numba.scene.validation import validate
 
 AXES = tuple(Discretisation.model_fields)
@@ -172,10 +172,10 @@ class Campaign(BaseModel):
                     "a finite aspect_ratio, as a half-space has no reference for displacement",
                 )
         for i, value in enumerate(self.grid.poissons_ratio or ()):
-            if controlled and value == 0.5 and self.numerics.solver == "verlet":
+            if controlled and value == 0.5 and self.numerics.solver not in ("auto", "conjugate_gradients"):
                 raise broken_rule(
                     ("grid", "poissons_ratio", i),
-                    "a number below 0.5 with solver verlet, as the mean displacement is rigid at 0.5",
+                    f"a number below 0.5 with solver {self.numerics.solver}, as the mean displacement is rigid at 0.5",
                 )
         return self
 
@@ -190,4 +190,5 @@ def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
         )
     for discretisation, locations, limit in campaign.discretisations():
         check_discretisation(document, discretisation, locations, limit)
+        check_range(document, campaign.scene, discretisation.nx)
     return campaign, document

@@ -23,8 +23,8 @@ class ConjugateGradients:
         self._rigid_mean = not np.isfinite(stiffness[0])
         self.field = Convolution(rows, n, sources=3)
         self._p, self._direction, self.displacement = self.field.sources
-        self.punch = aligned_rows(rows, n)
-        self.punch[:, :n] = punch
+        self.wall = aligned_rows(rows, n)
+        self.wall[:, :n] = punch
         softest = stiffness[1] if self._free_mean or self._rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if load is None else load
         self.load = np.zeros(rows) if load is None else load
@@ -61,12 +61,12 @@ class ConjugateGradients:
         """
         self._open_gap(active)
         field, n = self.field, self.field.n
-        kernels.close_gap(self._p, self._gap, self.punch, active, n, self.displacement)
+        kernels.close_gap(self._p, self._gap, self.wall, active, n, self.displacement)
         field.apply(self._stiffness, active, source=2)
         worst = np.empty(self.load.size)
         if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
             self.load[active] = self._p[active, :n].mean(axis=1)
-        kernels.kkt_violation(self.displacement, field.result, self.punch, self.load, active, n, worst)
+        kernels.kkt_violation(self.displacement, field.result, self.wall, self.load, active, n, worst)
         if self._rigid_mean:
             drift = np.abs(self.displacement[active, :n].mean(axis=1))
             worst[active] = np.maximum(worst[active], self._stiffest * drift)
@@ -75,4 +75,4 @@ class ConjugateGradients:
     def _open_gap(self, active: Rows) -> None:
         field = self.field
         field.apply(self._compliance, active, source=0)
-        kernels.cg_gap(self._p, field.result, self.punch, self._gap, active, field.n, self._free_mean)
+        kernels.cg_gap(self._p, field.result, self.wall, self._gap, active, field.n, self._free_mean)

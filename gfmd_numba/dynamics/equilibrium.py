@@ -11,12 +11,16 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.dynamics.certificate import pressure_scale
 from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
-from gfmd_numba.dynamics.verlet import Verlet
+from gfmd_numba.dynamics.relaxation import Integrator, Relaxation
+from gfmd_numba.dynamics.schemes import Fire, gronbech_jensen, position_verlet
 from gfmd_numba.fourier import Convolution
+from gfmd_numba.interface import Interface
 from gfmd_numba.scene import Numerics
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
+
+HARD_WALL = Interface(hard_wall=True, law=None)
 
 _CHECK_EVERY = 10  # iterations between two looks at the certificate
 _BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
@@ -39,7 +43,7 @@ class Solver(Protocol):
 
     field: Convolution
     displacement: Reals
-    punch: Reals
+    wall: Reals
     load: Reals
 
     def advance(self, active: Rows) -> None: ...  # noqa: D102
@@ -50,12 +54,16 @@ class Solver(Protocol):
 class Equilibrium:
     """Displacement and pressure `[realisation, x]` (L_x, E*), and per realisation how they were reached.
 
+    The pressure is what the interface transmits, of the hard wall (on the nodes `touching` it) and of the law.
+
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
-    largest traction on free nodes or tension on touching ones, over the rms pressure of full contact.
+    largest traction on free nodes or tension on touching ones, over the rms pressure of full contact or the
+    traction of the law at zero gap, whichever is larger.
     """
 
     displacement: Reals
     pressure: Reals
+    touching: npt.NDArray[np.bool_]
     status: npt.NDArray[np.int8]
     residual: Reals
     n_iterations: npt.NDArray[np.int64]
@@ -63,16 +71,24 @@ class Equilibrium:
     wall_time: Reals
 
 
-def equilibrate(punch: Reals, stiffness: Reals, load: float | None, numerics: Numerics) -> Equilibrium:
+def equilibrate(
+    punch: Reals,
+    stiffness: Reals,
+    load: float | None,
+    numerics: Numerics,
+    interface: Interface = HARD_WALL,
+    start: Reals | None = None,
+) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch) without friction.
 
     `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x; `load` the mean pressure in E*, or None if the position of the
-    punch prescribes the displacement (then K(0) counts).
+    punch prescribes the displacement (then K(0) counts). `start` is a displacement to begin with.
     """
     realisations, n = punch.shape
     result = Equilibrium(
         displacement=np.empty((realisations, n)),
         pressure=np.empty((realisations, n)),
+        touching=np.empty((realisations, n), dtype=np.bool_),
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),
@@ -80,26 +96,49 @@ def equilibrate(punch: Reals, stiffness: Reals, load: float | None, numerics: Nu
         wall_time=np.zeros(realisations),
     )
     scale = pressure_scale(punch, stiffness)
+    if interface.law is not None:
+        scale = np.maximum(scale, np.abs(interface.law.traction(np.zeros(1))))
+    start = np.minimum(punch, 0.0) if start is None else start
     block = max(1, _BLOCK_SAMPLES // n)
     for first in range(0, realisations, block):
         rows = slice(first, min(first + block, realisations))
         started = time.perf_counter()
-        solver = _solver(punch[rows], stiffness, load, numerics)
+        solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], float(scale[rows].max()))
         _iterate(solver, scale[rows], numerics, result, first)
         result.n_transforms[rows] = solver.field.n_transforms
         share = solver.field.n_transforms / solver.field.n_transforms.sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
+    if interface.law is not None:
+        result.pressure[:] -= interface.law.traction(punch - result.displacement)
     return result
 
 
-def _solver(punch: Reals, stiffness: Reals, load: float | None, numerics: Numerics) -> Solver:
-    loads = None if load is None else np.full(len(punch), load)
+def _solver(
+    punch: Reals,
+    stiffness: Reals,
+    load: float | None,
+    numerics: Numerics,
+    interface: Interface,
+    start: Reals,
+    scale: float,
+) -> Solver:
     if load is not None:  # the mean displacement is free: it follows the load without restoring force
         stiffness = np.concatenate(([0.0], stiffness[1:]))
-    if numerics.solver == "verlet":
-        loads = np.zeros(len(punch)) if loads is None else loads
-        return Verlet(punch, stiffness, loads, numerics.time_step, numerics.damping)
-    return ConjugateGradients(punch, stiffness, loads)
+    if numerics.solver == "conjugate_gradients":
+        return ConjugateGradients(punch, stiffness, None if load is None else np.full(len(punch), load))
+    loads = np.full(len(punch), 0.0 if load is None else load)
+    elastic = stiffness[stiffness > 0.0]
+    softest, stiffest = float(elastic.min()), float(elastic.max())
+    if interface.law is not None:  # no pressure is expected far beyond the fluctuation of full contact
+        stiffest += interface.law.stiffest(float(loads[0]) + 6.0 * scale, interface.hard_wall)
+
+    def integrator(displacement: Reals) -> Integrator:
+        if numerics.solver == "fire":
+            return Fire(displacement, stiffest, numerics.time_step)
+        scheme = {"verlet": position_verlet, "gronbech_jensen": gronbech_jensen}[numerics.solver]
+        return scheme(displacement, softest, stiffest, numerics.time_step, numerics.damping)
+
+    return Relaxation(punch, stiffness, loads, interface, start, integrator)
 
 
 def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibrium, first: int) -> None:
@@ -107,6 +146,7 @@ def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibri
     n = solver.field.n
     active = np.arange(len(scale))
     iterations = 0
+    pressure = np.zeros_like(solver.field.result)
     while active.size:
         for _ in range(_CHECK_EVERY):
             solver.advance(active)
@@ -118,11 +158,11 @@ def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibri
         status[~np.isfinite(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
         rows = active[ended]
-        pressure = np.empty_like(solver.field.result)
-        kernels.contact_pressure(solver.displacement, solver.field.result, solver.punch, solver.load, rows, n, pressure)
+        kernels.wall_pressure(solver.displacement, solver.field.result, solver.wall, solver.load, rows, n, pressure)
         where = first + rows
         result.displacement[where] = solver.displacement[rows, :n]
         result.pressure[where] = pressure[rows, :n]
+        result.touching[where] = pressure[rows, :n] > 0.0
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] = iterations

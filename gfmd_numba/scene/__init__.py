@@ -14,7 +14,7 @@ from gfmd_numba.scene.records import (
     SceneFile,
     SelfAffine,
 )
-from gfmd_numba.scene.scene_file import check_discretisation, load_scene, scene_document
+from gfmd_numba.scene.scene_file import check_discretisation, check_range, load_scene, scene_document
 from gfmd_numba.scene.validation import validate
 
 __all__ = [
@@ -32,6 +32,7 @@ __all__ = [
     "SceneFile",
     "SelfAffine",
     "check_discretisation",
+    "check_range",
     "load_scene",
     "read_document",
     "scene_document",

@@ -70,11 +70,34 @@ class HardWall(BaseModel):
     model_config = RECORD
 
 
-class Interface(BaseModel):
-    """Interaction between body and punch."""
+class Exponential(BaseModel):
+    """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
 
     model_config = RECORD
-    hard_wall: HardWall = Field(description="Non-overlap constraint")
+    work_of_adhesion: float = Field(
+        description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
+    )
+    range: float = Field(gt=0, description="Interaction range, in m if the scene has a length, else in L_x")
+
+    @model_validator(mode="after")
+    def _acts(self) -> Self:
+        if self.work_of_adhesion == 0:
+            raise broken_rule(("work_of_adhesion",), "a number other than 0; leave the law out if it does nothing")
+        return self
+
+
+class Interface(BaseModel):
+    """Interaction between body and punch; an absent one is None."""
+
+    model_config = RECORD
+    hard_wall: HardWall | None = Field(None, description="Non-overlap constraint")
+    exponential: Exponential | None = Field(None, description="Finite-range attraction or repulsion")
+
+    @model_validator(mode="after")
+    def _keeps_apart(self) -> Self:
+        if self.hard_wall is None and (self.exponential is None or self.exponential.work_of_adhesion > 0):
+            raise broken_rule((), "hard_wall, or an exponential law that repels: something must keep the bodies apart")
+        return self
 
 
 class Loading(BaseModel):
@@ -83,9 +106,7 @@ class Loading(BaseModel):
     model_config = RECORD
     reduced_pressure: ReducedPressure | None = Field(None, description="Mean pressure p/(g E*) (dimensionless)")
     displacement: float | None = Field(
-        None,
-        gt=0,
-        description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x",
+        None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
     )
 
     @model_validator(mode="after")
@@ -112,6 +133,10 @@ class Scene(BaseModel):
                 ("body", "aspect_ratio"),
                 "a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, "
                 "as a half-space has no reference for displacement",
+            )
+        if (self.loading.displacement or 0.0) < 0.0 and self.interface.exponential is None:
+            raise broken_rule(
+                ("loading", "displacement"), "a finite number of at least 0, as nothing acts across an open gap"
             )
         return self
 
@@ -169,7 +194,9 @@ class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
     model_config = RECORD
-    solver: Literal["auto", "verlet", "conjugate_gradients"] = Field("auto", description="Solver")
+    solver: Literal["auto", "verlet", "gronbech_jensen", "fire", "conjugate_gradients"] = Field(
+        "auto", description="Solver"
+    )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
     time_step: float = Field(
@@ -185,13 +212,22 @@ class Numerics(BaseModel):
 
 
 def check_solver(scene: Scene, numerics: Numerics) -> None:
-    """Raise a located PydanticCustomError if the solver cannot hold a mean displacement that is rigid."""
-    if numerics.solver == "verlet" and scene.loading.displacement is not None and scene.body.poissons_ratio == 0.5:
+    """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
+    rigid = scene.loading.displacement is not None and scene.body.poissons_ratio == 0.5
+    law = scene.interface.exponential is not None
+    if rigid and law:
+        raise broken_rule(
+            ("scene", "body", "poissons_ratio"),
+            "a number below 0.5, as no solver combines a rigid mean displacement with an interaction law",
+        )
+    if rigid and numerics.solver not in ("auto", "conjugate_gradients"):
         raise broken_rule(
             ("numerics", "solver"),
             "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
             "where the mean displacement is rigid",
         )
+    if law and numerics.solver == "conjugate_gradients":
+        raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
 
 
 class SceneFile(BaseModel):
@@ -203,6 +239,9 @@ class SceneFile(BaseModel):
     discretisation: Discretisation | None = Field(None, description="Needed by, and only by, method psd")
     seed: Seed = 0
     realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
+    path: tuple[float, ...] = Field(
+        (), strict=False, description="Further values of the loading, each begun where the one before ended"
+    )
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
@@ -212,4 +251,7 @@ class SceneFile(BaseModel):
         if not random and self.discretisation is not None:
             raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
         check_solver(self.scene, self.numerics)
+        for i, value in enumerate(self.path):
+            if self.scene.loading.displacement is None and value <= 0:
+                raise broken_rule(("path", i), "a reduced pressure above 0, like loading.reduced_pressure")
         return self

@@ -47,6 +47,18 @@ def check_discretisation(
         )
 
 
+def check_range(document: Document, scene: Scene, nx: int) -> None:
+    """Raise InputError if an interaction range is below the grid spacing, which would not resolve its effect."""
+    law = scene.interface.exponential
+    spacing = (scene.length or 1.0) / nx
+    if law is not None and law.range < spacing:
+        raise document.error(
+            ("scene", "interface", "exponential", "range"),
+            law.range,
+            f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
+        )
+
+
 def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
     """Checked scene of a YAML file, nested or flat, a mapping or a record; raises InputError."""
     document = scene_document(source)
@@ -54,6 +66,7 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
     if scene_file.discretisation is not None:
         axes = Discretisation.model_fields
         check_discretisation(document, scene_file.discretisation, {axis: ("discretisation", axis) for axis in axes})
+        check_range(document, scene_file.scene, scene_file.discretisation.nx)
     if isinstance(scene_file.scene.roughness, Measured):
         profile = _profile(document, scene_file.scene.roughness)
         scene = scene_file.scene.model_copy(update={"roughness": profile})

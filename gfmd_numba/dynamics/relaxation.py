@@ -1,0 +1,70 @@
+"""Damped dynamics of a batch towards equilibrium (thesis 2.4, appendix 2.A), whatever integrates it."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.fourier import Convolution, aligned_rows
+from gfmd_numba.interface import Interface
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+
+class Integrator(Protocol):
+    """One step of the displacement u under the force load - ku, clipped at the wall."""
+
+    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None: ...  # noqa: D102
+
+
+class Relaxation:
+    """Displacement of a batch and the traction that restores it; one forward and one inverse transform a step.
+
+    `load` is the mean pressure pushing the body against the punch `[realisation]`, zero where the displacement of
+    the punch is prescribed instead. `wall` is what the displacement may not pass; the `law` acts across the gap
+    to the punch.
+    """
+
+    def __init__(
+        self,
+        punch: Reals,
+        stiffness: Reals,
+        load: Reals,
+        interface: Interface,
+        start: Reals,
+        integrator: Callable[[Reals], Integrator],
+    ) -> None:
+        rows, n = punch.shape
+        self.load = load
+        self.field = Convolution(rows, n)
+        self._punch = aligned_rows(rows, n)
+        self._punch[:, :n] = punch
+        self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
+        (self.displacement,) = self.field.sources
+        self.displacement[:, :n] = np.minimum(start, punch)
+        self._stiffness = self.field.symbol(stiffness)
+        self._law = interface.law
+        self._integrator = integrator(self.displacement)
+        self._restore(np.arange(rows))
+
+    def advance(self, active: Rows) -> None:
+        """Make one time step in the active rows."""
+        field = self.field
+        self._integrator.step(self.displacement, field.result, self.wall, self.load, active, field.n)
+        self._restore(active)
+
+    def violation(self, active: Rows) -> Reals:
+        """Largest violation of the contact conditions, in E* `[active]`; costs no transform."""
+        field = self.field
+        worst = np.empty(self.load.size)
+        kernels.kkt_violation(self.displacement, field.result, self.wall, self.load, active, field.n, worst)
+        return worst[active]
+
+    def _restore(self, active: Rows) -> None:
+        field = self.field
+        field.apply(self._stiffness, active)
+        if self._law is not None:
+            self._law.pull(self.displacement, field.result, self._punch, active, field.n)

@@ -1,0 +1,132 @@
+"""Interaction laws: consistent derivatives, balance of forces, and both branches of an adhesive contact."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba import grid, kernels
+from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.interface import Exponential, Interface
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import Numerics
+
+
+@pytest.mark.parametrize("work", [0.3, -0.3])
+def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
+    law, gap, h = Exponential(work, 0.2), np.linspace(-0.1, 1.0, 12), 1e-6
+    # the gap shrinks as the body moves towards the punch
+    np.testing.assert_allclose(law.traction(gap), (law.energy(gap + h) - law.energy(gap - h)) / (2 * h), rtol=1e-8)
+    np.testing.assert_allclose(law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), rtol=1e-8)
+    worst = law.stiffness(np.maximum(gap, 0.0)).max()
+    assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
+
+
+@pytest.mark.parametrize("kernel", [kernels.exponential_pull, kernels.exponential_pull.py_func])
+def test_the_kernel_is_the_law(kernel):
+    u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))
+    law, expected = Exponential(0.3, 0.7), ku.copy()
+    expected[[0, 2], :13] -= law.traction(punch - u)[[0, 2], :13]
+    kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
+    np.testing.assert_allclose(ku, expected, rtol=1e-13)
+
+
+def surface(nx=512):
+    heights = self_affine.profiles(0.8, 2, 32, nx, 4, range(3))
+    return heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(nx))
+
+
+@pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen", "fire"])
+@pytest.mark.parametrize(
+    "interface",
+    [
+        Interface(True, Exponential(0.002, 0.01)),
+        Interface(True, Exponential(-0.002, 0.01)),
+        Interface(False, Exponential(-0.002, 0.01)),
+    ],
+    ids=["adhesive", "repulsive wall", "repulsive"],
+)
+def test_forces_balance_under_a_law(interface, solver):
+    punch, body = surface()
+    load = 0.05
+    result = equilibrate(punch, body, load, Numerics(solver=solver), interface)
+    assert (result.status == 0).all()
+    restoring = grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
+    law = interface.law.traction(punch - result.displacement)
+    wall = result.pressure + law
+    np.testing.assert_allclose(load - restoring + law - wall, 0.0, atol=2e-8)
+    assert (wall >= -1e-12).all()
+    np.testing.assert_allclose(result.pressure.mean(axis=1), load, atol=1e-8)
+    assert (result.touching == (wall > 1e-9)).all()
+    assert result.touching.any() == interface.hard_wall
+
+
+def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
+    punch, body = surface()
+    areas = [
+        equilibrate(punch, body, 0.05, Numerics(solver="verlet"), Interface(True, law)).touching.sum(axis=1)
+        for law in (Exponential(-0.002, 0.01), None, Exponential(0.002, 0.01))
+    ]
+    assert (areas[0] < areas[1]).all()
+    assert (areas[1] < areas[2]).all()
+
+
+def test_a_short_repulsion_is_a_hard_wall():
+    punch, body = surface(256)
+    hard = equilibrate(punch, body, 0.05, Numerics(solver="verlet")).pressure
+    errors = []
+    for length in (1e-2, 1e-3):
+        soft = equilibrate(punch, body, 0.05, Numerics(solver="verlet"), Interface(False, Exponential(-length, length)))
+        assert (soft.status == 0).all()
+        errors.append(np.sqrt(((soft.pressure - hard) ** 2).mean()))
+    assert errors[1] < errors[0] / 2
+
+
+def nearly_flat(tmp_path, path, first, **interface):
+    """An almost flat punch on a slab: the mean displacement is the only degree of freedom that counts."""
+    n = 32
+    np.save(tmp_path / "flat.npy", 1e-9 * np.cos(2 * np.pi * np.arange(n) / n))
+    return gfmd_numba.solve(
+        {
+            "scene": {
+                "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.1},
+                "roughness": {"method": "measured", "file": str(tmp_path / "flat.npy")},
+                "interface": interface,
+                "loading": {"displacement": first},
+            },
+            "path": path,
+        }
+    )
+
+
+@pytest.mark.parametrize("step", [0.004, 0.001])
+def test_jump_in_and_pull_off_follow_the_closed_form(tmp_path, step):
+    """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
+    work, length = 0.2, 0.05
+    body = stiffness.uniform(0.3, 0.1)
+    assert work / length**2 > body
+    gap = length * np.log(work / (length**2 * body))
+    jump_in, pull_off = -(gap + length), -work / (length * body)
+    around = step * (np.arange(-4, 5) + 0.5)
+    down = np.concatenate([jump_in + around, [-0.05, 0.01]])
+    up = np.concatenate([[-0.1, -0.25], pull_off - around])
+    path = np.concatenate([down, up])
+    law = {"work_of_adhesion": work, "range": length}
+    result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
+    assert (result["status"] == 0).all()
+    touching = result["contact_area_fraction_counted"].values == 1.0
+    joined = path[: len(down)][touching[: len(down)]][0]
+    parted = path[len(down) :][~touching[len(down) :]][0]
+    assert jump_in - 1e-9 <= joined <= jump_in + step + 1e-9
+    assert pull_off - step - 1e-9 <= parted <= pull_off + 1e-9
+    held = touching & (path < 0)
+    np.testing.assert_allclose(result["mean_pressure"].values[held], body * path[held], atol=body * 2e-9)
+
+
+def test_weak_adhesion_has_one_branch(tmp_path):
+    law = {"work_of_adhesion": 0.02, "range": 0.05}
+    down = np.arange(-0.2, 0.02, 0.01)
+    path = np.concatenate([down, down[::-1]])
+    result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
+    forces = result["mean_pressure"].values
+    np.testing.assert_allclose(forces[: len(down)], forces[len(down) :][::-1], atol=1e-7 * abs(forces).max())

@@ -9,6 +9,7 @@ import xarray as xr
 from click.testing import CliRunner
 from test_campaign import SMALL, campaign
 
+from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli import main
 
 CAMPAIGNS = Path(__file__).parent.parent / "campaigns"
@@ -93,10 +94,15 @@ def test_a_campaign_without_limits_runs_without_a_fit(tmp_path):
     assert "exponent" not in done.output
 
 
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    return run_campaign(campaign(folder), folder / "out", workers=0)[0]
+
+
 @pytest.mark.parametrize("option", ["eps_c", "eps_c=one", "eps_c=1:two"])
-def test_malformed_exponent(tmp_path, option):
-    gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--workers=0")
-    done = gfmd("fit", tmp_path / "out", "--fixed", option)
+def test_malformed_exponent(results, option):
+    done = gfmd("fit", results, "--fixed", option)
     assert done.exit_code == 2
     assert "give it like eps_t=1" in done.stderr
 

@@ -43,11 +43,11 @@ def slab_factor(k: Reals, poissons_ratio: float) -> Reals:
     decay = np.exp(-x)
     # 2 kappa sinh x - 2 x = 2 kappa (sinh x - x) + 2 x (kappa - 1): both terms are positive, nothing cancels.
     numerator = kappa * (1.0 + decay**2) + (1.0 + kappa**2 + np.where(decay > 0.0, x, 0.0) ** 2) * decay
-    denominator = 2.0 * kappa * _scaled_sinh_minus_x(x) + 4.0 * (1.0 - 2.0 * poissons_ratio) * x * decay
+    denominator = 2.0 * kappa * scaled_sinh_minus_x(x) + 4.0 * (1.0 - 2.0 * poissons_ratio) * x * decay
     return numerator / denominator
 
 
-def _scaled_sinh_minus_x(x: Reals) -> Reals:
+def scaled_sinh_minus_x(x: Reals) -> Reals:
     """(sinh x - x) exp(-x) without cancellation at small x or overflow at large x."""
     decay = np.exp(-x)
     small = np.minimum(x, 1.0)

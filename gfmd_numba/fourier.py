@@ -52,10 +52,19 @@ class Convolution:
 
     def apply(self, symbol: Reals, active: npt.NDArray[np.int64], source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""
-        forward = self._forward[source]
-        for i in active:
-            forward[i].execute()
+        self.forward(active, source)
         kernels.multiply(self.spectrum, symbol, active)
+        self.inverse(active)
+
+    def forward(self, active: npt.NDArray[np.int64], source: int = 0) -> None:
+        """Fill the active rows of `spectrum` with n times the Fourier coefficients of a source."""
+        plans = self._forward[source]
+        for i in active:
+            plans[i].execute()
+        self.n_transforms[active] += 1
+
+    def inverse(self, active: npt.NDArray[np.int64]) -> None:
+        """Fill the active rows of `result` from the `spectrum`, which is lost."""
         for i in active:
             self._inverse[i].execute()
-        self.n_transforms[active] += 2
+        self.n_transforms[active] += 1

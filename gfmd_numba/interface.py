@@ -13,10 +13,14 @@ Rows = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Interface:
-    """What keeps the surfaces apart or together; an absent law is None."""
+    """What keeps the surfaces apart or together; an absent law is None.
+
+    `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
+    """
 
     hard_wall: bool
     law: "Exponential | None"
+    friction: float | None = None
 
 
 @dataclass(frozen=True)

@@ -239,3 +239,76 @@ def close_gap(p: Reals, gap: Reals, punch: Reals, active: Rows, n: int, u: Reals
     for i in active:
         for j in range(n):
             u[i, j] = punch[i, j] - (0.0 if p[i, j] > 0.0 else max(gap[i, j], 0.0))
+
+
+@jit
+def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Rows, rows: int) -> None:
+    """Restoring tractions of tangential (row i) and normal (row rows + i) displacement, in place (6.57).
+
+    The phase is that of coefficients of exp(+i q x) with the normal displacement out of the body: a compressed
+    stretch draws the surface together.
+    """
+    for i in active:
+        for k in range(k11.size):
+            tangential, normal = spectrum[i, k], spectrum[rows + i, k]
+            spectrum[i, k] = k11[k] * tangential + 1j * k13[k] * normal
+            spectrum[rows + i, k] = k33[k] * normal - 1j * k13[k] * tangential
+
+
+@jit
+def coupled_step(
+    u1: Reals,
+    u1_old: Reals,
+    k1: Reals,
+    u3: Reals,
+    u3_old: Reals,
+    k3: Reals,
+    wall: Reals,
+    load: Reals,
+    friction: float,
+    active: Rows,
+    n: int,
+    memory: float,
+    push: float,
+) -> None:
+    """One Verlet step of both components with the hard wall and Coulomb friction (an infinite one sticks).
+
+    A touching node sticks where it is while its tangential force stays below friction times pressure; beyond, the
+    excess moves it without inertia, by half the push of a free node, which is stable for every mode.
+    """
+    for i in active:
+        for j in range(n):
+            pressure = load[i] - k3[i, j]
+            force = -k1[i, j]
+            now = u1[i, j]
+            if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
+                excess = abs(force) - friction * pressure
+                u1_old[i, j] = now
+                if excess > 0.0:
+                    u1[i, j] = now + 0.5 * push * (excess if force > 0.0 else -excess)
+            else:
+                new = now + memory * (now - u1_old[i, j]) + push * force
+                u1_old[i, j] = now
+                u1[i, j] = new
+            now = u3[i, j]
+            new = now + memory * (now - u3_old[i, j]) + push * pressure
+            u3_old[i, j] = now
+            u3[i, j] = min(new, wall[i, j])
+
+
+@jit
+def friction_violation(
+    k1: Reals, u3: Reals, k3: Reals, wall: Reals, load: Reals, friction: float, active: Rows, n: int, worst: Reals
+) -> None:
+    """Raise `worst` to the largest tangential force beyond what friction can hold; free nodes hold none."""
+    for i in active:
+        largest = 0.0
+        total = 0.0
+        for j in range(n):
+            held = 0.0
+            if friction > 0.0 and u3[i, j] >= wall[i, j]:
+                held = friction * max(load[i] - k3[i, j], 0.0)
+            total += k1[i, j]
+            if held < np.inf:
+                largest = max(largest, abs(k1[i, j]) - held)
+        worst[i] = max(worst[i], largest) if np.isfinite(total) and np.isfinite(worst[i]) else np.nan

@@ -23,6 +23,7 @@ class ConjugateGradients:
         self._rigid_mean = not np.isfinite(stiffness[0])
         self.field = Convolution(rows, n, sources=3)
         self._p, self._direction, self.displacement = self.field.sources
+        self.restoring = self.field.result
         self.wall = aligned_rows(rows, n)
         self.wall[:, :n] = punch
         softest = stiffness[1] if self._free_mean or self._rigid_mean else stiffness[0]
@@ -39,6 +40,11 @@ class ConjugateGradients:
         self._norm = np.zeros(rows)
         self._step = np.zeros(rows)
         self._keep = np.zeros(rows)
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation."""
+        return self.field.n_transforms
 
     def advance(self, active: Rows) -> None:
         """Make one iteration in the active rows."""

@@ -11,8 +11,10 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.dynamics.certificate import pressure_scale
 from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
+from gfmd_numba.dynamics.coupled import CoupledRelaxation
 from gfmd_numba.dynamics.relaxation import Integrator, Relaxation
 from gfmd_numba.dynamics.schemes import Fire, gronbech_jensen, position_verlet
+from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.fourier import Convolution
 from gfmd_numba.interface import Interface
 from gfmd_numba.scene import Numerics
@@ -20,7 +22,7 @@ from gfmd_numba.scene import Numerics
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
-HARD_WALL = Interface(hard_wall=True, law=None)
+HARD_WALL = Interface(hard_wall=True, law=None, friction=None)
 
 _CHECK_EVERY = 10  # iterations between two looks at the certificate
 _BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
@@ -39,15 +41,26 @@ class Status(IntEnum):
 
 
 class Solver(Protocol):
-    """What `equilibrate` asks of a solver: after `violation`, `field.result` is the traction of `displacement`."""
+    """What `equilibrate` asks of a solver: after `violation`, `restoring` is the traction of `displacement`."""
 
     field: Convolution
     displacement: Reals
+    restoring: Reals
     wall: Reals
     load: Reals
 
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]: ...  # noqa: D102
     def advance(self, active: Rows) -> None: ...  # noqa: D102
     def violation(self, active: Rows) -> Reals: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Tangential:
+    """Tangential displacement of the body and the traction of the punch on it `[realisation, x]` (L_x, E*)."""
+
+    displacement: Reals
+    traction: Reals
 
 
 @dataclass(frozen=True)
@@ -64,6 +77,7 @@ class Equilibrium:
     displacement: Reals
     pressure: Reals
     touching: npt.NDArray[np.bool_]
+    tangential: Tangential | None
     status: npt.NDArray[np.int8]
     residual: Reals
     n_iterations: npt.NDArray[np.int64]
@@ -73,40 +87,50 @@ class Equilibrium:
 
 def equilibrate(
     punch: Reals,
-    stiffness: Reals,
+    stiffness: Reals | CoupledStiffness,
     load: float | None,
     numerics: Numerics,
     interface: Interface = HARD_WALL,
     start: Reals | None = None,
+    tangential_start: Reals | None = None,
 ) -> Equilibrium:
-    """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch) without friction.
+    """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch).
 
-    `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x; `load` the mean pressure in E*, or None if the position of the
-    punch prescribes the displacement (then K(0) counts). `start` is a displacement to begin with.
+    `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
+    `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
+    counts). The starts are displacements to begin with.
     """
     realisations, n = punch.shape
     result = Equilibrium(
         displacement=np.empty((realisations, n)),
         pressure=np.empty((realisations, n)),
         touching=np.empty((realisations, n), dtype=np.bool_),
+        tangential=None if interface.friction is None else Tangential(*np.zeros((2, realisations, n))),
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),
         n_transforms=np.zeros(realisations, dtype=np.int64),
         wall_time=np.zeros(realisations),
     )
-    scale = pressure_scale(punch, stiffness)
+    condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
+    scale = pressure_scale(punch, condensed)
     if interface.law is not None:
         scale = np.maximum(scale, np.abs(interface.law.traction(np.zeros(1))))
     start = np.minimum(punch, 0.0) if start is None else start
+    tangential_start = np.zeros_like(punch) if tangential_start is None else tangential_start
     block = max(1, _BLOCK_SAMPLES // n)
     for first in range(0, realisations, block):
         rows = slice(first, min(first + block, realisations))
         started = time.perf_counter()
-        solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], float(scale[rows].max()))
+        if isinstance(stiffness, CoupledStiffness):
+            starts = tangential_start[rows], start[rows]
+            solver: Solver = _coupled_solver(punch[rows], stiffness, load, numerics, interface, starts)
+        else:
+            largest = float(scale[rows].max())
+            solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], largest)
         _iterate(solver, scale[rows], numerics, result, first)
-        result.n_transforms[rows] = solver.field.n_transforms
-        share = solver.field.n_transforms / solver.field.n_transforms.sum()
+        result.n_transforms[rows] = solver.n_transforms
+        share = solver.n_transforms / solver.n_transforms.sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     if interface.law is not None:
         result.pressure[:] -= interface.law.traction(punch - result.displacement)
@@ -141,12 +165,27 @@ def _solver(
     return Relaxation(punch, stiffness, loads, interface, start, integrator)
 
 
+def _coupled_solver(
+    punch: Reals,
+    stiffness: CoupledStiffness,
+    load: float | None,
+    numerics: Numerics,
+    interface: Interface,
+    starts: tuple[Reals, Reals],
+) -> CoupledRelaxation:
+    assert interface.friction is not None
+    if load is not None:
+        stiffness = stiffness.with_free_mean()
+    loads = np.full(len(punch), 0.0 if load is None else load)
+    return CoupledRelaxation(punch, stiffness, loads, interface.friction, starts, numerics.time_step, numerics.damping)
+
+
 def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibrium, first: int) -> None:
     """Advance all rows until each is certified or gives up, and store each as it ends."""
     n = solver.field.n
     active = np.arange(len(scale))
     iterations = 0
-    pressure = np.zeros_like(solver.field.result)
+    pressure = np.zeros_like(solver.restoring)
     while active.size:
         for _ in range(_CHECK_EVERY):
             solver.advance(active)
@@ -158,11 +197,15 @@ def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibri
         status[~np.isfinite(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
         rows = active[ended]
-        kernels.wall_pressure(solver.displacement, solver.field.result, solver.wall, solver.load, rows, n, pressure)
+        kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, rows, n, pressure)
         where = first + rows
         result.displacement[where] = solver.displacement[rows, :n]
         result.pressure[where] = pressure[rows, :n]
         result.touching[where] = pressure[rows, :n] > 0.0
+        if result.tangential is not None:
+            assert isinstance(solver, CoupledRelaxation)
+            result.tangential.displacement[where] = solver.tangential[rows, :n]
+            result.tangential.traction[where] = solver.tangential_restoring[rows, :n]
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] = iterations

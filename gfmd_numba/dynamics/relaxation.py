@@ -45,10 +45,16 @@ class Relaxation:
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = np.minimum(start, punch)
+        self.restoring = self.field.result
         self._stiffness = self.field.symbol(stiffness)
         self._law = interface.law
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation."""
+        return self.field.n_transforms
 
     def advance(self, active: Rows) -> None:
         """Make one time step in the active rows."""

@@ -1,0 +1,61 @@
+"""Stiffness of both surface displacements on a grid, mode by mode."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import grid
+from gfmd_numba.elasticity import coupled
+
+Reals = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CoupledStiffness:
+    """Elements K11, K13, K33 of the stiffness of both displacements `[nx // 2 + 1]`, in E*/L_x (6.57)."""
+
+    k11: Reals
+    k13: Reals
+    k33: Reals
+
+    def condensed(self) -> Reals:
+        """Stiffness of the normal displacement where no tangential traction acts (Schur complement, 6.75)."""
+        softening = np.divide(self.k13**2, self.k11, out=np.zeros_like(self.k13), where=self.k13 != 0.0)
+        return np.asarray(self.k33 - softening)
+
+    def with_free_mean(self) -> "CoupledStiffness":
+        """The same without the restoring force of the mean normal displacement, which then follows the load."""
+        return replace(self, k33=np.concatenate(([0.0], self.k33[1:])))
+
+    def principal(self) -> tuple[Reals, Reals]:
+        """Smaller and larger stiffness of the two decoupled modes of each wave number (6.84)."""
+        mean, half = 0.5 * (self.k11 + self.k33), 0.5 * (self.k11 - self.k33)
+        larger = mean + np.hypot(half, self.k13)
+        smaller = np.divide(self.k11 * self.k33 - self.k13**2, larger, out=np.zeros_like(larger), where=larger > 0.0)
+        return smaller, larger
+
+
+def half_space(nx: int, poissons_ratio: float) -> CoupledStiffness:
+    """Coupled stiffness of the half-space on a grid of nx points, in E*/L_x (6.83)."""
+    q = grid.wavenumbers(nx)
+    return _on_grid(nx, *(q * element for element in coupled.half_space(poissons_ratio)))
+
+
+def slab(nx: int, poissons_ratio: float, aspect_ratio: float) -> CoupledStiffness:
+    """Coupled stiffness of a slab of height `aspect_ratio` L_x on a grid of nx points, in E*/L_x (6.58), (6.66)."""
+    q = grid.wavenumbers(nx)
+    elements = np.empty((3, len(q)))
+    elements[:, 1:] = q[1:] * coupled.slab(q[1:] * aspect_ratio, poissons_ratio)
+    tangential, normal = coupled.uniform(poissons_ratio, aspect_ratio)
+    elements[:, 0] = tangential, 0.0, normal
+    return _on_grid(nx, *elements)
+
+
+def _on_grid(nx: int, k11: Reals, k13: Reals, k33: Reals) -> CoupledStiffness:
+    if nx % 2 == 0:
+        # At Nyquist the grid knows only one phase of the wave: its partner in the other component, a quarter wave
+        # off, vanishes on every node. It is condensed out, as if it were free.
+        k11[-1], k33[-1] = k11[-1] - k13[-1] ** 2 / k33[-1], k33[-1] - k13[-1] ** 2 / k11[-1]
+        k13[-1] = 0.0
+    return CoupledStiffness(k11, k13, k33)

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from gfmd_numba import grid
 from gfmd_numba.dynamics import Equilibrium, equilibrate
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import stiffness, surface
+from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.problem import Problem, Profile
 from gfmd_numba.roughness import self_affine
 
@@ -24,38 +25,45 @@ class Contact:
 
     heights: Reals
     punch: Reals
-    stiffness: Reals
     equilibrium: Equilibrium
 
 
-def solve(problem: Problem, realisations: range, before: Equilibrium | None = None) -> Contact:
-    """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*)."""
+def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, slide: float = 0.0) -> Contact:
+    """Press the realisations of a problem into contact (g L_x, g E*).
+
+    With an equilibrium `before` it, what touched the punch follows it, sideways by `slide`: a gap torn open by the
+    step itself would break an adhesive contact early.
+    """
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
-    # what touched the punch follows it: a gap torn open by the step itself would break an adhesive contact early
-    start = None if before is None else np.where(before.touching, punch, before.displacement)
-    return Contact(
-        heights,
-        punch,
-        body,
-        equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start),
+    start = tangential_start = None
+    if before is not None:
+        start = np.where(before.touching, punch, before.displacement)
+        if before.tangential is not None:
+            tangential_start = before.tangential.displacement + np.where(before.touching, slide, 0.0)
+    equilibrium = equilibrate(
+        punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, tangential_start
     )
+    return Contact(heights, punch, equilibrium)
 
 
 def _heights(problem: Problem, realisations: range) -> Reals:
-    surface = problem.surface
-    if isinstance(surface, Profile):
-        return surface.heights[np.newaxis]
+    asked = problem.surface
+    if isinstance(asked, Profile):
+        return asked.heights[np.newaxis]
     return self_affine.profiles(
-        surface.hurst, surface.cut_on_index, surface.cut_off_index, surface.nx, surface.seed, realisations
+        asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations
     )
 
 
-def _stiffness(problem: Problem) -> Reals:
-    q = grid.wavenumbers(problem.surface.nx)
-    if problem.slab is None:
-        return stiffness.half_space(q)
-    return stiffness.slab(q, problem.slab.poissons_ratio, problem.slab.aspect_ratio)
+def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
+    nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
+    if problem.interface.friction is not None:
+        assert nu is not None  # reduce's promise
+        return surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
+    if nu is None or aspect_ratio is None:
+        return stiffness.half_space(grid.wavenumbers(nx))
+    return stiffness.slab(grid.wavenumbers(nx), nu, aspect_ratio)

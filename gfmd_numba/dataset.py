@@ -70,6 +70,12 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
+    tangential = contact.equilibrium.tangential
+    if tangential is not None:
+        fields |= {
+            "tangential_displacement": ("height", "tangential displacement of the body", tangential.displacement[0]),
+            "tangential_traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
+        }
     dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})
     dataset["x"].attrs = {"long_name": "position along the interface", "units": unit["height"]}
     for name, (kind, long_name, values) in fields.items():

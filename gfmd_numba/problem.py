@@ -44,11 +44,11 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Slab:
-    """An elastic slab of height `aspect_ratio` L_x on a rigid base."""
+class ElasticBody:
+    """An elastic body; `aspect_ratio` is None for a half-space, `poissons_ratio` where it does not matter."""
 
-    poissons_ratio: float
-    aspect_ratio: float
+    poissons_ratio: float | None
+    aspect_ratio: float | None
 
 
 @dataclass(frozen=True)
@@ -62,10 +62,10 @@ class Effect:
 
 @dataclass(frozen=True)
 class Problem:
-    """Heights in g L_x, stresses in g E*; `slab` is None for a half-space; one of the two loads is None."""
+    """Heights in g L_x, stresses in g E*; one of the two loads is None."""
 
     surface: RandomSurface | Profile
-    slab: Slab | None
+    body: ElasticBody
     interface: Interface
     mean_pressure: float | None
     displacement: float | None
@@ -79,7 +79,7 @@ class Problem:
         content = {
             "results_version": RESULTS_VERSION,
             "surface": surface,
-            "slab": None if self.slab is None else asdict(self.slab),
+            "body": asdict(self.body),
             "interface": asdict(self.interface),
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
@@ -126,21 +126,14 @@ def reduce(
     displacement = None
     if loading.displacement is not None:
         displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    slab, elasticity = _slab(scene, displacement is not None)
     interface, interactions = _interface(scene, rms_gradient)
+    body, elasticity = _body(scene, interface, displacement is not None)
     if numerics.solver == "auto":
         sparse = loading.reduced_pressure is None or loading.reduced_pressure <= _SPARSE_CONTACT
-        gradients = sparse and interface.law is None
+        gradients = sparse and interface.law is None and interface.friction is None
         numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if gradients else "verlet"})
-    problem = Problem(surface, slab, interface, loading.reduced_pressure, displacement, numerics)
-    return problem, (_TANGENTIAL, *elasticity, *interactions)
-
-
-_TANGENTIAL = Effect(
-    "tangential displacement",
-    "condensed",
-    "without friction it follows the normal one exactly (Schur complement, 6.75)",
-)
+    problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics)
+    return problem, (*elasticity, *interactions)
 
 
 def effective_modulus(scene: Scene) -> float:
@@ -149,40 +142,53 @@ def effective_modulus(scene: Scene) -> float:
     return 1.0 if body.youngs_modulus is None else body.youngs_modulus / (1.0 - body.poissons_ratio**2)
 
 
-def _slab(scene: Scene, mean_matters: bool) -> tuple[Slab | None, tuple[Effect, ...]]:
-    body = scene.body
-    if math.isinf(body.aspect_ratio):
-        return None, (
-            Effect("slab", "off", "the body is a half-space"),
-            Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*"),
-        )
-    slab = Slab(body.poissons_ratio, body.aspect_ratio)
-    effect = slab_effect(slab)
-    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.poissons_ratio:g}"
+def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    nu, aspect_ratio = scene.body.poissons_ratio, scene.body.aspect_ratio
+    condensed = Effect(
+        "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
+    )
+    coupled = Effect("tangential displacement", "on", "friction holds it")
+    if math.isinf(aspect_ratio):
+        off = Effect("slab", "off", "the body is a half-space")
+        if interface.friction is not None:
+            return ElasticBody(nu, None), (coupled, off)
+        unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
+        return ElasticBody(None, None), (condensed, off, unknown)
+    if interface.friction is not None:
+        return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "friction needs its mean displacement"))
+    effect = stiffening(nu, aspect_ratio)
+    name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
     bound = f"it stiffens the longest wave by {effect:.1e} relative to the half-space"
     if mean_matters or effect > np.finfo(float).eps / 2:
-        return slab, (Effect(name, "on", bound),)
-    return None, (Effect(name, "dropped", f"{bound}, below double precision"),)
+        return ElasticBody(nu, aspect_ratio), (condensed, Effect(name, "on", bound))
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below double precision"))
 
 
 def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effect, ...]]:
-    wall, exponential = scene.interface.hard_wall is not None, scene.interface.exponential
-    effects = [Effect("hard wall", "on" if wall else "off", "as the scene says")]
-    if exponential is None:
-        return Interface(wall, None), (*effects, Effect("exponential law", "off", "not in the scene"))
-    length = rms_gradient * (scene.length or 1.0)
-    law = Exponential(
-        work=exponential.work_of_adhesion / (length * rms_gradient * effective_modulus(scene)),
-        length=exponential.range / length,
-    )
-    return Interface(wall, law), (*effects, Effect("exponential law", "on", "as the scene says"))
+    wall, exponential, friction = scene.interface.hard_wall, scene.interface.exponential, scene.interface.friction
+    law = None
+    if exponential is not None:
+        length = rms_gradient * (scene.length or 1.0)
+        work = exponential.work_of_adhesion / (length * rms_gradient * effective_modulus(scene))
+        law = Exponential(work, exponential.range / length)
+    effects = [_as_asked("hard wall", wall), _as_asked("exponential law", law), _as_asked("friction", friction)]
+    coefficient = None if friction is None else friction.coefficient
+    if coefficient is not None and math.isinf(scene.body.aspect_ratio) and scene.body.poissons_ratio == 0.5:
+        coefficient = None
+        reason = "an incompressible half-space has no tangential displacement under normal load"
+        effects[-1] = Effect("friction", "dropped", reason)
+    return Interface(wall is not None, law, coefficient), tuple(effects)
 
 
-def slab_effect(slab: Slab) -> float:
+def _as_asked(name: str, record: object) -> Effect:
+    return Effect(name, "off", "not in the scene") if record is None else Effect(name, "on", "in the scene")
+
+
+def stiffening(poissons_ratio: float, aspect_ratio: float) -> float:
     """Largest relative stiffening of any wave by the rigid base, that of the longest wave."""
-    k = 2.0 * np.pi * slab.aspect_ratio
-    ratio = stiffness.slab_factor(np.array([k]), slab.poissons_ratio)[0] - 1.0
-    # below rounding the exact ratio is out of reach; its leading term is (1 + kappa^2 + 4 k^2) exp(-2 k) / kappa
-    kappa = 3.0 - 4.0 * slab.poissons_ratio
+    k = 2.0 * np.pi * aspect_ratio
+    ratio = stiffness.slab_factor(np.array([k]), poissons_ratio)[0] - 1.0
+    # below rounding the exact ratio is out of reach; its leading term is not
+    kappa = 3.0 - 4.0 * poissons_ratio
     tail = (1.0 + kappa**2 + 4.0 * k**2 + 4.0 * kappa * k) * math.exp(-2.0 * k) / kappa
     return float(ratio) if abs(ratio) > 1e-12 else tail

@@ -24,11 +24,12 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     except ValueError as error:
         raise _unusable_profile(source, scene, error) from None
     check_range(scene_document(source), scene, surface.nx)
-    steps, before = [], None
-    for scene in _path(file):
+    steps, before, slid = [], None, 0.0
+    for scene, sliding in _path(file):
         reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics)
-        solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before)
-        before = solved.equilibrium
+        slide = (sliding - slid) / ((scene.length or 1.0) * rms_gradient)
+        solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, slide)
+        before, slid = solved.equilibrium, sliding
         steps.append(contact_dataset(scene, reduced, rms_gradient, solved))
     dataset = steps[0] if not file.path else _joined(steps)
     dataset.attrs["scene"] = file.model_dump_json()
@@ -43,14 +44,15 @@ def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
     )
 
 
-def _path(file: SceneFile) -> Iterator[Scene]:
-    """The scene at its own loading, then at each value of the path."""
-    loading = file.scene.loading
-    control = "reduced_pressure" if loading.displacement is None else "displacement"
-    yield file.scene
-    for value in file.path:
-        step = loading.model_copy(update={control: value})
-        yield file.scene.model_copy(update={"loading": step})
+def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:
+    """The scene and the sliding displacement at its own loading, then after each change of the path."""
+    scene, sliding = file.scene, 0.0
+    yield scene, sliding
+    for step in file.path:
+        changes = step.model_dump(exclude_none=True)
+        sliding = changes.pop("sliding", sliding)
+        scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
+        yield scene, sliding
 
 
 def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:

@@ -61,7 +61,7 @@ def test_members_of_a_batch_end_on_their_own(solver):
     for i in range(len(punch)):
         alone = equilibrate(punch[i : i + 1], body, 0.05, numerics)
         for field in dataclasses.fields(batch):
-            if field.name != "wall_time":
+            if field.name not in ("wall_time", "tangential"):
                 np.testing.assert_array_equal(getattr(alone, field.name)[0], getattr(batch, field.name)[i])
 
 

@@ -94,7 +94,7 @@ def nearly_flat(tmp_path, path, first, **interface):
                 "interface": interface,
                 "loading": {"displacement": first},
             },
-            "path": path,
+            "path": [{"displacement": value} for value in path],
         }
     )
 

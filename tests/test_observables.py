@@ -15,9 +15,17 @@ def contact(touching, heights=None, status=Status.ok):
     heights = np.zeros((rows, n)) + np.cos(2 * np.pi * np.arange(n) / n) if heights is None else heights
     counts = np.ones(rows, dtype=np.int64)
     equilibrium = Equilibrium(
-        np.zeros((rows, n)), pressure, pressure > 0, np.full(rows, status), counts * 1e-9, counts, counts, counts * 1.0
+        np.zeros((rows, n)),
+        pressure,
+        pressure > 0,
+        None,
+        np.full(rows, status),
+        counts * 1e-9,
+        counts,
+        counts,
+        counts * 1.0,
     )
-    return Contact(heights, np.ones((rows, n)), np.zeros(n // 2 + 1), equilibrium)
+    return Contact(heights, np.ones((rows, n)), equilibrium)
 
 
 def test_edge_bias_is_the_wiener_hopf_constant():

@@ -86,17 +86,32 @@ class Exponential(BaseModel):
         return self
 
 
+class Friction(BaseModel):
+    """Coulomb friction between touching nodes (dimensionless)."""
+
+    model_config = RECORD
+    coefficient: float = Field(
+        gt=0,
+        allow_inf_nan=True,
+        description="Tangential over normal traction at which a node slides; inf: it sticks where it touches",
+        json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
+    )
+
+
 class Interface(BaseModel):
     """Interaction between body and punch; an absent one is None."""
 
     model_config = RECORD
     hard_wall: HardWall | None = Field(None, description="Non-overlap constraint")
     exponential: Exponential | None = Field(None, description="Finite-range attraction or repulsion")
+    friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
 
     @model_validator(mode="after")
     def _keeps_apart(self) -> Self:
         if self.hard_wall is None and (self.exponential is None or self.exponential.work_of_adhesion > 0):
             raise broken_rule((), "hard_wall, or an exponential law that repels: something must keep the bodies apart")
+        if self.friction is not None and (self.hard_wall is None or self.exponential is not None):
+            raise broken_rule(("friction",), "a hard_wall and no exponential law beside friction")
         return self
 
 
@@ -226,8 +241,29 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
             "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
             "where the mean displacement is rigid",
         )
+    friction = scene.interface.friction is not None
+    if friction and rigid:
+        raise broken_rule(
+            ("scene", "body", "poissons_ratio"),
+            "a number below 0.5, as no solver combines a rigid mean displacement with friction",
+        )
+    if friction and numerics.solver not in ("auto", "verlet"):
+        raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
     if law and numerics.solver == "conjugate_gradients":
         raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
+
+
+class Step(BaseModel):
+    """A change of the loading; what is left out stays as it is."""
+
+    model_config = RECORD
+    reduced_pressure: ReducedPressure | None = Field(None, description="Mean pressure p/(g E*) (dimensionless)")
+    displacement: float | None = Field(
+        None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
+    )
+    sliding: float | None = Field(
+        None, description="Tangential displacement of the punch since first touch, in m or L_x likewise"
+    )
 
 
 class SceneFile(BaseModel):
@@ -239,8 +275,8 @@ class SceneFile(BaseModel):
     discretisation: Discretisation | None = Field(None, description="Needed by, and only by, method psd")
     seed: Seed = 0
     realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
-    path: tuple[float, ...] = Field(
-        (), strict=False, description="Further values of the loading, each begun where the one before ended"
+    path: tuple[Step, ...] = Field(
+        (), strict=False, description="Changes of the loading one after another, each begun where the last one ended"
     )
 
     @model_validator(mode="after")
@@ -251,7 +287,21 @@ class SceneFile(BaseModel):
         if not random and self.discretisation is not None:
             raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
         check_solver(self.scene, self.numerics)
-        for i, value in enumerate(self.path):
-            if self.scene.loading.displacement is None and value <= 0:
-                raise broken_rule(("path", i), "a reduced pressure above 0, like loading.reduced_pressure")
+        for i, step in enumerate(self.path):
+            self._check_step(i, step)
         return self
+
+    def _check_step(self, i: int, step: Step) -> None:
+        scene = self.scene
+        other = "displacement" if scene.loading.displacement is None else "reduced_pressure"
+        if getattr(step, other) is not None:
+            raise broken_rule(("path", i, other), f"what the loading prescribes, which is not {other}")
+        if step.sliding is not None and (scene.interface.friction is None or isinf(scene.body.aspect_ratio)):
+            raise broken_rule(
+                ("path", i, "sliding"),
+                "nothing without interface.friction and a finite aspect_ratio: a half-space has no reference for it",
+            )
+        if (step.displacement or 0.0) < 0.0 and scene.interface.exponential is None:
+            raise broken_rule(
+                ("path", i, "displacement"), "a finite number of at least 0, as nothing acts across an open gap"
+            )

@@ -33,13 +33,18 @@ class Exponential:
     work: float
     length: float
 
+    @property
+    def strength(self) -> float:
+        """Traction at zero gap."""
+        return self.work / self.length
+
     def energy(self, gap: Reals) -> Reals:
         """Energy per area of the surfaces at a gap."""
         return np.asarray(-self.work * np.exp(-gap / self.length))
 
     def traction(self, gap: Reals) -> Reals:
         """Traction that pulls the body towards the punch (6.110)."""
-        return np.asarray(self.work / self.length * np.exp(-gap / self.length))
+        return np.asarray(self.strength * np.exp(-gap / self.length))
 
     def stiffness(self, gap: Reals) -> Reals:
         """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
@@ -47,9 +52,9 @@ class Exponential:
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
-        strongest = min(pressure, -self.work / self.length) if hard_wall else pressure
+        strongest = min(pressure, -self.strength) if hard_wall else pressure
         return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
 
     def pull(self, u: Reals, ku: Reals, punch: Reals, active: Rows, n: int) -> None:
         """Take the traction of the law off the restoring traction `ku` in the active rows."""
-        kernels.exponential_pull(u, ku, punch, active, n, self.work / self.length, self.length)
+        kernels.exponential_pull(u, ku, punch, active, n, self.strength, self.length)

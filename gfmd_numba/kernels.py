@@ -104,17 +104,36 @@ def fire_step(
 
 
 @jit
-def kkt_violation(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, worst: Reals) -> None:
-    """Largest traction on a free node or tension on a touching one, for displacements that do not penetrate."""
+def kkt_violation(
+    u: Reals,
+    ku: Reals,
+    punch: Reals,
+    load: Reals,
+    active: Rows,
+    n: int,
+    worst: Reals,
+    peak: Reals,
+    imbalance: Reals,
+) -> None:
+    """Largest traction on a free node or tension on a touching one, largest pressure, and mean unbalanced traction.
+
+    For displacements that do not penetrate; not-a-number if any traction is not finite.
+    """
     for i in active:
         largest = 0.0
-        total = 0.0  # a NaN or infinity anywhere survives in the sum, not in the comparison
+        highest = 0.0
+        total = 0.0  # a NaN or infinity anywhere survives in a sum, not in a comparison
+        carried = 0.0
         for j in range(n):
             traction = load[i] - ku[i, j]
             total += traction
-            violation = -traction if u[i, j] >= punch[i, j] else abs(traction)
-            largest = max(largest, violation)
+            pressure = max(traction, 0.0) if u[i, j] >= punch[i, j] else 0.0
+            carried += pressure
+            highest = max(highest, pressure)
+            largest = max(largest, abs(traction - pressure))
         worst[i] = largest if np.isfinite(total) else np.nan
+        peak[i] = highest
+        imbalance[i] = abs(total - carried) / n
 
 
 @jit
@@ -259,6 +278,7 @@ def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Rows
 def coupled_step(
     u1: Reals,
     u1_old: Reals,
+    anchor: Reals,
     k1: Reals,
     u3: Reals,
     u3_old: Reals,
@@ -273,8 +293,9 @@ def coupled_step(
 ) -> None:
     """One Verlet step of both components with the hard wall and Coulomb friction (an infinite one sticks).
 
-    A touching node sticks where it is while its tangential force stays below friction times pressure; beyond, the
-    excess moves it without inertia, by half the push of a free node, which is stable for every mode.
+    A node sticks where it first touched, its `anchor` (not-a-number before), while its tangential force stays below
+    friction times pressure; beyond, the excess moves the anchor without inertia, by half the push of a free node,
+    which is stable for every mode. A node that bounces on the way to equilibrium keeps its anchor.
     """
     for i in active:
         for j in range(n):
@@ -284,8 +305,11 @@ def coupled_step(
             if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
                 excess = abs(force) - friction * pressure
                 u1_old[i, j] = now
+                if np.isnan(anchor[i, j]):
+                    anchor[i, j] = now
                 if excess > 0.0:
-                    u1[i, j] = now + 0.5 * push * (excess if force > 0.0 else -excess)
+                    anchor[i, j] += 0.5 * push * (excess if force > 0.0 else -excess)
+                u1[i, j] = anchor[i, j]
             else:
                 new = now + memory * (now - u1_old[i, j]) + push * force
                 u1_old[i, j] = now

@@ -133,7 +133,7 @@ MEASURES = (
         "residual",
         "run",
         "1",
-        "largest violation of the contact conditions over the rms pressure of full contact",
+        "largest violation of the contact conditions over the largest pressure, or relative load imbalance",
         lambda c: c.equilibrium.residual,
     ),
     Measure("n_iterations", "run", "1", "solver iterations", lambda c: c.equilibrium.n_iterations),

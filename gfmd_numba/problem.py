@@ -20,7 +20,9 @@ from gfmd_numba.scene import Discretisation, Numerics, Scene, SelfAffine
 Reals = npt.NDArray[np.float64]
 
 RESULTS_VERSION = 2  # raised whenever a change of the code changes a number: older shards are then not reused
-_SPARSE_CONTACT = 0.01  # reduced pressure up to which conjugate gradients need less time than Verlet
+# where conjugate gradients need less time than Verlet
+_LIGHT_LOAD = 0.01  # reduced pressure
+_THIN_SLAB = 0.1  # aspect ratio
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,9 @@ def reduce(
     interface, interactions = _interface(scene, rms_gradient)
     body, elasticity = _body(scene, interface, displacement is not None)
     if numerics.solver == "auto":
-        sparse = loading.reduced_pressure is None or loading.reduced_pressure <= _SPARSE_CONTACT
-        gradients = sparse and interface.law is None and interface.friction is None
+        light = loading.reduced_pressure is None or loading.reduced_pressure <= _LIGHT_LOAD
+        easy = light or scene.body.aspect_ratio <= _THIN_SLAB
+        gradients = easy and interface.law is None and interface.friction is None
         numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if gradients else "verlet"})
     problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics)
     return problem, (*elasticity, *interactions)

@@ -98,6 +98,20 @@ def test_one_or_two_touching_nodes_and_full_contact(nx, load):
     np.testing.assert_array_equal(verlet > 0, gradients > 0)
 
 
+@pytest.mark.parametrize(
+    ("nu", "aspect_ratio", "load"),
+    [(0.5, 1e-4, 0.3), (0.5, 3e-4, 0.02), (0.33, 1e-3, 0.02), (0.33, np.inf, 1e-7)],
+)
+def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
+    """Where the pressure of full contact is no measure of the pressures that matter."""
+    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(2)), grid.wavenumbers(256)
+    body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
+    results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS]
+    for result in results:
+        np.testing.assert_allclose(result.pressure.mean(axis=1), load, rtol=2e-8)
+    np.testing.assert_array_equal(results[0].touching, results[1].touching)
+
+
 def test_area_grows_with_load():
     heights = self_affine.profiles(0.8, 2, 64, 256, 3, range(3))
     areas = np.array([(press(heights, load).pressure > 0).sum(axis=1) for load in np.logspace(-3, 1, 9)])

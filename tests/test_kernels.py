@@ -95,11 +95,15 @@ def test_kkt_violation(kernel, rng):
     punch, ku = rng.normal(size=(2, ROWS, PADDED))
     u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
     load = rng.normal(size=ROWS)
-    traction = load[:, None] - ku
-    violation = np.where(u < punch, abs(traction), np.maximum(-traction, 0.0))[:, :N].max(axis=1)
-    worst = np.full(ROWS, -1.0)
-    kernel(u, ku, punch, load, ACTIVE, N, worst)
-    np.testing.assert_allclose(worst, [violation[0], -1.0, violation[2]])
+    traction = (load[:, None] - ku)[:, :N]
+    pressure = np.where((u == punch)[:, :N], np.maximum(traction, 0.0), 0.0)
+    excess = traction - pressure
+    worst, peak, imbalance = np.full((3, ROWS), -1.0)
+    kernel(u, ku, punch, load, ACTIVE, N, worst, peak, imbalance)
+    np.testing.assert_allclose(worst[ACTIVE], abs(excess).max(axis=1)[ACTIVE])
+    np.testing.assert_allclose(peak[ACTIVE], pressure.max(axis=1)[ACTIVE])
+    np.testing.assert_allclose(imbalance[ACTIVE], abs(excess.mean(axis=1))[ACTIVE], atol=1e-15)
+    assert worst[1] == peak[1] == imbalance[1] == -1.0
 
 
 @pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
@@ -110,8 +114,8 @@ def test_kkt_violation_reports_what_is_not_finite(kernel, poison, touches):
     u = punch - (0.0 if touches else 1.0)
     ku = np.zeros_like(u)
     ku[2, 3] = poison
-    worst = np.zeros(ROWS)
-    kernel(u, ku, punch, np.zeros(ROWS), ACTIVE, N, worst)
+    worst, peak, imbalance = np.zeros((3, ROWS))
+    kernel(u, ku, punch, np.zeros(ROWS), ACTIVE, N, worst, peak, imbalance)
     assert worst[0] == 0.0
     assert np.isnan(worst[2])
 

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.dynamics.certificate import Certificate
 from gfmd_numba.fourier import Convolution, aligned_rows
 
 Reals = npt.NDArray[np.float64]
@@ -36,6 +37,7 @@ class ConjugateGradients:
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self._gap = aligned_rows(rows, n)
+        self.certificate = Certificate(rows)
         self._rounding = np.finfo(float).eps * np.ptp(punch, axis=1)
         self._norm = np.zeros(rows)
         self._step = np.zeros(rows)
@@ -60,23 +62,22 @@ class ConjugateGradients:
             self._free_mean,
         )  # fmt: skip
 
-    def violation(self, active: Rows) -> Reals:
-        """Largest violation of the contact conditions by the nearest displacement that does not penetrate, in E*.
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions by the nearest displacement that does not penetrate.
 
-        Leaves it in `displacement` and its restoring traction in `field.result`; costs four transforms a row.
+        Leaves it in `displacement` and its restoring traction in `restoring`; costs four transforms a row.
         """
         self._open_gap(active)
         field, n = self.field, self.field.n
         kernels.close_gap(self._p, self._gap, self.wall, active, n, self.displacement)
         field.apply(self._stiffness, active, source=2)
-        worst = np.empty(self.load.size)
         if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
             self.load[active] = self._p[active, :n].mean(axis=1)
-        kernels.kkt_violation(self.displacement, field.result, self.wall, self.load, active, n, worst)
+        self.certificate.look(self.displacement, field.result, self.wall, self.load, active, n)
         if self._rigid_mean:
-            drift = np.abs(self.displacement[active, :n].mean(axis=1))
-            worst[active] = np.maximum(worst[active], self._stiffest * drift)
-        return worst[active]
+            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
+        return self.certificate.residual(self.load, active)
 
     def _open_gap(self, active: Rows) -> None:
         field = self.field

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.dynamics.certificate import Certificate
 from gfmd_numba.dynamics.damping import critical_damping, stability_limit
 from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.fourier import Convolution, aligned_rows
@@ -32,6 +33,7 @@ class CoupledRelaxation:
         rows, n = punch.shape
         self._rows = rows
         self._friction = friction
+        self.certificate = Certificate(rows)
         self.load = load
         self.field = Convolution(2 * rows, n)
         self.wall = aligned_rows(rows, n)
@@ -41,6 +43,7 @@ class CoupledRelaxation:
         self.tangential[:, :n] = start[0]
         self.displacement[:, :n] = np.minimum(start[1], punch)
         self._last = both.copy()
+        self._anchor = np.full_like(self.tangential, np.nan)
         self.tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
         self._k11, self._k13, self._k33 = (self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33))
         smaller, larger = stiffness.principal()
@@ -59,20 +62,20 @@ class CoupledRelaxation:
         """Make one time step in the active rows."""
         last_tangential, last_normal = self._last[: self._rows], self._last[self._rows :]
         kernels.coupled_step(
-            self.tangential, last_tangential, self.tangential_restoring, self.displacement, last_normal,
+            self.tangential, last_tangential, self._anchor, self.tangential_restoring, self.displacement, last_normal,
             self.restoring, self.wall, self.load, self._friction, active, self.field.n, self._memory, self._push,
         )  # fmt: skip
         self._restore(active)
 
-    def violation(self, active: Rows) -> Reals:
-        """Largest violation of the normal and tangential conditions, in E* `[active]`; costs no transform."""
-        n, worst = self.field.n, np.empty(self._rows)
-        kernels.kkt_violation(self.displacement, self.restoring, self.wall, self.load, active, n, worst)
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
+        n, certificate = self.field.n, self.certificate
+        certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         kernels.friction_violation(
             self.tangential_restoring, self.displacement, self.restoring, self.wall, self.load, self._friction,
-            active, n, worst,
+            active, n, certificate.worst,
         )  # fmt: skip
-        return worst[active]
+        return certificate.residual(self.load, active)
 
     def _restore(self, active: Rows) -> None:
         both = np.concatenate((active, active + self._rows))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.dynamics.certificate import pressure_scale
+from gfmd_numba.dynamics.certificate import Certificate, pressure_scale
 from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
 from gfmd_numba.dynamics.coupled import CoupledRelaxation
 from gfmd_numba.dynamics.relaxation import Integrator, Relaxation
@@ -26,7 +26,7 @@ HARD_WALL = Interface(hard_wall=True, law=None, friction=None)
 
 _CHECK_EVERY = 10  # iterations between two looks at the certificate
 _BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
-_BLOWN_UP = 1e12  # residual beyond which a run is unstable, not slow
+_BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
 
 
 class Status(IntEnum):
@@ -41,18 +41,19 @@ class Status(IntEnum):
 
 
 class Solver(Protocol):
-    """What `equilibrate` asks of a solver: after `violation`, `restoring` is the traction of `displacement`."""
+    """What `equilibrate` asks of a solver: after `residual`, `restoring` is the traction of `displacement`."""
 
     field: Convolution
     displacement: Reals
     restoring: Reals
     wall: Reals
     load: Reals
+    certificate: Certificate
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]: ...  # noqa: D102
     def advance(self, active: Rows) -> None: ...  # noqa: D102
-    def violation(self, active: Rows) -> Reals: ...  # noqa: D102
+    def residual(self, active: Rows) -> Reals: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,8 @@ class Equilibrium:
     The pressure is what the interface transmits, of the hard wall (on the nodes `touching` it) and of the law.
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
-    largest traction on free nodes or tension on touching ones, over the rms pressure of full contact or the
-    traction of the law at zero gap, whichever is larger.
+    largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law at
+    zero gap), or the load imbalance over the load, whichever is larger.
     """
 
     displacement: Reals
@@ -114,8 +115,6 @@ def equilibrate(
     )
     condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
     scale = pressure_scale(punch, condensed)
-    if interface.law is not None:
-        scale = np.maximum(scale, np.abs(interface.law.traction(np.zeros(1))))
     start = np.minimum(punch, 0.0) if start is None else start
     tangential_start = np.zeros_like(punch) if tangential_start is None else tangential_start
     block = max(1, _BLOCK_SAMPLES // n)
@@ -128,7 +127,7 @@ def equilibrate(
         else:
             largest = float(scale[rows].max())
             solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], largest)
-        _iterate(solver, scale[rows], numerics, result, first)
+        _iterate(solver, rows, scale[rows] + (load or 0.0), numerics, result)
         result.n_transforms[rows] = solver.n_transforms
         share = solver.n_transforms / solver.n_transforms.sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
@@ -180,32 +179,32 @@ def _coupled_solver(
     return CoupledRelaxation(punch, stiffness, loads, interface.friction, starts, numerics.time_step, numerics.damping)
 
 
-def _iterate(solver: Solver, scale: Reals, numerics: Numerics, result: Equilibrium, first: int) -> None:
+def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, result: Equilibrium) -> None:
     """Advance all rows until each is certified or gives up, and store each as it ends."""
     n = solver.field.n
-    active = np.arange(len(scale))
+    active = np.arange(rows.stop - rows.start)
     iterations = 0
     pressure = np.zeros_like(solver.restoring)
     while active.size:
         for _ in range(_CHECK_EVERY):
             solver.advance(active)
         iterations += _CHECK_EVERY
-        residual = solver.violation(active) / scale[active]
+        residual = solver.residual(active)
         status = np.full(active.size, Status.not_converged, dtype=np.int8)
         status[residual <= numerics.residual] = Status.ok
-        status[residual > _BLOWN_UP] = Status.unstable
-        status[~np.isfinite(residual)] = Status.nonfinite
+        status[solver.certificate.worst[active] > _BLOWN_UP * scale[active]] = Status.unstable
+        status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
-        rows = active[ended]
-        kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, rows, n, pressure)
-        where = first + rows
-        result.displacement[where] = solver.displacement[rows, :n]
-        result.pressure[where] = pressure[rows, :n]
-        result.touching[where] = pressure[rows, :n] > 0.0
+        done = active[ended]
+        kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, done, n, pressure)
+        where = rows.start + done
+        result.displacement[where] = solver.displacement[done, :n]
+        result.pressure[where] = pressure[done, :n]
+        result.touching[where] = pressure[done, :n] > 0.0
         if result.tangential is not None:
             assert isinstance(solver, CoupledRelaxation)
-            result.tangential.displacement[where] = solver.tangential[rows, :n]
-            result.tangential.traction[where] = solver.tangential_restoring[rows, :n]
+            result.tangential.displacement[where] = solver.tangential[done, :n]
+            result.tangential.traction[where] = solver.tangential_restoring[done, :n]
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] = iterations

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import kernels
+from gfmd_numba.dynamics.certificate import Certificate
 from gfmd_numba.fourier import Convolution, aligned_rows
 from gfmd_numba.interface import Interface
 
@@ -48,6 +48,8 @@ class Relaxation:
         self.restoring = self.field.result
         self._stiffness = self.field.symbol(stiffness)
         self._law = interface.law
+        self._strength = 0.0 if interface.law is None else abs(interface.law.strength)
+        self.certificate = Certificate(rows)
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))
 
@@ -62,12 +64,11 @@ class Relaxation:
         self._integrator.step(self.displacement, field.result, self.wall, self.load, active, field.n)
         self._restore(active)
 
-    def violation(self, active: Rows) -> Reals:
-        """Largest violation of the contact conditions, in E* `[active]`; costs no transform."""
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions `[active]`; costs no transform."""
         field = self.field
-        worst = np.empty(self.load.size)
-        kernels.kkt_violation(self.displacement, field.result, self.wall, self.load, active, field.n, worst)
-        return worst[active]
+        self.certificate.look(self.displacement, field.result, self.wall, self.load, active, field.n)
+        return self.certificate.residual(self.load, active, self._strength)
 
     def _restore(self, active: Rows) -> None:
         field = self.field

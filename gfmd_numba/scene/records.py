@@ -25,7 +25,7 @@ ReducedPressure = Annotated[float, Field(gt=0, description="Mean pressure p/(g E
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
 EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]
-Seed = Annotated[int, Field(ge=0, lt=2**63, description="Seed of the random surfaces")]
+Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 
 def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustomError:

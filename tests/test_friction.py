@@ -1,0 +1,230 @@
+"""Both displacements together: the coupled stiffness on the grid, sticking, sliding, and closed forms."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba import grid, kernels
+from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.elasticity import stiffness, surface
+from gfmd_numba.interface import Interface
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import Numerics
+
+NX = 256
+BODIES = [surface.half_space(NX, 0.2), surface.slab(NX, 0.2, 0.1), surface.slab(NX, 0.49, 0.3)]
+COUPLED = {"half-space": BODIES[0], "slab": BODIES[1], "nearly incompressible": BODIES[2]}
+
+
+def restored(body, u1, u3):
+    """Tractions (tangential, normal) that a displacement calls up on the body, by NumPy's transforms."""
+    c1, c3 = grid.coefficients(u1), grid.coefficients(u3)
+    f1 = body.k11 * c1 + 1j * body.k13 * c3
+    f3 = body.k33 * c3 - 1j * body.k13 * c1
+    return grid.signal(f1, u1.shape[-1]), grid.signal(f3, u1.shape[-1])
+
+
+def press(punch, body, load, friction, **numerics):
+    interface = Interface(hard_wall=True, law=None, friction=friction)
+    result = equilibrate(punch, body, load, Numerics(**numerics), interface)
+    assert (result.status == 0).all()
+    return result
+
+
+def rough(nx=NX):
+    heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
+    return heights.max(axis=1, keepdims=True) - heights
+
+
+@pytest.mark.parametrize("kernel", [kernels.couple, kernels.couple.py_func])
+def test_couple(kernel):
+    rng = np.random.default_rng(0)
+    spectrum = rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9))
+    k11, k13, k33 = rng.normal(size=(3, 7))
+    expected = spectrum.copy()
+    for i in (0, 2):
+        expected[i, :7] = k11 * spectrum[i, :7] + 1j * k13 * spectrum[3 + i, :7]
+        expected[3 + i, :7] = k33 * spectrum[3 + i, :7] - 1j * k13 * spectrum[i, :7]
+    kernel(spectrum, k11, k13, k33, np.array([0, 2]), 3)
+    np.testing.assert_allclose(spectrum, expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, np.inf])
+@pytest.mark.parametrize("kernel", [kernels.coupled_step, kernels.coupled_step.py_func])
+def test_coupled_step(kernel, friction):
+    rng = np.random.default_rng(1)
+    u1, old1, k1, u3, old3, k3, anchor = rng.normal(size=(7, 3, 16))
+    anchor[:, ::2] = np.nan
+    wall, load = u3 + np.maximum(rng.normal(size=u3.shape), 0.0), rng.normal(size=3)
+    memory, push, active, n = 0.8, 0.1, np.array([0, 2]), 13
+    pressure = load[:, None] - k3
+    touching = (u3 == wall) & (pressure > 0) & (friction > 0)
+    with np.errstate(invalid="ignore"):
+        slip = np.sign(-k1) * np.maximum(abs(k1) - friction * pressure, 0.0)
+    moved = np.where(np.isnan(anchor), u1, anchor) + push / 2 * slip
+    new1 = np.where(touching, moved, u1 + memory * (u1 - old1) - push * k1)
+    new3 = np.minimum(u3 + memory * (u3 - old3) + push * pressure, wall)
+    expected = [a.copy() for a in (u1, old1, u3, old3, anchor)]
+    new = (new1, u1.copy(), new3, u3.copy(), np.where(touching, moved, anchor))
+    for target, value in zip(expected, new, strict=True):
+        target[active, :n] = value[active, :n]
+    kernel(u1, old1, anchor, k1, u3, old3, k3, wall, load, friction, active, n, memory, push)
+    for computed, value in zip((u1, old1, u3, old3, anchor), expected, strict=True):
+        np.testing.assert_allclose(computed, value, rtol=1e-13, atol=1e-14)
+    assert touching[active, :n].any() == (friction > 0)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, np.inf])
+@pytest.mark.parametrize("kernel", [kernels.friction_violation, kernels.friction_violation.py_func])
+def test_friction_violation(kernel, friction):
+    rng = np.random.default_rng(2)
+    k1, u3, k3 = rng.normal(size=(3, 3, 16))
+    wall, load = u3 + np.maximum(rng.normal(size=u3.shape), 0.0), rng.normal(size=3)
+    worst, n = np.array([0.01, 0.01, 100.0]), 13
+    held = np.zeros_like(k1)
+    touching = (u3 == wall) & (load[:, None] > k3)
+    held[touching] = friction * (load[:, None] - k3)[touching]
+    expected = np.maximum((abs(k1) - held)[:, :n].max(axis=1), worst)
+    kernel(k1, u3, k3, wall, load, friction, np.array([0, 2]), n, worst)
+    np.testing.assert_allclose(worst, [expected[0], 0.01, 100.0])
+    k1[2, 0] = np.nan
+    kernel(k1, u3, k3, wall, load, friction, np.array([0, 2]), n, worst)
+    assert np.isnan(worst[2])
+
+
+@pytest.mark.parametrize("body", COUPLED.values(), ids=COUPLED)
+def test_tractions_are_the_gradient_of_the_energy(body):
+    rng = np.random.default_rng(3)
+    u1, u3 = rng.normal(size=(2, NX))
+
+    def energy(u1, u3):
+        f1, f3 = restored(body, u1, u3)
+        return 0.5 * (u1 * f1 + u3 * f3).mean()
+
+    f1, f3 = restored(body, u1, u3)
+    direction, h = rng.normal(size=(2, NX)), 1e-4
+    slope = (
+        energy(u1 + h * direction[0], u3 + h * direction[1]) - energy(u1 - h * direction[0], u3 - h * direction[1])
+    ) / (2 * h)
+    assert (f1 * direction[0] + f3 * direction[1]).mean() == pytest.approx(slope, rel=1e-9)
+    assert energy(u1, u3) > 0.0
+    v1, v3 = rng.normal(size=(2, NX))
+    g1, g3 = restored(body, v1, v3)  # reciprocity
+    assert (v1 * f1 + v3 * f3).mean() == pytest.approx((u1 * g1 + u3 * g3).mean(), rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.5])
+def test_normal_pressure_draws_the_surface_together(nu):
+    """Johnson (1985), 2.25a: the tangential strain under a pressure p is -(1 - 2 nu)(1 + nu) p / E."""
+    body, n = surface.half_space(NX, nu), 12
+    x = np.arange(NX) / NX
+    pressure = np.cos(2 * np.pi * n * x + 0.3)
+    c3 = -grid.coefficients(pressure)  # pressure pushes the body down
+    q = grid.wavenumbers(NX)
+    det = body.k11 * body.k33 - body.k13**2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        u1 = np.where(q > 0, -1j * body.k13 / det * c3, 0.0)
+    strain = grid.signal(1j * q * u1, NX)
+    young = 1 - nu**2  # in E*
+    np.testing.assert_allclose(strain, -(1 - 2 * nu) * (1 + nu) / young * pressure, atol=1e-13)
+
+
+@pytest.mark.parametrize(("nu", "aspect_ratio"), [(0.2, None), (0.2, 0.1), (0.49, 0.5), (0.5, None)])
+@pytest.mark.parametrize("nx", [256, 255])
+def test_without_friction_both_components_equal_the_condensed_one(nu, aspect_ratio, nx):
+    heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
+    punch, q = heights.max(axis=1, keepdims=True) - heights, grid.wavenumbers(nx)
+    both = surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
+    one = stiffness.half_space(q) if aspect_ratio is None else stiffness.slab(q, nu, aspect_ratio)
+    np.testing.assert_allclose(both.condensed(), one, rtol=1e-13)
+    coupled = press(punch, both, 0.05, 0.0, residual=1e-10)
+    condensed = equilibrate(punch, one, 0.05, Numerics(solver="verlet", residual=1e-10))
+    np.testing.assert_array_equal(coupled.touching, condensed.touching)
+    np.testing.assert_allclose(coupled.pressure, condensed.pressure, atol=3e-8 * condensed.pressure.max())
+    assert abs(coupled.tangential.traction).max() < 1e-10 * condensed.pressure.max()
+
+
+def test_transforms_are_one_pair_per_component():
+    result = press(rough(), BODIES[0], 0.05, 0.3)
+    np.testing.assert_array_equal(result.n_transforms, 4 * (result.n_iterations + 1))
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.2])
+def test_coulomb_bounds_the_traction(friction):
+    punch = rough()
+    result = press(punch, BODIES[1], 0.05, friction)
+    traction, pressure = abs(result.tangential.traction), result.pressure
+    tolerance = 1e-7 * pressure.max()
+    assert (traction <= friction * pressure + tolerance).all()
+    f1, f3 = restored(BODIES[1], result.tangential.displacement, result.displacement)
+    np.testing.assert_allclose(f1, result.tangential.traction, atol=tolerance)
+    np.testing.assert_allclose(0.05 - f3 + f3.mean(axis=1, keepdims=True), pressure, atol=tolerance)
+    slipping = traction[result.touching] > 0.999 * friction * pressure[result.touching]
+    assert slipping.any()
+    assert not slipping.all()
+
+
+def flat_punch(nx, nodes):
+    punch = np.full((1, nx), 10.0)
+    first = (nx - nodes) // 2
+    punch[0, first : first + nodes] = 0.0
+    return punch, (np.arange(nx) - first - (nodes - 1) / 2) / nx
+
+
+def flat_punch_error(nx, nodes, nu, friction, pressure, shear, smooth):
+    """Largest error of both tractions over the mean contact pressure, in the inner 80 % of the contact.
+
+    The sharp edge of a sticking punch leaves a sawtooth from node to node (the coupling is a spectral derivative),
+    so its tractions are compared as means over neighbours.
+    """
+    punch, x = flat_punch(nx, nodes)
+    load, half_width = 0.01, nodes / nx / 2
+    result = press(punch, surface.half_space(nx, nu), load, friction)
+    assert result.touching.sum() == nodes
+    inside = abs(x) < 0.8 * half_width
+    scale = load / (2 * half_width)
+    errors = []
+    for computed, exact in ((result.pressure[0], pressure), (result.tangential.traction[0], shear)):
+        error = (computed[inside] - load * exact(x[inside], half_width)) / scale
+        errors.append(abs(error[:-2] + 2 * error[1:-1] + error[2:] if smooth else 4 * error).max() / 4)
+    return errors
+
+
+def frictionless(x, a):
+    """Row of flat punches at distance 1, per mean pressure: cos(pi x) / sqrt(sin^2(pi a) - sin^2(pi x))."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.cos(np.pi * x) / np.sqrt(np.sin(np.pi * a) ** 2 - np.sin(np.pi * x) ** 2)
+
+
+def test_frictionless_flat_punch():
+    errors = [
+        flat_punch_error(nx, nx // 8, 0.2, 0.0, frictionless, lambda x, a: 0 * x, smooth=False)[0] for nx in (256, 1024)
+    ]
+    assert errors[1] < 0.011
+    assert np.log(errors[0] / errors[1]) / np.log(4) == pytest.approx(1.0, abs=0.2)  # order 1
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+def test_sticking_flat_punch(nu):
+    """Johnson (1985), 2.69 for one punch; these stand in a row, 32 punch widths apart."""
+    kappa = 3 - 4 * nu
+    eta = np.log(kappa) / (2 * np.pi)
+
+    def amplitude(x, a):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return 2 * (1 - nu) / np.sqrt(kappa) / (np.pi * np.sqrt(a**2 - x**2)), eta * np.log((a + x) / (a - x))
+
+    def pressure(x, a):
+        size, phase = amplitude(x, a)
+        return size * np.cos(phase)
+
+    def shear(x, a):
+        size, phase = amplitude(x, a)
+        return size * np.sin(phase)
+
+    coarse, fine = (flat_punch_error(nx, nx // 32, nu, np.inf, pressure, shear, smooth=True) for nx in (512, 2048))
+    assert fine[0] < 0.015
+    assert fine[0] < 0.6 * coarse[0]  # order 1/2 or better
+    assert fine[1] < 0.02  # of which the neighbouring punches make about half
+    sliding = flat_punch_error(2048, 64, nu, 0.0, pressure, shear, smooth=True)
+    assert sliding[0] > 1.5 * fine[0]
+    assert sliding[1] > 10 * fine[1]

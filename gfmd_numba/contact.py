@@ -39,13 +39,14 @@ def solve(problem: Problem, realisations: range, before: Equilibrium | None = No
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
-    start = tangential_start = None
+    start = tangential_start = anchor = None
     if before is not None:
         start = np.where(before.touching, punch, before.displacement)
         if before.tangential is not None:
-            tangential_start = before.tangential.displacement + np.where(before.touching, slide, 0.0)
+            tangential_start = before.tangential.displacement
+            anchor = np.where(before.touching, tangential_start + slide, np.nan)
     equilibrium = equilibrate(
-        punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, tangential_start
+        punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, tangential_start, anchor
     )
     return Contact(heights, punch, equilibrium)
 

@@ -293,27 +293,28 @@ def coupled_step(
 ) -> None:
     """One Verlet step of both components with the hard wall and Coulomb friction (an infinite one sticks).
 
-    A node sticks where it first touched, its `anchor` (not-a-number before), while its tangential force stays below
-    friction times pressure; beyond, the excess moves the anchor without inertia, by half the push of a free node,
-    which is stable for every mode. A node that bounces on the way to equilibrium keeps its anchor.
+    Friction acts against the distance slid from the `anchor`: where the punch held the node before this load, or
+    where it last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by
+    half the push of a free node, which is stable for every mode: within what friction can hold of the anchor the
+    node sticks to it, beyond it is drawn back by as much.
     """
     for i in active:
         for j in range(n):
             pressure = load[i] - k3[i, j]
-            force = -k1[i, j]
             now = u1[i, j]
             if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
-                excess = abs(force) - friction * pressure
-                u1_old[i, j] = now
                 if np.isnan(anchor[i, j]):
                     anchor[i, j] = now
-                if excess > 0.0:
-                    anchor[i, j] += 0.5 * push * (excess if force > 0.0 else -excess)
-                u1[i, j] = anchor[i, j]
+                slid = now - 0.5 * push * k1[i, j] - anchor[i, j]
+                held = 0.5 * push * friction * pressure
+                new = anchor[i, j]
+                if abs(slid) > held:
+                    new += slid - held if slid > 0.0 else slid + held
             else:
-                new = now + memory * (now - u1_old[i, j]) + push * force
-                u1_old[i, j] = now
-                u1[i, j] = new
+                anchor[i, j] = np.nan
+                new = now + memory * (now - u1_old[i, j]) - push * k1[i, j]
+            u1_old[i, j] = now
+            u1[i, j] = new
             now = u3[i, j]
             new = now + memory * (now - u3_old[i, j]) + push * pressure
             u3_old[i, j] = now
@@ -322,17 +323,37 @@ def coupled_step(
 
 @jit
 def friction_violation(
-    k1: Reals, u3: Reals, k3: Reals, wall: Reals, load: Reals, friction: float, active: Rows, n: int, worst: Reals
+    u1: Reals,
+    anchor: Reals,
+    k1: Reals,
+    u3: Reals,
+    k3: Reals,
+    wall: Reals,
+    load: Reals,
+    friction: float,
+    active: Rows,
+    n: int,
+    worst: Reals,
 ) -> None:
-    """Raise `worst` to the largest tangential force beyond what friction can hold; free nodes hold none."""
+    """Raise `worst` to the largest tangential force that friction does not balance.
+
+    Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the
+    distance slid.
+    """
     for i in active:
         largest = 0.0
         total = 0.0
         for j in range(n):
-            held = 0.0
-            if friction > 0.0 and u3[i, j] >= wall[i, j]:
-                held = friction * max(load[i] - k3[i, j], 0.0)
             total += k1[i, j]
-            if held < np.inf:
-                largest = max(largest, abs(k1[i, j]) - held)
+            violation = abs(k1[i, j])
+            pressure = load[i] - k3[i, j]
+            if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
+                slid = u1[i, j] - anchor[i, j]
+                if slid > 0.0:
+                    violation = abs(k1[i, j] + friction * pressure)
+                elif slid < 0.0:
+                    violation = abs(k1[i, j] - friction * pressure)
+                else:
+                    violation = max(violation - friction * pressure, 0.0)
+            largest = max(largest, violation)
         worst[i] = max(worst[i], largest) if np.isfinite(total) and np.isfinite(worst[i]) else np.nan

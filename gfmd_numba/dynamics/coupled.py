@@ -17,7 +17,8 @@ class CoupledRelaxation:
     """Both displacements of a batch and the tractions that restore them; two transform pairs a step.
 
     Rows of the field are tangential displacements, then normal ones. `friction` is Coulomb's coefficient: 0 lets
-    touching nodes slide freely, infinity makes them stick where they touch.
+    touching nodes slide freely, infinity makes them stick. `anchor` is where the punch holds a node that touched it
+    before, not-a-number for the others.
     """
 
     def __init__(
@@ -26,7 +27,9 @@ class CoupledRelaxation:
         stiffness: CoupledStiffness,
         load: Reals,
         friction: float,
-        start: tuple[Reals, Reals],
+        start: Reals,
+        tangential_start: Reals,
+        anchor: Reals,
         time_step: float,
         damping: float,
     ) -> None:
@@ -40,10 +43,11 @@ class CoupledRelaxation:
         self.wall[:, :n] = punch
         (both,) = self.field.sources
         self.tangential, self.displacement = both[:rows], both[rows:]
-        self.tangential[:, :n] = start[0]
-        self.displacement[:, :n] = np.minimum(start[1], punch)
+        self.tangential[:, :n] = tangential_start
+        self.displacement[:, :n] = np.minimum(start, punch)
         self._last = both.copy()
         self._anchor = np.full_like(self.tangential, np.nan)
+        self._anchor[:, :n] = anchor
         self.tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
         self._k11, self._k13, self._k33 = (self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33))
         smaller, larger = stiffness.principal()
@@ -72,8 +76,8 @@ class CoupledRelaxation:
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         kernels.friction_violation(
-            self.tangential_restoring, self.displacement, self.restoring, self.wall, self.load, self._friction,
-            active, n, certificate.worst,
+            self.tangential, self._anchor, self.tangential_restoring, self.displacement, self.restoring, self.wall,
+            self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
         return certificate.residual(self.load, active)
 

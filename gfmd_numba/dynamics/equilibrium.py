@@ -94,12 +94,14 @@ def equilibrate(
     interface: Interface = HARD_WALL,
     start: Reals | None = None,
     tangential_start: Reals | None = None,
+    anchor: Reals | None = None,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch).
 
     `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts). The starts are displacements to begin with.
+    counts). The starts are displacements to begin with, the `anchor` the tangential one at which the punch holds a
+    node that touched it before (not-a-number for the others).
     """
     realisations, n = punch.shape
     result = Equilibrium(
@@ -117,12 +119,13 @@ def equilibrate(
     scale = pressure_scale(punch, condensed)
     start = np.minimum(punch, 0.0) if start is None else start
     tangential_start = np.zeros_like(punch) if tangential_start is None else tangential_start
+    anchor = np.full_like(punch, np.nan) if anchor is None else anchor
     block = max(1, _BLOCK_SAMPLES // n)
     for first in range(0, realisations, block):
         rows = slice(first, min(first + block, realisations))
         started = time.perf_counter()
         if isinstance(stiffness, CoupledStiffness):
-            starts = tangential_start[rows], start[rows]
+            starts = start[rows], tangential_start[rows], anchor[rows]
             solver: Solver = _coupled_solver(punch[rows], stiffness, load, numerics, interface, starts)
         else:
             largest = float(scale[rows].max())
@@ -170,13 +173,13 @@ def _coupled_solver(
     load: float | None,
     numerics: Numerics,
     interface: Interface,
-    starts: tuple[Reals, Reals],
+    starts: tuple[Reals, Reals, Reals],
 ) -> CoupledRelaxation:
     assert interface.friction is not None
     if load is not None:
         stiffness = stiffness.with_free_mean()
     loads = np.full(len(punch), 0.0 if load is None else load)
-    return CoupledRelaxation(punch, stiffness, loads, interface.friction, starts, numerics.time_step, numerics.damping)
+    return CoupledRelaxation(punch, stiffness, loads, interface.friction, *starts, numerics.time_step, numerics.damping)
 
 
 def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, result: Equilibrium) -> None:

@@ -97,7 +97,7 @@ def _uniform_compression(scene: Scene, problem: Problem) -> float:
     body = scene.body
     if problem.mean_pressure is None or np.isinf(body.aspect_ratio):
         return 0.0
-    return problem.mean_pressure / stiffness.uniform(body.poissons_ratio, body.aspect_ratio)
+    return problem.mean_pressure / stiffness.uniform(body.effective_poissons_ratio, body.aspect_ratio)
 
 
 def campaign_dataset(

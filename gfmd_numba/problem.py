@@ -140,13 +140,15 @@ def reduce(
 
 
 def effective_modulus(scene: Scene) -> float:
-    """Plane strain modulus E* = E / (1 - nu^2) in Pa; 1 if the scene gives no Young's modulus."""
+    """Contact modulus E* in Pa, E / (1 - nu^2) in plane strain and E in plane stress; 1 without Young's modulus."""
     body = scene.body
-    return 1.0 if body.youngs_modulus is None else body.youngs_modulus / (1.0 - body.poissons_ratio**2)
+    if body.youngs_modulus is None:
+        return 1.0
+    return body.youngs_modulus / (1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0)
 
 
 def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[ElasticBody, tuple[Effect, ...]]:
-    nu, aspect_ratio = scene.body.poissons_ratio, scene.body.aspect_ratio
+    nu, aspect_ratio = scene.body.effective_poissons_ratio, scene.body.aspect_ratio
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
     )
@@ -176,7 +178,7 @@ def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effe
         law = Exponential(work, exponential.range / length)
     effects = [_as_asked("hard wall", wall), _as_asked("exponential law", law), _as_asked("friction", friction)]
     coefficient = None if friction is None else friction.coefficient
-    if coefficient is not None and math.isinf(scene.body.aspect_ratio) and scene.body.poissons_ratio == 0.5:
+    if coefficient is not None and math.isinf(scene.body.aspect_ratio) and scene.body.effective_poissons_ratio == 0.5:
         coefficient = None
         reason = "an incompressible half-space has no tangential displacement under normal load"
         effects[-1] = Effect("friction", "dropped", reason)

@@ -185,6 +185,20 @@ def test_units_do_not_matter(length, modulus):
     np.testing.assert_allclose(other["pressure"], plain["pressure"] * e_star, rtol=1e-12)
 
 
+def test_plane_stress_is_plane_strain_with_other_constants():
+    """E and nu / (1 + nu) in place of E / (1 - nu^2) and nu."""
+    nu, modulus = 0.4, 70e9
+    body = {"youngs_modulus": modulus, "poissons_ratio": nu, "aspect_ratio": 0.1, "state": "plane_stress"}
+    stress = gfmd_numba.solve(scene_file(1e-4, body=body))
+    alike = nu / (1 + nu)
+    body = {"youngs_modulus": modulus * (1 - alike**2), "poissons_ratio": alike, "aspect_ratio": 0.1}
+    strain = gfmd_numba.solve(scene_file(1e-4, body=body))
+    for name in ("kappa", "mean_pressure"):
+        assert float(stress[name]) == pytest.approx(float(strain[name]), rel=1e-12)
+    np.testing.assert_allclose(stress["displacement"], strain["displacement"], rtol=1e-10, atol=1e-16)
+    assert float(stress["mean_pressure"]) == pytest.approx(0.05 * 0.02 * modulus, rel=1e-6)
+
+
 def test_contact_does_not_depend_on_the_gradient():
     steep = scene_file(roughness={"method": "psd", "hurst": 0.8, "rms_gradient": 0.2})
     plain, other = gfmd_numba.solve(scene_file()), gfmd_numba.solve(steep)

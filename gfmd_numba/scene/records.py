@@ -42,6 +42,13 @@ class Body(BaseModel):
     )
     poissons_ratio: PoissonsRatio
     aspect_ratio: AspectRatio = inf
+    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
+
+    @property
+    def effective_poissons_ratio(self) -> float:
+        """Poisson's ratio of the plane strain body that deforms alike (dimensionless)."""
+        nu = self.poissons_ratio
+        return nu if self.state == "plane_strain" else nu / (1.0 + nu)
 
 
 class SelfAffine(BaseModel):
@@ -228,7 +235,7 @@ class Numerics(BaseModel):
 
 def check_solver(scene: Scene, numerics: Numerics) -> None:
     """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
-    rigid = scene.loading.displacement is not None and scene.body.poissons_ratio == 0.5
+    rigid = scene.loading.displacement is not None and scene.body.effective_poissons_ratio == 0.5
     law = scene.interface.exponential is not None
     if rigid and law:
         raise broken_rule(

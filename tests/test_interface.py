@@ -9,7 +9,7 @@ from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface import Exponential, Interface
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
+from gfmd_numba.scene import InputError, Numerics
 
 
 @pytest.mark.parametrize("work", [0.3, -0.3])
@@ -130,3 +130,93 @@ def test_weak_adhesion_has_one_branch(tmp_path):
     result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
     forces = result["mean_pressure"].values
     np.testing.assert_allclose(forces[: len(down)], forces[len(down) :][::-1], atol=1e-7 * abs(forces).max())
+
+
+SCENE = """\
+scene:
+  length: 1e-4
+  body: {youngs_modulus: 1e9, poissons_ratio: 0.3, aspect_ratio: 1}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
+  interface: {hard_wall: {}}
+  loading: {reduced_pressure: 0.05}
+discretisation: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
+numerics: {solver: auto}
+path: []
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 1e-8}}",
+            "5:74: scene.interface.exponential.range: given 1e-08; allowed: at least the grid spacing 3.91e-07",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{exponential: {work_of_adhesion: 0.1, range: 1e-6}}",
+            "5:14: scene.interface: given {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
+            "allowed: hard_wall, or an exponential law that repels",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 0, range: 1e-6}}",
+            "5:62: scene.interface.exponential.work_of_adhesion: given 0; allowed: a number other than 0",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 1, range: 1e-6}, friction: {coefficient: 1}}",
+            "5:89: scene.interface.friction: given {'coefficient': 1}; allowed: a hard_wall and no exponential law",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, friction: {coefficient: -1}}",
+            "5:54: scene.interface.friction.coefficient: given -1; allowed: a number above 0, or .inf for sticking",
+        ),
+        (
+            "solver: auto",
+            "solver: verlet, time_step: 1.01",
+            "8:39: numerics.time_step: given 1.01; allowed: a number above 0 and at most 1, as more is above the "
+            "stability limit",
+        ),
+        (
+            "path: []",
+            "path: [{displacement: 1e-7}]",
+            "9:23: path[0].displacement: given 1e-07; allowed: what the loading prescribes, which is not displacement",
+        ),
+        (
+            "path: []",
+            "path: [{sliding: 1e-7}]",
+            "9:18: path[0].sliding: given 1e-07; allowed: nothing without interface.friction and a finite aspect_ratio",
+        ),
+        (
+            "path: []",
+            "path: [{reduced_pressure: -0.1}]",
+            "9:27: path[0].reduced_pressure: given -0.1; allowed: a finite number above 0",
+        ),
+        (
+            "{reduced_pressure: 0.05}",
+            "{displacement: -1e-7}",
+            "6:27: scene.loading.displacement: given -1e-07; allowed: a finite number of at least 0, as nothing acts",
+        ),
+    ],
+)
+def test_bad_scenes(tmp_path, old, new, message):
+    path = tmp_path / "scene.yaml"
+    assert SCENE.count(old) == 1
+    path.write_text(SCENE)
+    gfmd_numba.solve(path)
+    path.write_text(SCENE.replace(old, new))
+    with pytest.raises(InputError) as error:
+        gfmd_numba.solve(path)
+    assert str(error.value).startswith(f"{path}:{message}")
+
+
+@pytest.mark.parametrize("interface", ["exponential: {work_of_adhesion: 1, range: 1e-6}", "friction: {coefficient: 1}"])
+def test_conjugate_gradients_know_the_hard_wall_only(tmp_path, interface):
+    path = tmp_path / "scene.yaml"
+    text = SCENE.replace("hard_wall: {}", f"hard_wall: {{}}, {interface}")
+    path.write_text(text.replace("solver: auto", "solver: conjugate_gradients"))
+    with pytest.raises(InputError, match=r"numerics.solver: given 'conjugate_gradients'; allowed: "):
+        gfmd_numba.solve(path)

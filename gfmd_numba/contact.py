@@ -28,11 +28,11 @@ class Contact:
     equilibrium: Equilibrium
 
 
-def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, slide: float = 0.0) -> Contact:
+def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, sliding: float = 0.0) -> Contact:
     """Press the realisations of a problem into contact (g L_x, g E*).
 
-    With an equilibrium `before` it, what touched the punch follows it, sideways by `slide`: a gap torn open by the
-    step itself would break an adhesive contact early.
+    With an equilibrium `before` it, what touched the punch follows it, also sideways: a gap torn open by the step
+    itself would break an adhesive contact early. `sliding` is the tangential displacement of the punch.
     """
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
@@ -44,9 +44,18 @@ def solve(problem: Problem, realisations: range, before: Equilibrium | None = No
         start = np.where(before.touching, punch, before.displacement)
         if before.tangential is not None:
             tangential_start = before.tangential.displacement
+            slide = sliding - before.tangential.sliding
             anchor = np.where(before.touching, tangential_start + slide, np.nan)
     equilibrium = equilibrate(
-        punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, tangential_start, anchor
+        punch,
+        body,
+        problem.mean_pressure,
+        problem.numerics,
+        problem.interface,
+        start,
+        tangential_start,
+        anchor,
+        sliding,
     )
     return Contact(heights, punch, equilibrium)
 
@@ -62,7 +71,7 @@ def _heights(problem: Problem, realisations: range) -> Reals:
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
     nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
-    if problem.interface.friction is not None:
+    if problem.interface.couples:
         assert nu is not None  # reduce's promise
         return surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
     if nu is None or aspect_ratio is None:

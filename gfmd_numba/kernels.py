@@ -32,6 +32,30 @@ def exponential_pull(u: Reals, ku: Reals, punch: Reals, active: Rows, n: int, st
 
 
 @jit
+def xu_needleman_pull(
+    u1: Reals,
+    k1: Reals,
+    u3: Reals,
+    k3: Reals,
+    punch: Reals,
+    sliding: float,
+    active: Rows,
+    n: int,
+    work: float,
+    normal: float,
+    tangential: float,
+) -> None:
+    """Take the tractions of Xu and Needleman's law off the restoring tractions k1 and k3."""
+    for i in active:
+        for j in range(n):
+            gap = (punch[i, j] - u3[i, j]) / normal
+            slip = (sliding - u1[i, j]) / tangential
+            decay = work * np.exp(-gap - slip * slip)
+            k1[i, j] -= 2.0 * slip / tangential * (1.0 + gap) * decay
+            k3[i, j] -= gap / normal * decay
+
+
+@jit
 def verlet_step(
     u: Reals,
     u_old: Reals,

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Exponential, Interface
+from gfmd_numba.interface import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Discretisation, Numerics, Scene, SelfAffine
 
@@ -133,7 +133,7 @@ def reduce(
     if numerics.solver == "auto":
         light = loading.reduced_pressure is None or loading.reduced_pressure <= _LIGHT_LOAD
         easy = light or scene.body.aspect_ratio <= _THIN_SLAB
-        gradients = easy and interface.law is None and interface.friction is None
+        gradients = easy and interface.law is None and not interface.couples
         numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if gradients else "verlet"})
     problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics)
     return problem, (*elasticity, *interactions)
@@ -152,15 +152,15 @@ def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[Elast
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
     )
-    coupled = Effect("tangential displacement", "on", "friction holds it")
+    coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
     if math.isinf(aspect_ratio):
         off = Effect("slab", "off", "the body is a half-space")
-        if interface.friction is not None:
+        if interface.couples:
             return ElasticBody(nu, None), (coupled, off)
         unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
-    if interface.friction is not None:
-        return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "friction needs its mean displacement"))
+    if interface.couples:
+        return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "its mean displacement counts"))
     effect = stiffening(nu, aspect_ratio)
     name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
     bound = f"it stiffens the longest wave by {effect:.1e} relative to the half-space"
@@ -170,19 +170,29 @@ def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[Elast
 
 
 def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effect, ...]]:
-    wall, exponential, friction = scene.interface.hard_wall, scene.interface.exponential, scene.interface.friction
-    law = None
+    asked = scene.interface
+    wall, exponential, cohesive, friction = asked.hard_wall, asked.exponential, asked.cohesive, asked.friction
+    length = rms_gradient * (scene.length or 1.0)
+    energy = length * rms_gradient * effective_modulus(scene)
+    law = cohesion = None
     if exponential is not None:
-        length = rms_gradient * (scene.length or 1.0)
-        work = exponential.work_of_adhesion / (length * rms_gradient * effective_modulus(scene))
-        law = Exponential(work, exponential.range / length)
-    effects = [_as_asked("hard wall", wall), _as_asked("exponential law", law), _as_asked("friction", friction)]
+        law = Exponential(exponential.work_of_adhesion / energy, exponential.range / length)
+    if cohesive is not None:
+        cohesion = XuNeedleman(
+            cohesive.work_of_adhesion / energy, cohesive.normal_length / length, cohesive.tangential_length / length
+        )
+    effects = [
+        _as_asked("hard wall", wall),
+        _as_asked("exponential law", exponential),
+        _as_asked("cohesive law", cohesive),
+        _as_asked("friction", friction),
+    ]
     coefficient = None if friction is None else friction.coefficient
     if coefficient is not None and math.isinf(scene.body.aspect_ratio) and scene.body.effective_poissons_ratio == 0.5:
         coefficient = None
         reason = "an incompressible half-space has no tangential displacement under normal load"
         effects[-1] = Effect("friction", "dropped", reason)
-    return Interface(wall is not None, law, coefficient), tuple(effects)
+    return Interface(wall is not None, law, coefficient, cohesion), tuple(effects)
 
 
 def _as_asked(name: str, record: object) -> Effect:

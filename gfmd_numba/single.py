@@ -24,12 +24,12 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     except ValueError as error:
         raise _unusable_profile(source, scene, error) from None
     check_range(scene_document(source), scene, surface.nx)
-    steps, before, slid = [], None, 0.0
+    steps, before = [], None
     for scene, sliding in _path(file):
         reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics)
-        slide = (sliding - slid) / ((scene.length or 1.0) * rms_gradient)
-        solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, slide)
-        before, slid = solved.equilibrium, sliding
+        sliding /= (scene.length or 1.0) * rms_gradient
+        solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
+        before = solved.equilibrium
         steps.append(contact_dataset(scene, reduced, rms_gradient, solved))
     dataset = steps[0] if not file.path else _joined(steps)
     dataset.attrs["scene"] = file.model_dump_json()

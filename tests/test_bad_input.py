@@ -108,7 +108,7 @@ SCENES = {
     ),
     "an empty value": (
         ("{hard_wall: {}}", "{hard_wall: }"),
-        "bad.yaml:7:14: scene.interface: given {'hard_wall': None}; allowed: hard_wall, or an exponential",
+        "bad.yaml:7:14: scene.interface: given {'hard_wall': None}; allowed: hard_wall, cohesive, or",
     ),
     "a truncated long value": (
         ("solver: auto", "solver: " + 500 * "x"),

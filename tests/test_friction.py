@@ -277,14 +277,8 @@ def test_an_absent_component_takes_no_memory():
     the displacements and the anchors besides."""
     punch, rows, nx = rough(), 3, NX
     one = _solver(punch, stiffness.half_space(grid.wavenumbers(nx)), 0.05, Numerics(solver="verlet"), FREE, punch, 1.0)
-    both = _coupled_solver(
-        punch,
-        BODIES[0],
-        0.05,
-        Numerics(),
-        Interface(True, None, friction=0.3),
-        (np.minimum(punch, 0), 0 * punch, np.nan * punch),
-    )
+    starts = np.minimum(punch, 0), 0 * punch, np.nan * punch
+    both = _coupled_solver(punch, BODIES[0], 0.05, Numerics(), Interface(True, friction=0.3), 0.0, starts, 1.0)
 
     def grids(value, seen):
         if isinstance(value, np.ndarray):

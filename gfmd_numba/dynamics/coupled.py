@@ -8,6 +8,7 @@ from gfmd_numba.dynamics.certificate import Certificate
 from gfmd_numba.dynamics.damping import critical_damping, stability_limit
 from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.fourier import Convolution, aligned_rows
+from gfmd_numba.interface import Interface
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
@@ -16,9 +17,8 @@ Rows = npt.NDArray[np.int64]
 class CoupledRelaxation:
     """Both displacements of a batch and the tractions that restore them; two transform pairs a step.
 
-    Rows of the field are tangential displacements, then normal ones. `friction` is Coulomb's coefficient: 0 lets
-    touching nodes slide freely, infinity makes them stick. `anchor` is where the punch holds a node that touched it
-    before, not-a-number for the others.
+    Rows of the field are tangential displacements, then normal ones. `anchor` is where the punch holds a node that
+    touched it before, not-a-number for the others; `sliding` the tangential displacement of the punch.
     """
 
     def __init__(
@@ -26,21 +26,26 @@ class CoupledRelaxation:
         punch: Reals,
         stiffness: CoupledStiffness,
         load: Reals,
-        friction: float,
+        interface: Interface,
+        sliding: float,
         start: Reals,
         tangential_start: Reals,
         anchor: Reals,
         time_step: float,
         damping: float,
+        largest_pressure: float,
     ) -> None:
         rows, n = punch.shape
         self._rows = rows
-        self._friction = friction
+        self._friction = interface.friction or 0.0
+        self._cohesion = interface.cohesion
+        self._sliding = sliding
         self.certificate = Certificate(rows)
         self.load = load
         self.field = Convolution(2 * rows, n)
-        self.wall = aligned_rows(rows, n)
-        self.wall[:, :n] = punch
+        self._punch = aligned_rows(rows, n)
+        self._punch[:, :n] = punch
+        self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (both,) = self.field.sources
         self.tangential, self.displacement = both[:rows], both[rows:]
         self.tangential[:, :n] = tangential_start
@@ -52,9 +57,16 @@ class CoupledRelaxation:
         self._k11, self._k13, self._k33 = (self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33))
         smaller, larger = stiffness.principal()
         softest = float(smaller[smaller > 0.0].min())
-        dt = time_step * stability_limit(softest, float(larger.max()), damping)
+        stiffest = float(larger.max())
+        if interface.cohesion is not None:
+            stiffest += interface.cohesion.stiffest(largest_pressure, interface.hard_wall)
+        dt = time_step * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
+        # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
+        self._strength = (
+            0.0 if interface.cohesion is None else interface.cohesion.work / interface.cohesion.normal / np.e
+        )
         self._restore(np.arange(rows))
 
     @property
@@ -79,10 +91,15 @@ class CoupledRelaxation:
             self.tangential, self._anchor, self.tangential_restoring, self.displacement, self.restoring, self.wall,
             self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
-        return certificate.residual(self.load, active)
+        return certificate.residual(self.load, active, self._strength)
 
     def _restore(self, active: Rows) -> None:
         both = np.concatenate((active, active + self._rows))
         self.field.forward(both)
         kernels.couple(self.field.spectrum, self._k11, self._k13, self._k33, active, self._rows)
         self.field.inverse(both)
+        if self._cohesion is not None:
+            self._cohesion.pull(
+                self.tangential, self.tangential_restoring, self.displacement, self.restoring, self._punch,
+                self._sliding, active, self.field.n,
+            )  # fmt: skip

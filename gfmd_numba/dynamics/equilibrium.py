@@ -22,7 +22,7 @@ from gfmd_numba.scene import Numerics
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
-HARD_WALL = Interface(hard_wall=True, law=None, friction=None)
+HARD_WALL = Interface(hard_wall=True)
 
 _CHECK_EVERY = 10  # iterations between two looks at the certificate
 _BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
@@ -58,10 +58,14 @@ class Solver(Protocol):
 
 @dataclass(frozen=True)
 class Tangential:
-    """Tangential displacement of the body and the traction of the punch on it `[realisation, x]` (L_x, E*)."""
+    """Tangential displacement of the body and the traction of the punch on it `[realisation, x]` (L_x, E*).
+
+    `sliding` is the tangential displacement of the punch.
+    """
 
     displacement: Reals
     traction: Reals
+    sliding: float
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ def equilibrate(
     start: Reals | None = None,
     tangential_start: Reals | None = None,
     anchor: Reals | None = None,
+    sliding: float = 0.0,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch).
 
@@ -108,7 +113,7 @@ def equilibrate(
         displacement=np.empty((realisations, n)),
         pressure=np.empty((realisations, n)),
         touching=np.empty((realisations, n), dtype=np.bool_),
-        tangential=None if interface.friction is None else Tangential(*np.zeros((2, realisations, n))),
+        tangential=None if not interface.couples else Tangential(np.zeros_like(punch), np.zeros_like(punch), sliding),
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),
@@ -126,7 +131,10 @@ def equilibrate(
         started = time.perf_counter()
         if isinstance(stiffness, CoupledStiffness):
             starts = start[rows], tangential_start[rows], anchor[rows]
-            solver: Solver = _coupled_solver(punch[rows], stiffness, load, numerics, interface, starts)
+            largest = float(scale[rows].max())
+            solver: Solver = _coupled_solver(
+                punch[rows], stiffness, load, numerics, interface, sliding, starts, largest
+            )
         else:
             largest = float(scale[rows].max())
             solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], largest)
@@ -136,6 +144,10 @@ def equilibrate(
         result.wall_time[rows] = (time.perf_counter() - started) * share
     if interface.law is not None:
         result.pressure[:] -= interface.law.traction(punch - result.displacement)
+    if interface.cohesion is not None and result.tangential is not None:
+        gap, slip = punch - result.displacement, sliding - result.tangential.displacement
+        result.pressure[:] -= interface.cohesion.normal_traction(gap, slip)
+        result.tangential.traction[:] += interface.cohesion.tangential_traction(gap, slip)
     return result
 
 
@@ -173,13 +185,17 @@ def _coupled_solver(
     load: float | None,
     numerics: Numerics,
     interface: Interface,
+    sliding: float,
     starts: tuple[Reals, Reals, Reals],
+    scale: float,
 ) -> CoupledRelaxation:
-    assert interface.friction is not None
     if load is not None:
         stiffness = stiffness.with_free_mean()
     loads = np.full(len(punch), 0.0 if load is None else load)
-    return CoupledRelaxation(punch, stiffness, loads, interface.friction, *starts, numerics.time_step, numerics.damping)
+    largest = float(loads[0]) + 6.0 * scale  # no pressure is expected far beyond the fluctuation of full contact
+    return CoupledRelaxation(
+        punch, stiffness, loads, interface, sliding, *starts, numerics.time_step, numerics.damping, largest
+    )
 
 
 def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, result: Equilibrium) -> None:

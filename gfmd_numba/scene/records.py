@@ -93,6 +93,17 @@ class Exponential(BaseModel):
         return self
 
 
+class Cohesive(BaseModel):
+    """Xu and Needleman's cohesive law of gap and slip together."""
+
+    model_config = RECORD
+    work_of_adhesion: float = Field(gt=0, description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    normal_length: float = Field(
+        gt=0, description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
+    )
+    tangential_length: float = Field(gt=0, description="Slip over which it shears off, in m or L_x likewise")
+
+
 class Friction(BaseModel):
     """Coulomb friction between touching nodes (dimensionless)."""
 
@@ -111,14 +122,27 @@ class Interface(BaseModel):
     model_config = RECORD
     hard_wall: HardWall | None = Field(None, description="Non-overlap constraint")
     exponential: Exponential | None = Field(None, description="Finite-range attraction or repulsion")
+    cohesive: Cohesive | None = Field(None, description="Attraction, repulsion and resistance to slip in one law")
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
+
+    @property
+    def reaches_across(self) -> bool:
+        """Whether anything acts across an open gap."""
+        return self.exponential is not None or self.cohesive is not None
 
     @model_validator(mode="after")
     def _keeps_apart(self) -> Self:
-        if self.hard_wall is None and (self.exponential is None or self.exponential.work_of_adhesion > 0):
-            raise broken_rule((), "hard_wall, or an exponential law that repels: something must keep the bodies apart")
-        if self.friction is not None and (self.hard_wall is None or self.exponential is not None):
-            raise broken_rule(("friction",), "a hard_wall and no exponential law beside friction")
+        repels = self.exponential is not None and self.exponential.work_of_adhesion < 0
+        if self.hard_wall is None and self.cohesive is None and not repels:
+            raise broken_rule(
+                (),
+                "hard_wall, cohesive, or an exponential law that repels: something must keep the bodies apart",
+            )
+        laws = [name for name in ("exponential", "cohesive", "friction") if getattr(self, name) is not None]
+        if len(laws) > 1:
+            raise broken_rule((laws[-1],), f"one law beside the hard_wall, not {laws[0]} with {laws[-1]}")
+        if self.friction is not None and self.hard_wall is None:
+            raise broken_rule(("friction",), "friction beside a hard_wall, on which there are touching nodes")
         return self
 
 
@@ -156,7 +180,7 @@ class Scene(BaseModel):
                 "a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, "
                 "as a half-space has no reference for displacement",
             )
-        if (self.loading.displacement or 0.0) < 0.0 and self.interface.exponential is None:
+        if (self.loading.displacement or 0.0) < 0.0 and not self.interface.reaches_across:
             raise broken_rule(
                 ("loading", "displacement"), "a finite number of at least 0, as nothing acts across an open gap"
             )
@@ -237,10 +261,11 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
     """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
     rigid = scene.loading.displacement is not None and scene.body.effective_poissons_ratio == 0.5
     law = scene.interface.exponential is not None
-    if rigid and law:
+    couples = scene.interface.friction is not None or scene.interface.cohesive is not None
+    if rigid and (law or couples):
         raise broken_rule(
             ("scene", "body", "poissons_ratio"),
-            "a number below 0.5, as no solver combines a rigid mean displacement with an interaction law",
+            "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law",
         )
     if rigid and numerics.solver not in ("auto", "conjugate_gradients"):
         raise broken_rule(
@@ -248,13 +273,7 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
             "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
             "where the mean displacement is rigid",
         )
-    friction = scene.interface.friction is not None
-    if friction and rigid:
-        raise broken_rule(
-            ("scene", "body", "poissons_ratio"),
-            "a number below 0.5, as no solver combines a rigid mean displacement with friction",
-        )
-    if friction and numerics.solver not in ("auto", "verlet"):
+    if couples and numerics.solver not in ("auto", "verlet"):
         raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
     if law and numerics.solver == "conjugate_gradients":
         raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
@@ -303,12 +322,13 @@ class SceneFile(BaseModel):
         other = "displacement" if scene.loading.displacement is None else "reduced_pressure"
         if getattr(step, other) is not None:
             raise broken_rule(("path", i, other), f"what the loading prescribes, which is not {other}")
-        if step.sliding is not None and (scene.interface.friction is None or isinf(scene.body.aspect_ratio)):
+        couples = scene.interface.friction is not None or scene.interface.cohesive is not None
+        if step.sliding is not None and (not couples or isinf(scene.body.aspect_ratio)):
             raise broken_rule(
                 ("path", i, "sliding"),
-                "nothing without interface.friction and a finite aspect_ratio: a half-space has no reference for it",
+                "nothing without friction or a cohesive law, and a finite aspect_ratio as reference",
             )
-        if (step.displacement or 0.0) < 0.0 and scene.interface.exponential is None:
+        if (step.displacement or 0.0) < 0.0 and not scene.interface.reaches_across:
             raise broken_rule(
                 ("path", i, "displacement"), "a finite number of at least 0, as nothing acts across an open gap"
             )

@@ -48,15 +48,16 @@ def check_discretisation(
 
 
 def check_range(document: Document, scene: Scene, nx: int) -> None:
-    """Raise InputError if an interaction range is below the grid spacing, which would not resolve its effect."""
-    law = scene.interface.exponential
+    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect."""
     spacing = (scene.length or 1.0) / nx
-    if law is not None and law.range < spacing:
-        raise document.error(
-            ("scene", "interface", "exponential", "range"),
-            law.range,
-            f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
-        )
+    for law in ("exponential", "cohesive"):
+        for name, value in getattr(scene.interface, law) or ():
+            if name != "work_of_adhesion" and value < spacing:
+                raise document.error(
+                    ("scene", "interface", law, name),
+                    value,
+                    f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
+                )
 
 
 def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:

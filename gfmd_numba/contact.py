@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import grid
-from gfmd_numba.dynamics import Equilibrium, equilibrate
+from gfmd_numba.dynamics import Equilibrium, Start, equilibrate
 from gfmd_numba.elasticity import stiffness, surface
 from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.problem import Problem, Profile
@@ -29,34 +29,17 @@ class Contact:
 
 
 def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, sliding: float = 0.0) -> Contact:
-    """Press the realisations of a problem into contact (g L_x, g E*).
+    """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
-    With an equilibrium `before` it, what touched the punch follows it, also sideways: a gap torn open by the step
-    itself would break an adhesive contact early. `sliding` is the tangential displacement of the punch.
+    `sliding` is the tangential displacement of the punch.
     """
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
-    start = tangential_start = anchor = None
-    if before is not None:
-        start = np.where(before.touching, punch, before.displacement)
-        if before.tangential is not None:
-            tangential_start = before.tangential.displacement
-            slide = sliding - before.tangential.sliding
-            anchor = np.where(before.touching, tangential_start + slide, np.nan)
-    equilibrium = equilibrate(
-        punch,
-        body,
-        problem.mean_pressure,
-        problem.numerics,
-        problem.interface,
-        start,
-        tangential_start,
-        anchor,
-        sliding,
-    )
+    start = None if before is None else Start.after(before, punch, sliding)
+    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
     return Contact(heights, punch, equilibrium)
 
 

@@ -1,7 +1,7 @@
 """Static equilibrium of a batch: pick a solver, iterate until the certificate holds, say how it ended."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Protocol
 
@@ -90,23 +90,50 @@ class Equilibrium:
     wall_time: Reals
 
 
+@dataclass(frozen=True)
+class Start:
+    """What a batch begins with `[realisation, x]`: displacements, and where the punch holds the nodes it touched.
+
+    The `anchor` is tangential, and not-a-number for nodes that did not touch.
+    """
+
+    displacement: Reals
+    tangential: Reals
+    anchor: Reals
+
+    @classmethod
+    def at_rest(cls, punch: Reals) -> "Start":
+        """The undeformed body, pushed back where the punch penetrates it."""
+        return cls(np.minimum(punch, 0.0), np.zeros_like(punch), np.full_like(punch, np.nan))
+
+    @classmethod
+    def after(cls, before: Equilibrium, punch: Reals, sliding: float) -> "Start":
+        """An equilibrium whose touching nodes follow the punch, also sideways.
+
+        A gap torn open by the step itself would break an adhesive contact early.
+        """
+        displacement = np.where(before.touching, punch, before.displacement)
+        if before.tangential is None:
+            return replace(cls.at_rest(punch), displacement=displacement)
+        moved = before.tangential.displacement + sliding - before.tangential.sliding
+        anchor = np.where(before.touching, moved, np.nan)
+        return cls(displacement, before.tangential.displacement, anchor)
+
+
 def equilibrate(
     punch: Reals,
     stiffness: Reals | CoupledStiffness,
     load: float | None,
     numerics: Numerics,
     interface: Interface = HARD_WALL,
-    start: Reals | None = None,
-    tangential_start: Reals | None = None,
-    anchor: Reals | None = None,
+    start: Start | None = None,
     sliding: float = 0.0,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch).
 
     `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts). The starts are displacements to begin with, the `anchor` the tangential one at which the punch holds a
-    node that touched it before (not-a-number for the others).
+    counts); `sliding` the tangential displacement of the punch.
     """
     realisations, n = punch.shape
     result = Equilibrium(
@@ -122,22 +149,20 @@ def equilibrate(
     )
     condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
     scale = pressure_scale(punch, condensed)
-    start = np.minimum(punch, 0.0) if start is None else start
-    tangential_start = np.zeros_like(punch) if tangential_start is None else tangential_start
-    anchor = np.full_like(punch, np.nan) if anchor is None else anchor
+    start = Start.at_rest(punch) if start is None else start
     block = max(1, _BLOCK_SAMPLES // n)
     for first in range(0, realisations, block):
         rows = slice(first, min(first + block, realisations))
         started = time.perf_counter()
         if isinstance(stiffness, CoupledStiffness):
-            starts = start[rows], tangential_start[rows], anchor[rows]
+            starts = start.displacement[rows], start.tangential[rows], start.anchor[rows]
             largest = float(scale[rows].max())
             solver: Solver = _coupled_solver(
                 punch[rows], stiffness, load, numerics, interface, sliding, starts, largest
             )
         else:
             largest = float(scale[rows].max())
-            solver = _solver(punch[rows], stiffness, load, numerics, interface, start[rows], largest)
+            solver = _solver(punch[rows], stiffness, load, numerics, interface, start.displacement[rows], largest)
         _iterate(solver, rows, scale[rows] + (load or 0.0), numerics, result)
         result.n_transforms[rows] = solver.n_transforms
         share = solver.n_transforms / solver.n_transforms.sum()

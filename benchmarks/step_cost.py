@@ -1,0 +1,63 @@
+"""What a step costs over its transforms, with every effect absent or present: medians of ratios taken in one run."""
+
+import time
+from functools import partial
+
+import numpy as np
+
+from gfmd_numba import grid
+from gfmd_numba.dynamics.equilibrium import Start, _coupled_solver, _solver
+from gfmd_numba.elasticity import stiffness, surface
+from gfmd_numba.fourier import Convolution
+from gfmd_numba.interface import Exponential, Interface, XuNeedleman
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import Numerics
+
+ROUNDS, LOAD = 15, 0.05
+
+
+def seconds(step, repeats):
+    started = time.perf_counter()
+    for _ in range(repeats):
+        step()
+    return (time.perf_counter() - started) / repeats
+
+
+def solvers(nx):
+    heights = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(1))
+    punch = heights.max(axis=1, keepdims=True) - heights
+    condensed, start = stiffness.half_space(grid.wavenumbers(nx)), Start.at_rest(punch)
+    both, starts = surface.half_space(nx, 0.3), (start.displacement, start.tangential, start.anchor)
+
+    def one(solver, law=None):
+        interface = Interface(hard_wall=True, law=law)
+        return _solver(punch, condensed, LOAD, Numerics(solver=solver), interface, start.displacement, 1.0)
+
+    def two(**effects):
+        return _coupled_solver(punch, both, LOAD, Numerics(), Interface(True, **effects), 0.0, starts, 1.0)
+
+    yield "verlet, hard wall", 1, one("verlet")
+    yield "fire, hard wall", 1, one("fire")
+    yield "conjugate gradients", 2, one("conjugate_gradients")
+    yield "verlet, exponential law", 1, one("verlet", Exponential(0.001, 0.01))
+    yield "two components, friction", 2, two(friction=0.3)
+    yield "two components, cohesive", 2, two(cohesion=XuNeedleman(0.001, 0.01, 0.01))
+
+
+for nx in (1024, 8192, 65536):
+    field, row = Convolution(1, nx), np.arange(1)
+
+    def pair(field=field, row=row):
+        field.forward(row)
+        field.inverse(row)
+
+    repeats = max(20, 2**21 // nx)
+    print(f"\nnx = {nx}: one transform pair {1e6 * np.median([seconds(pair, repeats) for _ in range(ROUNDS)]):.1f} us")
+    for name, pairs, solver in solvers(nx):
+        solver.advance(row)
+        ratios = []
+        for _ in range(ROUNDS):
+            floor = seconds(pair, repeats)
+            ratios.append(seconds(partial(solver.advance, row), repeats) / (pairs * floor))
+        low, median, high = np.quantile(ratios, [0.1, 0.5, 0.9])
+        print(f"  {name:26} {pairs} pairs a step, time over transforms {median:.2f} ({low:.2f} to {high:.2f})")

@@ -45,7 +45,7 @@ for axis, field, name in zip(figure.subplots(2, 1, sharex=True), (u1, u3), ("u_1
     limit = abs(field).max()
     drawn = axis.contourf(x, z, field, np.linspace(-limit, limit, 21), cmap="RdBu_r")
     axis.set(ylabel="$z/L_x$", aspect="equal")
-    figure.colorbar(drawn, ax=axis, label=f"${name}/L_x$", format="%.0e", ticks=[-limit, 0, limit])
+    figure.colorbar(drawn, ax=axis, label=f"${name}/L_x$", format="%.1e", ticks=[-limit, 0, limit])
 axis.set_xlabel("$x/L_x$")
 figure.suptitle(f"One wave of normal displacement on a slab of aspect ratio {ASPECT_RATIO:g}, ν = {POISSONS_RATIO:g}")
 figure.savefig(sys.argv[1], dpi=120)

@@ -1,0 +1,24 @@
+"""Every compiled function, and nothing else."""
+
+from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
+from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.spectral import couple, multiply
+from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
+
+__all__ = [
+    "cg_direction",
+    "cg_gap",
+    "cg_update",
+    "close_gap",
+    "couple",
+    "coupled_step",
+    "exponential_pull",
+    "fire_step",
+    "friction_violation",
+    "kkt_violation",
+    "multiply",
+    "verlet_step",
+    "wall_pressure",
+    "xu_needleman_pull",
+]

@@ -1,0 +1,84 @@
+"""Compiled contact conditions: how far they are violated, and the pressure they leave."""
+
+import numpy as np
+
+from gfmd_numba.kernels.compilation import Reals, Rows, jit
+
+
+@jit
+def kkt_violation(
+    u: Reals,
+    ku: Reals,
+    punch: Reals,
+    load: Reals,
+    active: Rows,
+    n: int,
+    worst: Reals,
+    peak: Reals,
+    imbalance: Reals,
+) -> None:
+    """Largest traction on a free node or tension on a touching one, largest pressure, and mean unbalanced traction.
+
+    For displacements that do not penetrate; not-a-number if any traction is not finite.
+    """
+    for i in active:
+        largest = 0.0
+        highest = 0.0
+        total = 0.0  # a NaN or infinity anywhere survives in a sum, not in a comparison
+        carried = 0.0
+        for j in range(n):
+            traction = load[i] - ku[i, j]
+            total += traction
+            pressure = max(traction, 0.0) if u[i, j] >= punch[i, j] else 0.0
+            carried += pressure
+            highest = max(highest, pressure)
+            largest = max(largest, abs(traction - pressure))
+        worst[i] = largest if np.isfinite(total) else np.nan
+        peak[i] = highest
+        imbalance[i] = abs(total - carried) / n
+
+
+@jit
+def friction_violation(
+    u1: Reals,
+    anchor: Reals,
+    k1: Reals,
+    u3: Reals,
+    k3: Reals,
+    wall: Reals,
+    load: Reals,
+    friction: float,
+    active: Rows,
+    n: int,
+    worst: Reals,
+) -> None:
+    """Raise `worst` to the largest tangential force that friction does not balance.
+
+    Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the
+    distance slid.
+    """
+    for i in active:
+        largest = 0.0
+        total = 0.0
+        for j in range(n):
+            total += k1[i, j]
+            violation = abs(k1[i, j])
+            pressure = load[i] - k3[i, j]
+            if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
+                slid = u1[i, j] - anchor[i, j]
+                if slid > 0.0:
+                    violation = abs(k1[i, j] + friction * pressure)
+                elif slid < 0.0:
+                    violation = abs(k1[i, j] - friction * pressure)
+                else:
+                    violation = max(violation - friction * pressure, 0.0)
+            largest = max(largest, violation)
+        worst[i] = max(worst[i], largest) if np.isfinite(total) and np.isfinite(worst[i]) else np.nan
+
+
+@jit
+def wall_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+    """Pressure of the hard wall: on touching nodes under compression, zero elsewhere."""
+    for i in active:
+        for j in range(n):
+            p[i, j] = max(load[i] - ku[i, j], 0.0) if u[i, j] >= punch[i, j] else 0.0

@@ -1,0 +1,37 @@
+"""Compiled tractions of interaction laws."""
+
+import numpy as np
+
+from gfmd_numba.kernels.compilation import Reals, Rows, jit
+
+
+@jit
+def exponential_pull(u: Reals, ku: Reals, punch: Reals, active: Rows, n: int, strength: float, length: float) -> None:
+    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the restoring traction ku."""
+    for i in active:
+        for j in range(n):
+            ku[i, j] -= strength * np.exp((u[i, j] - punch[i, j]) / length)
+
+
+@jit
+def xu_needleman_pull(
+    u1: Reals,
+    k1: Reals,
+    u3: Reals,
+    k3: Reals,
+    punch: Reals,
+    sliding: float,
+    active: Rows,
+    n: int,
+    work: float,
+    normal: float,
+    tangential: float,
+) -> None:
+    """Take the tractions of Xu and Needleman's law off the restoring tractions k1 and k3."""
+    for i in active:
+        for j in range(n):
+            gap = (punch[i, j] - u3[i, j]) / normal
+            slip = (sliding - u1[i, j]) / tangential
+            decay = work * np.exp(-gap - slip * slip)
+            k1[i, j] -= 2.0 * slip / tangential * (1.0 + gap) * decay
+            k3[i, j] -= gap / normal * decay

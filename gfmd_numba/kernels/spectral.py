@@ -1,0 +1,25 @@
+"""Compiled loops over spectra: the stiffness of one or both displacements."""
+
+from gfmd_numba.kernels.compilation import Complexes, Reals, Rows, jit
+
+
+@jit
+def multiply(spectrum: Complexes, symbol: Reals, active: Rows) -> None:
+    """Multiply each active spectrum by a real symbol of the wave number."""
+    for i in active:
+        for k in range(symbol.size):
+            spectrum[i, k] *= symbol[k]
+
+
+@jit
+def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Rows, rows: int) -> None:
+    """Restoring tractions of tangential (row i) and normal (row rows + i) displacement, in place (6.57).
+
+    The phase is that of coefficients of exp(+i q x) with the normal displacement out of the body: a compressed
+    stretch draws the surface together.
+    """
+    for i in active:
+        for k in range(k11.size):
+            tangential, normal = spectrum[i, k], spectrum[rows + i, k]
+            spectrum[i, k] = k11[k] * tangential + 1j * k13[k] * normal
+            spectrum[rows + i, k] = k33[k] * normal - 1j * k13[k] * tangential

@@ -111,6 +111,21 @@ def test_fit_adds_curves_and_the_extrapolated_panel(campaign):
         assert x.min() > 1  # roughness at Nyquist is not part of the fit
 
 
+def test_a_prescribed_displacement_has_no_pressure_but_a_picture(campaign):
+    campaign["reduced_pressure"][:] = np.nan
+    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5))
+    assert figure.axes[-1].get_title() == "TFC limit"
+    assert [text.get_text() for text in figure.legends[0].get_texts()][:2] == ["$H = 0.3$", "$H = 0.8$"]
+
+
+def test_a_reference_at_nyquist_is_drawn_with_its_curves(campaign):
+    campaign = campaign.isel(case=campaign["limit"].values != "eps_c")
+    campaign["eps_c"][:] = 1.0
+    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5))
+    assert [axis.get_title() for axis in figure.axes] == ["Fractal limit", "Thermodynamic limit", "TFC limit"]
+    assert "not fitted" not in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
 def test_a_refused_fit_draws_points_only(campaign):
     fit = fit_tfc(campaign, fixed=FIXED, bootstrap=5)
     fit["fit_status"][:] = "refused"

@@ -243,10 +243,11 @@ def test_a_flat_limit_has_no_exponent(spread):
         fit_tfc(dataset, fixed=fixed, bootstrap=60),
         f"exponent of eps_t {'with' if spread else why}",
         why,
-        "C = ",
         "levels 1, 1/2, 1/4, 1/8",
         "15 realisations",
-        "fixed={'eps_t': 1.0}",
+        "`gfmd fit --fixed eps_t=1`",
+        "`fit: {fixed: {eps_t: [1/2, 1]}}`",
+        "fixed={'eps_t': (0.5, 1.0)}",
     )
     rescued = fit_tfc(dataset, fixed=fixed | {"eps_t": 1.0}, bootstrap=60)
     assert rescued["fit_status"] == "ok"
@@ -316,6 +317,50 @@ def test_roughness_at_nyquist_is_left_out_by_default():
     assert abs(kept["kappa_tfc"] - 2.0) > 1e-3
 
 
+def test_a_reference_at_nyquist_is_fitted_and_said():
+    dataset = campaign(levels={name: LEVELS[name] for name in ("eps_f", "eps_t")})
+    dataset["eps_c"][:] = 1.0
+    fit = fit_tfc(dataset, bootstrap=5)
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.4 * 0.5**1.1, atol=1e-8)
+    assert fit["message"].item().startswith("eps_c = 1 is fitted as well")
+
+
+def test_each_group_carries_the_mean_of_its_reference_case():
+    dataset = noisy(campaign((0.3, 0.8), realisations=9), np.random.default_rng(3))
+    backwards = dataset.isel(case=slice(None, None, -1))
+    fit = fit_tfc(backwards, fixed=ALPHA, bootstrap=5)
+    for group in range(2):
+        values = dataset["kappa"].where(dataset["hurst"] == fit["hurst"][group]).where(dataset["is_reference"])
+        values = values.dropna("case", how="all")[0]
+        np.testing.assert_allclose(fit["reference"][group], values.mean())
+        np.testing.assert_allclose(fit["reference_error"][group], values.std(ddof=1) / 3)
+    assert fit["reference_eps"][0].values.tolist() == list(REFERENCE.values())
+
+
+def test_of_several_references_the_finest_counts():
+    """An eps in the grid of a campaign makes each of its values a reference with limits of its own."""
+    coarse = campaign((0.3, 0.8), levels=LEVELS | {"eps_c": [1 / 2]})
+    names = np.char.add(coarse["case_id"].values, "-fine")
+    fine = coarse.assign_coords(eps_c=coarse["eps_c"] / 4, case_id=("case", names))
+    fine["kappa"] += 0.4 * ((1 / 8) ** 1.1 - (1 / 2) ** 1.1)
+    for order in ([coarse, fine], [fine, coarse]):
+        both = xr.concat(order, "case")
+        fit = fit_tfc(both, fixed=ALPHA, bootstrap=5)
+        assert fit["reference_eps"].sel(limit="eps_c").values.tolist() == [1 / 8, 1 / 8]
+        expected = np.array([3.0, 2.0]) + 0.4 * (1 / 8) ** 1.1 + 6 * (1 / 1024) ** 0.6 + 0.15
+        np.testing.assert_allclose(fit["reference"], expected)
+        np.testing.assert_allclose(fit["kappa_tfc"] + fit["correction"].sum("limit"), expected)
+        assert set(select_limit(both, "eps_f")["eps_c"].values) == {1 / 8}
+
+
+@pytest.mark.parametrize("lacking", ["hurst", "case_id", "eps_t"])
+def test_a_dataset_that_is_no_campaign_is_named(lacking):
+    with pytest.raises(ValueError, match="given no campaign's results"):
+        fit_tfc(campaign().drop_vars(lacking))
+    with pytest.raises(ValueError, match="given no campaign's results"):
+        fit_tfc(campaign().isel(case=0))
+
+
 def test_only_complete_realisations_are_fitted():
     whole = noisy(campaign((0.3, 0.8), realisations=12), np.random.default_rng(9))
     broken = fails(whole, case=7, realisation=3)
@@ -344,7 +389,8 @@ def test_bootstrap_of_incomplete_groups_scatters_as_if_the_rest_had_never_been_r
 def test_a_case_that_mostly_failed_is_left_out_by_name():
     dataset = noisy(campaign(realisations=12), np.random.default_rng(9))
     fit = fit_tfc(fails(dataset, case=2, realisation=slice(0, 7)), fixed=ALPHA, bootstrap=5)
-    assert fit["message"] == "left out, failed in more than half of the realisations: case-2"
+    case = "eps_c = 1/8, eps_f = 1/1024, eps_t = 1/2"
+    assert fit["message"] == f"left out, failed in more than half of the realisations: {case}"
     assert (fit["n_cases"], fit["n_realisations"], fit["n_excluded"]) == (9, 12, 7)
     half = fit_tfc(fails(dataset, case=2, realisation=slice(0, 6)), fixed=ALPHA, bootstrap=5)
     assert (half["n_cases"], half["n_realisations"], half["n_excluded"]) == (10, 6, 6)
@@ -390,7 +436,7 @@ def test_missing_results_do_not_break_the_pairing():
 def test_a_case_that_failed_entirely_is_left_out_by_name():
     dataset = fails(campaign(realisations=6), case=4)
     fit = fit_tfc(dataset, bootstrap=5)
-    assert fit["message"] == "left out, no good realisation: case-4"
+    assert fit["message"] == "left out, no good realisation: eps_c = 1/2, eps_f = 1/512, eps_t = 1/2"
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     assert fit["n_cases"] == 9
     assert fit["n_excluded"] == 6

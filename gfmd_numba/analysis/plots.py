@@ -13,7 +13,17 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis.selection import GROUP, LIMITS, ensemble_mean, groups, select_limit
+from gfmd_numba.analysis.selection import (
+    GROUP,
+    LIMITS,
+    UnusableDataError,
+    at_nyquist,
+    ensemble_mean,
+    good,
+    groups,
+    key,
+    select_limit,
+)
 
 # Okabe and Ito: told apart with any colour vision
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -52,9 +62,10 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     The fit is the output of fit_tfc; open markers are kappa from counted contact nodes; ValueError for an
     unknown variable, a fit of another variable, or a dataset in which no discretisation is varied.
     """
+    good(dataset, variable)
     present = [limit for limit in LIMITS if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
-        raise ValueError("no discretisation is varied in this dataset: there is nothing to draw against eps")
+        raise UnusableDataError("given results in which no discretisation is varied; allowed: results with limits")
     if fit is not None and fit.attrs["variable"] != variable:
         raise ValueError(f"the fit is of {fit.attrs['variable']!r}, the figure of {variable!r}")
     fitted = dict(_fitted(fit)) if fit is not None else {}
@@ -74,7 +85,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
-        if fit is not None and fit.attrs["omit_nyquist"] == "True" and (dataset["eps_c"] >= 1).any():
+        if any(map(_omits_nyquist, fitted.values())) and at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             axes[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
         rows = -(-len(handles) // 5)
@@ -84,16 +95,16 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
 
 def _looks(dataset: xr.Dataset) -> dict[tuple[float, ...], _Look]:
     """Return each group's look: a colour per Hurst exponent, a marker and dashes per set of the others."""
-    keys = [tuple(parameters.values()) for parameters, _ in groups(dataset)]
-    hursts = sorted({key[0] for key in keys})
-    others = sorted({key[1:] for key in keys})
-    varied = [i for i in range(len(GROUP)) if i == 0 or len({key[i] for key in keys}) > 1]
+    keys = [key(parameters) for parameters, _ in groups(dataset)]
+    hursts = sorted({each[0] for each in keys})
+    others = sorted({each[1:] for each in keys})
+    varied = [i for i in range(len(GROUP)) if i == 0 or len({each[i] for each in keys}) > 1]
     looks: dict[tuple[float, ...], _Look] = {}
-    for key in sorted(keys):
-        style = others.index(key[1:])
-        values = [rf"{_SYMBOLS[GROUP[i]]} = {key[i]:g}".replace("inf", r"\infty") for i in varied]
-        looks[key] = {
-            "color": _COLOURS[hursts.index(key[0]) % len(_COLOURS)],
+    for each in sorted(keys):
+        style = others.index(each[1:])
+        values = [rf"{_SYMBOLS[GROUP[i]]} = {each[i]:g}".replace("inf", r"\infty") for i in varied]
+        looks[each] = {
+            "color": _COLOURS[hursts.index(each[0]) % len(_COLOURS)],
             "marker": _MARKERS[style % len(_MARKERS)],
             "linestyle": _DASHES[style % len(_DASHES)],
             "label": f"${', '.join(values)}$",
@@ -104,7 +115,13 @@ def _looks(dataset: xr.Dataset) -> dict[tuple[float, ...], _Look]:
 def _fitted(fit: xr.Dataset) -> list[tuple[tuple[float, ...], xr.Dataset]]:
     accepted = fit.isel(group=np.flatnonzero(fit["fit_status"].values == "ok"))
     single = [accepted.isel(group=index) for index in range(accepted.sizes["group"])]
-    return [(tuple(float(group[name]) for name in GROUP), group) for group in single]
+    return [(key({name: float(group[name]) for name in GROUP}), group) for group in single]
+
+
+def _omits_nyquist(fit: xr.Dataset) -> bool:
+    """Whether the fit of a group left out the cases at eps_c = 1."""
+    reference = float(fit["reference_eps"].sel(limit="eps_c"))
+    return fit.attrs["omit_nyquist"] == "True" and not at_nyquist(reference)
 
 
 def _draw_limit(
@@ -119,16 +136,16 @@ def _draw_limit(
     # neighbours stand a little apart so that error bars of different groups do not hide each other
     spacing = min(0.06, 0.3 / len(order))
     for parameters, group in groups(cases):
-        key = tuple(parameters.values())
-        look = looks[key]
-        position = np.exp(spacing * (order.index(key) - (len(order) - 1) / 2)) / group[limit].values
+        physics = key(parameters)
+        look = looks[physics]
+        position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
             counted, _ = ensemble_mean(group, "kappa_counted")
             axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45)
         mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
-        if key in fitted:
-            _draw_curve(axis, fitted[key], limit, group[limit].values, look)
+        if physics in fitted:
+            _draw_curve(axis, fitted[physics], limit, group[limit].values, look)
     title, label = _AXES[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
@@ -138,8 +155,8 @@ def _draw_limit(
 
 
 def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: NDArray[np.float64], look: _Look) -> None:
-    if fit.attrs["omit_nyquist"] == "True" and limit == "eps_c":
-        levels = levels[levels < 1]
+    if limit == "eps_c" and _omits_nyquist(fit):
+        levels = levels[~at_nyquist(levels)]
     eps = np.geomspace(levels.max() * 1.1, levels.min() / 1.25, 100)
     others = float(fit["kappa_tfc"] + fit["correction"].drop_sel(limit=limit).sum())
     one = fit.sel(limit=limit)
@@ -149,13 +166,13 @@ def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: NDArray[np.floa
 def _draw_extrapolated(
     axis: Axes, fitted: dict[tuple[float, ...], xr.Dataset], looks: dict[tuple[float, ...], _Look]
 ) -> None:
-    hursts = sorted({key[0] for key in looks})
-    others = sorted({key[1:] for key in looks})
-    for key, fit in fitted.items():
-        look = looks[key]
-        shift = 0.5 * (others.index(key[1:]) - (len(others) - 1) / 2) / len(others)
+    hursts = sorted({each[0] for each in looks})
+    others = sorted({each[1:] for each in looks})
+    for each, fit in fitted.items():
+        look = looks[each]
+        shift = 0.5 * (others.index(each[1:]) - (len(others) - 1) / 2) / len(others)
         position, value, error = (
-            hursts.index(key[0]) + shift,
+            hursts.index(each[0]) + shift,
             float(fit["kappa_tfc"]),
             float(fit["kappa_tfc_error"]),
         )

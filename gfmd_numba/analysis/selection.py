@@ -2,6 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
+from math import isnan, nan
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,6 +16,10 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
 GROUP = ("hurst", "poissons_ratio", "aspect_ratio", "reduced_pressure", "rms_gradient_target")
 
 
+class UnusableDataError(ValueError):
+    """What a dataset lacks for the analysis asked of it."""
+
+
 @dataclass(frozen=True)
 class Group:
     """The results of one group of cases, which differ only in discretisation, as a fit takes them."""
@@ -21,7 +28,9 @@ class Group:
     values: Array  # (realisation, case)
     complete: NDArray[np.bool_]  # realisations that are good in every case
     levels: dict[str, Array]  # of the limits that are varied
-    reference: dict[str, float]
+    reference: dict[str, float]  # its discretisation
+    reference_mean: float
+    reference_error: float
     n_excluded: int
     notes: list[str]
 
@@ -41,9 +50,13 @@ class Group:
 
 
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
-    """Return the mask (case, realisation) of finite, ok results; ValueError for an unknown variable."""
-    if variable not in dataset:
-        raise ValueError(f"no variable {variable!r} in the dataset; it has {', '.join(map(str, dataset.data_vars))}")
+    """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
+    lacking = {*GROUP, *LIMITS, "case_id", "is_reference"} - set(map(str, dataset.variables))
+    if not {"case", "realisation"} <= set(dataset.dims) or lacking:
+        raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
+    if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
+        present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
+        raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
     mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()
     mask &= abs(dataset[variable]) < np.inf
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
@@ -69,8 +82,18 @@ def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]
         yield dict(zip(GROUP, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
 
 
+def key(parameters: dict[str, float]) -> tuple[float, ...]:
+    """Return a group's parameters for use in a dictionary, where nan is found only if it is the same object."""
+    return tuple(nan if isnan(value) else value for value in parameters.values())
+
+
+def fractions(levels: Array) -> str:
+    """Return levels from coarse to fine, written as fractions."""
+    return ", ".join(str(Fraction(float(level)).limit_denominator(10**6)) for level in np.unique(levels)[::-1])
+
+
 def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
-    """Return the groups, cases that mostly failed left out; ValueError for an unknown variable."""
+    """Return the groups, cases that mostly failed left out; UnusableDataError without such a variable."""
     usable = good(dataset, variable)
     dataset = dataset.assign({variable: dataset[variable].where(usable)})
     return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]
@@ -78,18 +101,22 @@ def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Grou
 
 def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, omit_nyquist: bool) -> Group:
     reference = reference_levels(cases)
-    if omit_nyquist:
-        cases = cases.isel(case=cases["eps_c"].values < 1 - 1e-9)
+    mean, error = _at(cases, reference, variable)
+    notes = []
+    if omit_nyquist and at_nyquist(reference["eps_c"]):
+        notes.append("eps_c = 1 is fitted as well, as the reference stands there: roughness at Nyquist is not resolved")
+    elif omit_nyquist:
+        cases = cases.isel(case=~at_nyquist(cases["eps_c"].values))
     values = cases[variable].transpose("realisation", "case").values.astype(float)
     present = np.isfinite(values)
     n_present, n_run = present.sum(axis=0), present.any(axis=1).sum()
     # only complete realisations are fitted: a case that mostly failed would leave hardly any
     dead, poor = n_present == 0, (n_present > 0) & (2 * n_present < n_run)
     kept = ~(dead | poor)
-    notes = []
     for left_out, why in ((dead, "no good realisation"), (poor, "failed in more than half of the realisations")):
         if left_out.any():
-            notes.append(f"left out, {why}: {', '.join(map(str, cases['case_id'].values[left_out]))}")
+            names = [_named(cases.isel(case=index)) for index in np.flatnonzero(left_out)]
+            notes.append(f"left out, {why}: {'; '.join(names)}")
     some, complete = present[:, kept].any(axis=1), present[:, kept].all(axis=1) & kept.any()
     if some.sum() > complete.sum():
         dropped = some.sum() - complete.sum()
@@ -102,13 +129,35 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         else:
             notes.append(f"{name} is not varied: kappa_tfc is not extrapolated in it")
     n_excluded = int((~present).sum())
-    return Group(parameters, values[:, kept], complete, levels, reference, n_excluded, notes)
+    return Group(parameters, values[:, kept], complete, levels, reference, mean, error, n_excluded, notes)
+
+
+def _named(case: xr.Dataset) -> str:
+    return ", ".join(f"{name} = {fractions(case[name].values)}" for name in LIMITS)
+
+
+def at_nyquist(eps_c: Any) -> Any:
+    """Whether the roughness goes up to the Nyquist wave number, where no grid resolves it."""
+    return eps_c >= 1 - 1e-9
 
 
 def reference_levels(group: xr.Dataset) -> dict[str, float]:
-    """Return the discretisation of a group's reference case, or the finest levels present if it has none."""
+    """Return the discretisation of a group's finest reference case, or the finest levels present if it has none."""
+    levels = {name: group[name].values.astype(float) for name in LIMITS}
     marked = np.flatnonzero(group["is_reference"].values)
-    return {name: float(group[name].values[marked[0]] if marked.size else group[name].min()) for name in LIMITS}
+    if not marked.size:
+        return {name: float(level.min()) for name, level in levels.items()}
+    finest = marked[np.prod([level[marked] for level in levels.values()], axis=0).argmin()]
+    return {name: float(level[finest]) for name, level in levels.items()}
+
+
+def _at(group: xr.Dataset, levels: dict[str, float], variable: str) -> tuple[float, float]:
+    """Return mean and standard error of a group's case at a discretisation, nan if there is none."""
+    there = np.all([np.isclose(group[name], level, rtol=1e-9) for name, level in levels.items()], axis=0)
+    if not there.any():
+        return nan, nan
+    mean, error = ensemble_mean(group.isel(case=there), variable)
+    return float(mean[0]), float(error[0])
 
 
 def select_limit(dataset: xr.Dataset, limit: str) -> xr.Dataset:

@@ -5,8 +5,7 @@ in every case. Each replicate estimates the weights anew: kept fixed, they would
 small.
 """
 
-from collections.abc import Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Collection, Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal
 
@@ -17,7 +16,7 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from gfmd_numba.analysis.least_squares import BOUNDS, Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect
+from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, fractions
 
 WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
@@ -38,7 +37,10 @@ def fit_tfc(
     """Fit thesis (4.3) to each group's case means, with errors from a paired bootstrap over realisations.
 
     An exponent fixed to a range (low, high) is taken in its middle, and the errors include not knowing it.
-    Only realisations that are good in all of a group's cases enter it. Output: kappa_tfc over (group), C and
+    Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
+    the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
+    campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: kappa_tfc,
+    reference (mean of the reference case) and message (one line for each thing to know) over (group), C and
     alpha over (group, limit), their errors, all dimensionless; nan and fit_status "refused" where an exponent
     is not identified; ValueError for an unknown variable, mode or limit, or a wrong fixed exponent.
     """
@@ -101,15 +103,14 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
         if doubt:
             reasons = []
             for name, why in doubt.items():
-                column = 4 + LIMITS.index(name)
-                evidence = _evidence(group, name, estimate[index, column], error[index, column])
-                reasons.append(f"exponent of {name} {why} ({evidence}): {_advice(name)}")
-            rows.append(_refused(group, "; ".join(reasons)))
+                evidence = _evidence(group, name)
+                reasons.append(f"exponent of {name} {why} ({evidence})")
+            rows.append(_refused(group, "\n".join([*reasons, _advice(doubt)])))
             continue
         row = _accepted(group, block, alpha)
         if np.isnan(error[index, 0]):
             unknown = f"the sampling error is unknown ({_realisations(group)}, bootstrap {bootstrap})"
-            row["message"] = "; ".join([*group.notes, unknown])
+            row["message"] = "\n".join([*group.notes, unknown])
         row |= {"estimate": estimate[index], "error": error[index]}
         rows.append(row | {"kappa_tfc_low": low[index, 0], "kappa_tfc_high": high[index, 0]})
     return rows
@@ -167,7 +168,7 @@ def _accepted(group: Group, block: Block, alpha: Array) -> _Row:
         "rms_residual": float(np.sqrt(np.mean(misfit**2))),
         "chi2": float(residual @ residual) if group.n_realisations > 1 else np.nan,
         "fit_status": "ok",
-        "message": "; ".join(group.notes),
+        "message": "\n".join(group.notes),
     }
 
 
@@ -189,7 +190,7 @@ def _shortage(groups: Sequence[Group], ranges: _Ranges) -> str:
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
         if levels is not None and len(levels) < 3 and name not in ranges:
-            return f"exponent of {name} needs three levels, has two ({_fractions(levels)}): {_advice(name)}"
+            return f"exponent of {name} needs three levels, has two ({fractions(levels)})\n{_advice([name])}"
     return ""
 
 
@@ -227,23 +228,26 @@ def _doubt(
     return doubt
 
 
-def _fractions(levels: Array) -> str:
-    return ", ".join(str(Fraction(float(level)).limit_denominator(10**6)) for level in np.unique(levels)[::-1])
-
-
 def _realisations(group: Group) -> str:
     return f"{group.n_realisations} realisation{'s' if group.n_realisations != 1 else ''}"
 
 
-def _evidence(group: Group, name: str, value: float, error: float) -> str:
+def _evidence(group: Group, name: str) -> str:
     if name not in group.levels:
         return f"shared with other groups; {name} is not varied in this one"
-    accuracy = f"{error:.2g}" if np.isfinite(error) else "unknown"
-    return f"C = {value:.3g} +- {accuracy}, levels {_fractions(group.levels[name])}, {_realisations(group)}"
+    return f"levels {fractions(group.levels[name])}, {_realisations(group)}"
 
 
-def _advice(name: str) -> str:
-    return f"fix it, fixed={{'{name}': 1.0}}, or to a range, (0.5, 1.0), or add levels or realisations"
+def _advice(names: Collection[str]) -> str:
+    """Return how to fix exponents where the user stands: at the command line, in the campaign file, in Python."""
+    options = " ".join(f"--fixed {name}=1" for name in names)
+    block = ", ".join(f"{name}: [1/2, 1]" for name in names)
+    argument = ", ".join(f"'{name}': (0.5, 1.0)" for name in names)
+    return (
+        f"fix exponents, or give the ranges they lie in: `gfmd fit {options}` or a range, as in {next(iter(names))}"
+        f"=0.5:1; `fit: {{fixed: {{{block}}}}}` in the campaign file; fixed={{{argument}}} in Python; "
+        "or add levels or realisations"
+    )
 
 
 def _refused(group: Group, reason: str) -> _Row:
@@ -253,11 +257,14 @@ def _refused(group: Group, reason: str) -> _Row:
         "error": missing,
         **dict.fromkeys(("kappa_tfc_low", "kappa_tfc_high", "rms_residual", "chi2"), np.nan),
         "fit_status": "refused",
-        "message": "; ".join([reason, *group.notes]),
+        "message": "\n".join([reason, *group.notes]),
     }
 
 
 _NOTES = {
+    "reference": "mean at the reference discretisation",
+    "reference_error": "standard error of the mean",
+    "reference_eps": "reference discretisation",
     "kappa_tfc": "extrapolated value in the thermodynamic, fractal and continuum limit",
     "kappa_tfc_error": "bootstrap standard deviation",
     "kappa_tfc_low": "lower end of the 90 % bootstrap interval",
@@ -286,6 +293,10 @@ def _as_dataset(groups: Sequence[Group], rows: Sequence[_Row]) -> xr.Dataset:
         variables[f"{name}_error"] = (("group", "limit"), error[:, first : first + 3])
     for name in ("rms_residual", "chi2", "fit_status", "message"):
         variables[name] = ("group", [row[name] for row in rows])
+    variables["reference"] = ("group", [group.reference_mean for group in groups])
+    variables["reference_error"] = ("group", [group.reference_error for group in groups])
+    levels = np.array([list(group.reference.values()) for group in groups]).reshape(len(groups), -1)
+    variables["reference_eps"] = (("group", "limit"), levels)
     variables["n_cases"] = ("group", [group.n_cases for group in groups])
     variables["n_realisations"] = ("group", [group.n_realisations for group in groups])
     variables["n_excluded"] = ("group", [group.n_excluded for group in groups])

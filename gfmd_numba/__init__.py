@@ -21,25 +21,22 @@ def solve(scene: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
     return solve_scene(scene)
 
 
-def run(path: str | Path, output: str | Path | None = None, workers: int = 2) -> xr.Dataset:
-    """Run or resume a campaign file on local dask workers (0: in this process) and open its results."""
+def run(path: str | Path, output: str | Path | None = None, workers: int = 0) -> xr.Dataset:
+    """Run or resume a campaign file in this process and open its results.
+
+    `workers` above 0 are dask processes; as they import the calling script, the call must then stand under
+    `if __name__ == "__main__":`.
+    """
     from gfmd_numba.campaign.run import run as run_campaign
 
     return open_campaign(run_campaign(path, output, workers)[0])
 
 
 def open_campaign(path: str | Path) -> xr.Dataset:
-    """Results of a campaign, from its netCDF file or its output directory; raises FileNotFoundError."""
-    import xarray as xr
+    """Results of a campaign, from its netCDF file or its output directory; raises InputError."""
+    from gfmd_numba.campaign.results import read_results
 
-    path = Path(path)
-    if path.is_dir():
-        files = sorted(path.glob("*.nc"))
-        if len(files) != 1:
-            raise FileNotFoundError(f"{path} holds {len(files)} netCDF files, not the one a finished run leaves")
-        path = files[0]
-    with xr.open_dataset(path) as dataset:
-        return dataset.load()
+    return read_results(Path(path))
 
 
 def fit_tfc(dataset: xr.Dataset, **options: Any) -> xr.Dataset:

@@ -14,6 +14,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.cases import blocks, expand, tasks
+from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.run import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.scene import InputError
@@ -223,6 +224,69 @@ def test_output_directory_of_another_campaign_is_refused(tmp_path):
     gfmd_numba.run(campaign(tmp_path), out, 0)
     with pytest.raises(InputError, match=r"out: given the output directory of campaign 'small'; allowed: .*'other'"):
         gfmd_numba.run(campaign(tmp_path, **{"name: small": "name: other"}), out, 0)
+
+
+def test_results_are_found_by_name_among_other_files(finished, tmp_path):
+    out = tmp_path / "out"
+    gfmd_numba.run(campaign(tmp_path), out)
+    (out / "another.nc").touch()
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), numbers(finished))
+    (out / "campaign.yaml").unlink()
+    with pytest.raises(InputError, match="given a directory with 2 netCDF files"):
+        gfmd_numba.open_campaign(out)
+    with pytest.raises(InputError, match=r"another.nc: given a file that is not netCDF"):
+        gfmd_numba.open_campaign(out / "another.nc")
+    with pytest.raises(InputError, match=r"third.nc: given no file"):
+        gfmd_numba.open_campaign(out / "third.nc")
+
+
+def test_a_script_without_a_main_guard_may_run_a_campaign(tmp_path):
+    campaign(tmp_path)
+    script = tmp_path / "script.py"
+    script.write_text("import gfmd_numba\ngfmd_numba.run('campaign.yaml', 'out')\n")
+    subprocess.run([sys.executable, script], cwd=tmp_path, check=True)
+    assert (tmp_path / "out" / "small.nc").exists()
+
+
+def test_leftovers_of_a_killed_run_do_not_block_it(finished, tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    (out / "shards").mkdir(parents=True)
+    leftovers = [out / "campaign.yaml.1.tmp", out / "shards" / "a.shard.1.tmp", out / "small.nc.tmp", out / ".lock"]
+    for leftover in leftovers:
+        leftover.touch()
+    xr.testing.assert_identical(numbers(gfmd_numba.run(path, out)), numbers(finished))
+    assert [leftover.exists() for leftover in leftovers] == [False, False, False, True]
+
+
+@pytest.mark.parametrize("text", ["", "name: [", "- list"])
+def test_a_damaged_label_says_what_to_do(tmp_path, text):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    gfmd_numba.run(path, out)
+    (out / "campaign.yaml").write_text(text)
+    with pytest.raises(InputError, match=r"out/campaign.yaml: given a damaged copy .*delete the copy"):
+        gfmd_numba.run(path, out)
+    (out / "campaign.yaml").unlink()
+    gfmd_numba.run(path, out)
+    assert (out / "campaign.yaml").read_text() == path.read_text()
+
+
+def test_one_run_at_a_time(tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    with (
+        claimed(out, "small", "name: small"),
+        pytest.raises(InputError, match=r"out: given an output directory in which another run is at work"),
+    ):
+        gfmd_numba.run(path, out)
+    gfmd_numba.run(path, out)
+
+
+def test_files_follow_the_umask(tmp_path):
+    before = os.umask(0o027)
+    try:
+        shards.replace(tmp_path / "file", b"")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "file").stat().st_mode & 0o777 == 0o640
 
 
 @pytest.mark.parametrize("content", ["file", "folder"])

@@ -104,7 +104,7 @@ def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # any free port: None means 8787, which another run may hold
             silence_logs="ERROR",
         ) as cluster,
         Client(cluster) as client,

@@ -16,12 +16,13 @@ import xarray as xr
 
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.cases import Case, Task, blocks, expand, tasks
+from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, self_affine
-from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene import Document
 
 _PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
 
@@ -73,15 +74,15 @@ def run(
     """Run what is unfinished of a campaign and write its netCDF file into the output directory.
 
     `watch(total, done)` returns what to call after each task. Returns the file and the failed tasks; raises
-    InputError for a bad campaign file or a directory that holds something else.
+    InputError for a bad campaign file or a directory that holds something else or another run.
     """
     planned = plan(path)
     directory = Path(output if output is not None else planned.campaign.name)
-    _claim(directory, planned)
-    todo = execution.unfinished(planned.tasks, directory)
-    progress = watch(len(planned.tasks), len(planned.tasks) - len(todo)) if watch else lambda: None
-    failures = execution.execute(todo, directory, workers, scheduler, progress)
-    return collect(planned, directory), failures
+    with claimed(directory, planned.campaign.name, planned.document.text):
+        todo = execution.unfinished(planned.tasks, directory)
+        progress = watch(len(planned.tasks), len(planned.tasks) - len(todo)) if watch else lambda: None
+        failures = execution.execute(todo, directory, workers, scheduler, progress)
+        return collect(planned, directory), failures
 
 
 def collect(planned: Plan, directory: Path) -> Path:
@@ -93,25 +94,6 @@ def collect(planned: Plan, directory: Path) -> Path:
         os.fsync(file.fileno())
     os.replace(temporary, path)
     return path
-
-
-def _claim(directory: Path, planned: Plan) -> None:
-    """Make the output directory this campaign's, unless it is already or holds something else."""
-    label = directory / "campaign.yaml"
-    if label.exists():
-        owner = load_campaign(label)[0].name
-        if owner != planned.campaign.name:
-            raise InputError(
-                f"{directory}: given the output directory of campaign '{owner}'; allowed: a new directory "
-                f"or one of campaign '{planned.campaign.name}' (choose with --output)"
-            )
-    elif directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
-        raise InputError(
-            f"{directory}: given a path that holds something else; allowed: a new or empty directory, "
-            "or one that `gfmd run` made (choose with --output)"
-        )
-    directory.mkdir(parents=True, exist_ok=True)
-    shards.replace(label, planned.document.text.encode())
 
 
 def _assemble(planned: Plan, directory: Path) -> xr.Dataset:

@@ -3,9 +3,9 @@
 import hashlib
 import io
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import numpy.typing as npt
@@ -39,13 +39,13 @@ def read(path: Path) -> Arrays | None:
 
 def replace(path: Path, content: bytes) -> None:
     """Write a file under a temporary name, force it to disk, then give it its name."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
+    temporary = path.with_name(f"{path.name}.{uuid4().hex}.tmp")  # not mkstemp, whose files only the owner may read
     try:
-        with os.fdopen(handle, "wb") as file:
+        with open(temporary, "xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import isnan
+from math import inf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BAD_INPUT, SOME_FAILED, INTERRUPTED = 2, 3, 130
+
+_Fixed = tuple[str, float | tuple[float, float]]
 
 
 class _Gfmd(click.Group):
@@ -42,9 +44,32 @@ def main() -> None:
 
 _file = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 _results = click.argument("results", type=click.Path(exists=True, path_type=Path))
-_variable = click.option("--variable", help="kappa, kappa_counted or kappa_r [as the campaign says]")
+_variables = click.Choice(["kappa", "kappa_counted", "kappa_r"])
+_variable = click.option("--variable", type=_variables, help="[as the campaign says]")
 _exponents = click.option("--exponents", type=click.Choice(["shared", "free"]), help="[as the campaign says]")
-_fixed = click.option("--fixed", multiple=True, metavar="EPS=X[:Y]", help="Fix an exponent, or say its range")
+
+
+def _exponents_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> tuple[_Fixed, ...]:
+    """Return the exponents of the fit as `eps_c=1` or `eps_c=0.5:1` give them."""
+    return tuple(map(_exponent, options))
+
+
+def _exponent(option: str) -> _Fixed:
+    from gfmd_numba.scene.document import plain_scalar
+
+    name, _, given = option.partition("=")
+    ends: list[Any] = [plain_scalar(end) for end in given.split(":")]
+    numbers = len(ends) <= 2 and all(type(end) in (int, float) for end in ends)
+    if name not in _LIMITS or not numbers or not 0 < ends[0] <= ends[-1] < inf:
+        allowed = f"{', '.join(_LIMITS)} with a number above 0 or a range, like eps_t=1 or eps_f=0.5:1"
+        raise click.BadParameter(f"given {option!r}; allowed: {allowed}")
+    return name, float(ends[0]) if len(ends) == 1 else (float(ends[0]), float(ends[1]))
+
+
+_LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
+_fixed = click.option(
+    "--fixed", multiple=True, callback=_exponents_given, metavar="EPS=X[:Y]", help="Fix an exponent, or say its range"
+)
 
 
 @main.command()
@@ -95,10 +120,13 @@ def run(file: Path, output: Path | None, workers: int, scheduler: str | None) ->
         results, failures = run_campaign(file, output, workers, scheduler, watch)
     click.echo(f"results  {results}")
     dataset = gfmd_numba.open_campaign(results)
-    if {"eps_c", "eps_f", "eps_t"} & set(dataset["limit"].values):
-        fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, (), None, None))
-        _show(dataset, fitted)
+    options = _options(dataset, (), None, None)
+    if _LIMITS.keys() & set(dataset["limit"].values):
+        fitted = gfmd_numba.fit_tfc(dataset, **options)
+        _show(fitted)
         _draw(dataset, fitted, results.with_suffix(".png"))
+    else:
+        _show_means(dataset, options.get("variable", "kappa"))
     for task, reason in failures.items():
         click.echo(f"gfmd: task {task} crashed: {reason}", err=True)
     unfinished = int((dataset["status"] != 0).sum())
@@ -114,14 +142,18 @@ def run(file: Path, output: Path | None, workers: int, scheduler: str | None) ->
 @_fixed
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the fit as netCDF")
 def fit(
-    results: Path, variable: str | None, exponents: str | None, fixed: tuple[str, ...], output: Path | None
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[_Fixed, ...], output: Path | None
 ) -> None:
     """Fit kappa in RESULTS (a campaign's file or directory) to its limit."""
-    import gfmd_numba
+    from gfmd_numba.campaign.results import read_results, results_file
 
-    dataset = gfmd_numba.open_campaign(results)
-    fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, fixed, variable, exponents))
-    _show(dataset, fitted)
+    file = results_file(results)
+    if output is not None:
+        _check_output(output, file, file.parent / "campaign.yaml")
+    dataset = read_results(file)
+    with _naming(file):
+        fitted = _fit(dataset, fixed, variable, exponents)
+    _show(fitted)
     if output is not None:
         fitted.to_netcdf(output, engine="netcdf4")
         click.echo(f"fit      {output}")
@@ -134,16 +166,19 @@ def fit(
 @_fixed
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture [beside RESULTS]")
 def plot(
-    results: Path, variable: str | None, exponents: str | None, fixed: tuple[str, ...], output: Path | None
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[_Fixed, ...], output: Path | None
 ) -> None:
     """Draw RESULTS: kappa against the discretisations, or the fields of one contact."""
-    import gfmd_numba
+    from gfmd_numba.campaign.results import read_results, results_file
 
-    dataset = gfmd_numba.open_campaign(results)
-    fitted = None
-    if "case" in dataset.dims:
-        fitted = gfmd_numba.fit_tfc(dataset, **_options(dataset, fixed, variable, exponents))
-    _draw(dataset, fitted, output or (results / "kappa.png" if results.is_dir() else results.with_suffix(".png")))
+    file = results_file(results)
+    picture = output or file.with_suffix(".png")
+    _check_output(picture, file, file.parent / "campaign.yaml")
+    _check_picture(picture)
+    dataset = read_results(file)
+    with _naming(file):
+        fitted = None if "x" in dataset.dims else _fit(dataset, fixed, variable, exponents)
+        _draw(dataset, fitted, picture)
 
 
 @main.command()
@@ -152,7 +187,10 @@ def plot(
 def solve(file: Path, output: Path) -> None:
     """Solve the one contact in the scene FILE and write its fields and scalars."""
     import gfmd_numba
+    from gfmd_numba.scene import Measured, load_scene
 
+    roughness = load_scene(file).scene.roughness
+    _check_output(output, file, *([Path(roughness.file)] if isinstance(roughness, Measured) else []))
     dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"results  {output}")
@@ -164,28 +202,63 @@ def solve(file: Path, output: Path) -> None:
         sys.exit(SOME_FAILED)
 
 
+def _check_output(output: Path, *inputs: Path) -> None:
+    """Raise InputError unless a file can be written that is none of the inputs."""
+    import os
+
+    from gfmd_numba.scene.document import InputError
+
+    for file in inputs:
+        if output.exists() and file.exists() and output.samefile(file):
+            raise InputError(f"--output: given {output}, which is an input; allowed: another file")
+    if not output.parent.is_dir():
+        raise InputError(f"--output: given {output}; allowed: a file in an existing folder, unlike {output.parent}")
+    if not os.access(output if output.exists() else output.parent, os.W_OK):
+        raise InputError(f"--output: given {output}, which may not be written; allowed: a file that may be")
+
+
+def _check_picture(path: Path) -> None:
+    """Raise InputError for a picture of unknown kind."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    from gfmd_numba.scene.document import InputError
+
+    kinds = [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]
+    if path.suffix.lower() not in kinds:
+        raise InputError(f"--output: given {path}; allowed: a picture ending in {', '.join(kinds)}")
+
+
+@contextmanager
+def _naming(file: Path) -> Iterator[None]:
+    """Put the name of the file into what its data lack."""
+    from gfmd_numba.analysis import UnusableDataError
+    from gfmd_numba.scene.document import InputError
+
+    try:
+        yield
+    except UnusableDataError as error:
+        raise InputError(f"{file}: {error}") from None
+
+
+def _fit(dataset: xr.Dataset, fixed: tuple[_Fixed, ...], variable: str | None, exponents: str | None) -> xr.Dataset:
+    from gfmd_numba.analysis import fit_tfc
+
+    return fit_tfc(dataset, **_options(dataset, fixed, variable, exponents))
+
+
 def _options(
-    dataset: xr.Dataset, fixed: tuple[str, ...], variable: str | None, exponents: str | None
+    dataset: xr.Dataset, fixed: tuple[_Fixed, ...], variable: str | None, exponents: str | None
 ) -> dict[str, Any]:
     """Options of the fit: the campaign's own, overridden by those of the command line."""
     import json
 
     options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
-    options["fixed"] = options.get("fixed", {}) | dict(map(_exponent, fixed))
+    options["fixed"] = options.get("fixed", {}) | dict(fixed)
     if variable is not None:
         options["variable"] = variable
     if exponents is not None:
         options["exponents"] = exponents
     return options
-
-
-def _exponent(option: str) -> tuple[str, float | tuple[float, float]]:
-    name, _, value = option.partition("=")
-    low, _, high = value.partition(":")
-    try:
-        return name, (float(low), float(high)) if high else float(low)
-    except ValueError:
-        raise click.BadParameter(f"{option!r}; give it like eps_t=1 or eps_f=0.5:1", param_hint="--fixed") from None
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
@@ -196,40 +269,89 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     click.echo(f"picture  {path}")
 
 
-def _show(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
+_PARAMETERS = {
+    "H": "hurst",
+    "nu": "poissons_ratio",
+    "a": "aspect_ratio",
+    "p*": "reduced_pressure",
+    "g": "rms_gradient_target",
+}
+_MOST_ROWS = 200
+
+
+def _show(fitted: xr.Dataset) -> None:
     """Print kappa at the reference and in the limit, and what separates the two."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from gfmd_numba.analysis import ensemble_mean
-
-    variable = fitted.attrs["variable"]
-    table = Table(box=box.SIMPLE_HEAD, title=f"{variable} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)")
-    parameters = {"H": "hurst", "nu": "poissons_ratio", "a": "aspect_ratio", "p*": "reduced_pressure"}
-    limits = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
-    for column in (*parameters, "reference", "limit", *limits.values()):
-        table.add_column(column, justify="right", no_wrap=True)
-    means, errors = ensemble_mean(dataset.isel(case=dataset["is_reference"].values), variable)
+    parameters = _shown_parameters(fitted)
+    title = f"{fitted.attrs['variable']} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    rows = []
     for i in range(fitted.sizes["group"]):
         group = fitted.isel(group=i)
         corrections = [
             _with_error(group["correction"].sel(limit=limit), group["correction_error"].sel(limit=limit))
-            for limit in limits
+            for limit in _LIMITS
         ]
-        table.add_row(
-            *(f"{float(group[name]):g}" for name in parameters.values()),
-            _with_error(means[i], errors[i]),
-            _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
-            *corrections,
+        rows.append(
+            [
+                *(_number(group[name]) for name in parameters.values()),
+                _with_error(group["reference"], group["reference_error"]),
+                _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
+                *corrections,
+            ]
         )
-    Console(width=120).print(table)
-    for limit, kind in limits.items():
+    _print_table(title, [*parameters, "reference", "limit", *_LIMITS.values()], rows)
+    for limit, kind in _LIMITS.items():
         click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
-    for message in dict.fromkeys(str(m) for m in fitted["message"].values if m):
-        click.echo(f"note     {message}")
-    if (fitted["fit_status"] != "ok").any():
-        click.echo("note     exponents are fixed with `gfmd fit --fixed eps_f=0.5:1`, or in the campaign's block `fit`")
+    messages = [str(message).splitlines() for message in fitted["message"].values]
+    for line in dict.fromkeys(line for lines in messages for line in lines):
+        having = [i for i, lines in enumerate(messages) if line in lines]
+        whose = "" if len(having) == len(messages) else _whose(fitted, having)
+        click.echo(f"note     {whose}{line}")
+
+
+def _show_means(dataset: xr.Dataset, variable: str) -> None:
+    """Print the ensemble mean of every case, for a campaign without limits."""
+    from gfmd_numba.analysis import ensemble_mean
+
+    shown = dataset.isel(case=slice(_MOST_ROWS))
+    parameters = _shown_parameters(dataset) | {limit: limit for limit in _LIMITS}
+    columns = [shown[name].values for name in parameters.values()]
+    rows = [
+        [*map(_number, values), _with_error(mean, error)]
+        for *values, mean, error in zip(*columns, *ensemble_mean(shown, variable), strict=True)
+    ]
+    _print_table(f"{variable}, mean of the realisations (one standard error)", [*parameters, variable], rows)
+    if dataset.sizes["case"] > _MOST_ROWS:
+        click.echo(f"note     {dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
+
+
+def _print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, title=title)
+    for column in columns:
+        table.add_column(column, justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    Console(width=120).print(table)
+
+
+def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
+    """Return heading and name of each parameter; the gradient only if it differs, as kappa does not know it."""
+    gradients = set(dataset["rms_gradient_target"].values.tolist())
+    return {heading: name for heading, name in _PARAMETERS.items() if heading != "g" or len(gradients) > 1}
+
+
+def _whose(fitted: xr.Dataset, having: list[int]) -> str:
+    """Return which of several groups a note is about."""
+    if len(having) > 3:
+        return f"{len(having)} of {fitted.sizes['group']} groups: "
+    varied = {h: name for h, name in _PARAMETERS.items() if len(set(map(_number, fitted[name].values))) > 1}
+    groups = [
+        ", ".join(f"{heading} = {_number(fitted[name].values[i])}" for heading, name in varied.items()) for i in having
+    ]
+    return " and ".join(groups) + ": "
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
@@ -243,10 +365,14 @@ def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     return ", ".join(sorted(found))
 
 
+def _number(value: Any) -> str:
+    return "-" if isnan(float(value)) else f"{float(value):g}"
+
+
 def _with_error(value: Any, error: Any) -> str:
     if isnan(float(value)):
         return "-"
-    return f"{float(value):.3f} ± {float(error):.3f}"
+    return f"{float(value):.3f}" + ("" if isnan(float(error)) else f" ± {float(error):.3f}")
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """The command line as a user meets it: what it prints, writes and returns."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -87,11 +88,21 @@ def test_run_fit_plot(tmp_path, monkeypatch):
     assert (tmp_path / "picture.png").stat().st_size > 10_000
 
 
-def test_a_campaign_without_limits_runs_without_a_fit(tmp_path):
+@pytest.mark.parametrize("realisations", [1, 6])
+def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations):
     text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("limits"))
-    done = gfmd("run", campaign(tmp_path, text), "-o", tmp_path / "out", "--workers=0")
+    path = campaign(tmp_path, text, **{"realisations: 6": f"realisations: {realisations}"})
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 0
     assert "exponent" not in done.output
+    kappa = xr.open_dataset(tmp_path / "out" / "small.nc")["kappa"]
+    rows = [line.split() for line in done.output.splitlines() if " 0.05 " in line]
+    assert [row[0] for row in rows] == ["0.3", "0.8"]
+    assert [row[7] for row in rows] == [f"{mean:.3f}" for mean in kappa.mean("realisation").values]
+    assert all(("±" in row) == (realisations > 1) for row in rows)
+    assert "nan" not in done.output
+    message = refused("plot", tmp_path / "out", "-o", tmp_path / "out.png")
+    assert "small.nc: given results in which no discretisation is varied; allowed: " in message
 
 
 @pytest.fixture(scope="module")
@@ -100,11 +111,14 @@ def results(tmp_path_factory):
     return run_campaign(campaign(folder), folder / "out", workers=0)[0]
 
 
-@pytest.mark.parametrize("option", ["eps_c", "eps_c=one", "eps_c=1:two"])
+@pytest.mark.parametrize(
+    "option",
+    ["eps_c", "eps_c=one", "eps_c=1:two", "eps_c=1:", "eps_x=1", "eps_c=nan", "eps_c=-1", "eps_c=2:1", "eps_c=.inf"],
+)
 def test_malformed_exponent(results, option):
-    done = gfmd("fit", results, "--fixed", option)
-    assert done.exit_code == 2
-    assert "give it like eps_t=1" in done.stderr
+    message = refused("fit", results, "--fixed", option)
+    assert "'--fixed'" in message
+    assert f"given {option!r}; allowed: eps_c, eps_f, eps_t with a number above 0 or a range, like eps_t=1" in message
 
 
 def test_runs_that_do_not_converge_exit_with_3(tmp_path):
@@ -154,3 +168,111 @@ def test_unusable_profile(tmp_path, name, content, given):
 @pytest.mark.parametrize("path", sorted(CAMPAIGNS.glob("*.yaml")), ids=lambda path: path.name)
 def test_shipped_campaigns_check(path):
     assert gfmd("check", path).exit_code == 0
+
+
+def refused(*arguments):
+    """The one line that a command says before it exits with 2, without a traceback."""
+    done = gfmd(*arguments)
+    assert done.exit_code == 2, done.output
+    assert "Traceback" not in done.stderr
+    return done.stderr.strip().splitlines()[-1]
+
+
+@pytest.fixture(scope="module")
+def contact(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("contact")
+    (folder / "scene.yaml").write_text(SCENE)
+    assert gfmd("solve", folder / "scene.yaml", "-o", folder / "contact.nc").exit_code == 0
+    return folder / "contact.nc"
+
+
+@pytest.mark.parametrize("command", ["fit", "plot"])
+@pytest.mark.parametrize("content", ["", "name: text\n"])
+def test_files_that_are_no_results(tmp_path, command, content):
+    for name in ("results.nc", "results.yaml"):
+        (tmp_path / name).write_text(content)
+        message = refused(command, tmp_path / name, "-o", tmp_path / "out.png")
+        assert f"{tmp_path / name}: given a file that is not netCDF" in message
+        assert "; allowed: a netCDF file that gfmd has written" in message
+
+
+def test_results_of_another_kind(tmp_path, results, contact):
+    assert gfmd("fit", results, "--fixed=eps_c=1", "--fixed=eps_f=1/2:1", "-o", tmp_path / "fit.nc").exit_code == 0
+    for command in ("fit", "plot"):
+        message = refused(command, tmp_path / "fit.nc", "-o", tmp_path / "out.png")
+        assert message.startswith(f"gfmd: {tmp_path / 'fit.nc'}: given no campaign's results; allowed: ")
+    assert refused("fit", contact).startswith(f"gfmd: {contact}: given no campaign's results; allowed: ")
+    xr.open_dataset(contact).drop_vars("gap").to_netcdf(tmp_path / "nogap.nc")
+    assert f"{tmp_path / 'nogap.nc'}: given no results of a contact" in refused("plot", tmp_path / "nogap.nc")
+    xr.Dataset().to_netcdf(tmp_path / "empty.nc")
+    for command in ("fit", "plot"):
+        assert f"{tmp_path / 'empty.nc'}: given no campaign's results" in refused(command, tmp_path / "empty.nc")
+
+
+def test_unknown_variable_and_picture(tmp_path, results):
+    assert "'kapa' is not one of 'kappa', 'kappa_counted', 'kappa_r'" in refused("fit", results, "--variable=kapa")
+    message = refused("plot", results, "-o", tmp_path / "picture.doc")
+    assert f"given {tmp_path / 'picture.doc'}; allowed: a picture ending in" in message
+
+
+def test_inputs_are_not_overwritten(tmp_path, results):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: p.csv}"))
+    scene.write_text(scene.read_text().partition("discretisation")[0])
+    (tmp_path / "p.csv").write_text("0\n1\n0\n2\n")
+    before = {file: file.read_bytes() for file in (scene, tmp_path / "p.csv", results)}
+    assert f"--output: given {scene}, which is an input; allowed: another file" in refused("solve", scene, "-o", scene)
+    assert "p.csv, which is an input" in refused("solve", scene, "-o", tmp_path / "p.csv")
+    assert "which is an input" in refused("fit", results.parent, "-o", results)
+    assert "which is an input" in refused("plot", results, "-o", results.parent / "campaign.yaml")
+    assert {file: file.read_bytes() for file in before} == before
+
+
+def test_an_output_that_cannot_be_written_is_told_before_solving(tmp_path, monkeypatch):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    monkeypatch.setattr("gfmd_numba.solve", None)
+    message = refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "no" / "out.nc")
+    assert f"allowed: a file in an existing folder, unlike {tmp_path / 'no'}" in message
+    monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
+    assert "may not be written" in refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+
+
+def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
+    done = gfmd("fit", results.parent, "--fixed", "eps_c=1", "--fixed", "eps_f=1")
+    dataset = xr.open_dataset(results)
+    kappa = dataset["kappa"].isel(case=dataset["is_reference"].values)
+    for row, mean, error in zip(
+        (line for line in done.output.splitlines() if " 0.05 " in line),
+        kappa.mean("realisation").values,
+        (kappa.std("realisation", ddof=1) / 6**0.5).values,
+        strict=True,
+    ):
+        assert f"{mean:.3f} ± {error:.3f}" in row
+    notes = [line for line in gfmd("fit", results).output.splitlines() if line.startswith("note")]
+    assert len(notes) == len(set(notes)) < 6
+    assert sum("--fixed eps_" in note and "fit: {fixed: {" in note for note in notes) == 1
+
+
+def test_notes_name_the_group_and_the_case(tmp_path, results):
+    dataset = xr.open_dataset(results).load()
+    dataset["kappa"][1] = float("nan")
+    dataset.to_netcdf(tmp_path / "broken.nc")
+    done = gfmd("fit", tmp_path / "broken.nc", "--fixed", "eps_c=1", "--fixed", "eps_f=1")
+    assert "H = 0.3: left out, no good realisation: eps_c = 1/2, eps_f = 1/16, eps_t = 1/2" in done.output
+
+
+def test_picture_of_a_directory_is_named_like_that_of_a_run(results):
+    assert gfmd("plot", results.parent, "--fixed=eps_c=1", "--fixed=eps_f=1").exit_code == 0
+    assert (results.parent / "small.png").exists()
+
+
+def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tmp_path):
+    changes = {
+        "{reduced_pressure: 0.05}": "{displacement: 1e-4}",
+        "0.33}": "0.33, aspect_ratio: 0.5}",
+        "grid:": "fit: {fixed: {eps_c: 1, eps_f: 1}}\ngrid:",
+    }
+    done = gfmd("run", campaign(tmp_path, **changes), "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 0
+    assert "nan" not in done.output
+    assert (tmp_path / "out" / "small.png").stat().st_size > 10_000

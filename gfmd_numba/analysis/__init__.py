@@ -1,7 +1,7 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
-from gfmd_numba.analysis.selection import ensemble_mean, select_limit
+from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
 from gfmd_numba.analysis.tfc import fit_tfc
 
-__all__ = ["ensemble_mean", "fit_tfc", "plot_campaign", "plot_contact", "select_limit"]
+__all__ = ["UnusableDataError", "ensemble_mean", "fit_tfc", "plot_campaign", "plot_contact", "select_limit"]

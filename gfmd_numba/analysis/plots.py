@@ -182,7 +182,13 @@ def _draw_extrapolated(
 
 
 def plot_contact(dataset: xr.Dataset) -> Figure:
-    """Draw one contact over x in the dataset's units: punch and deformed body above, pressure below."""
+    """Draw one contact over x in the dataset's units: punch and deformed body above, pressure below.
+
+    Of a path of loadings the last one is drawn; UnusableDataError for a dataset without these fields.
+    """
+    if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
+        raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves")
+    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     x, x_label = _scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"]
     punch = body + dataset["gap"]

@@ -58,7 +58,7 @@ def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:
 def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        return problem.profile(read_profile(Path(scene.roughness.file)) / (scene.length or 1.0))
+        return problem.profile(read_profile(Path(scene.roughness.file), scene.length) / (scene.length or 1.0))
     assert file.discretisation is not None  # load_scene's promise
     return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
 
@@ -68,5 +68,6 @@ def _unusable_profile(
 ) -> InputError:
     assert isinstance(scene.roughness, Measured)
     given = f"{Path(scene.roughness.file).name} ({error})"
-    allowed = "at least 4 equidistant finite heights over one period, not all equal"
+    unit = "L_x" if scene.length is None else "m"
+    allowed = f"at least 4 equidistant finite heights in {unit} over one period, not all equal"
     return InputError(scene_document(source).line(("scene", "roughness", "file"), given, allowed))

@@ -151,6 +151,10 @@ SCENES = {
         ("aspect_ratio: .inf", "aspect_ratio: 0"),
         "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: a number above 0, or .inf for a half-space",
     ),
+    "aspect ratio too large for a float": (
+        ("aspect_ratio: .inf", "aspect_ratio: 1e400"),
+        "bad.yaml:2:46: scene.body.aspect_ratio: given '1e400'; allowed: a number above 0, or .inf for a half-space",
+    ),
     "aspect ratio of nan": (
         ("aspect_ratio: .inf", "aspect_ratio: .nan"),
         "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: a number above 0, or .inf for a half-space",
@@ -431,6 +435,13 @@ def test_bad_profile(tmp_path, file, expected):
     text = changed(text, f"file: {file}", "file: steels.npy")
     (tmp_path / "good.yaml").write_text(text)
     assert load_scene(tmp_path / "good.yaml").scene.roughness.file.endswith("steels.npy")
+
+
+def test_a_folder_is_no_profile(tmp_path):
+    (tmp_path / "steel.npy").mkdir()
+    complaints = complaint(tmp_path, load_scene, MEASURED.partition("discretisation")[0])
+    assert "allowed: an existing file, unlike the folder" in complaints
+    assert "did you mean" not in complaints
 
 
 def test_measured_profile_with_discretisation(tmp_path):

@@ -143,6 +143,7 @@ def test_solve_writes_fields_and_scalars(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "given"),
     [
+        ("utf16.csv", "\ufeff0\n1\n0\n2\n".encode("utf-16"), "codec"),
         ("flat.csv", "1\n1\n1\n1\n", "rms gradient of 0"),
         ("nan.csv", "1\n2\nnan\n4\n", "height nan at index 2"),
         ("short.csv", "1\n2\n", "2 heights"),
@@ -154,7 +155,7 @@ def test_solve_writes_fields_and_scalars(tmp_path):
     ],
 )
 def test_unusable_profile(tmp_path, name, content, given):
-    (tmp_path / name).write_text(content)
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     scene = tmp_path / "scene.yaml"
     text = SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", f"{{method: measured, file: {name}}}")
     scene.write_text(text.partition("discretisation")[0])

@@ -10,12 +10,13 @@ import numpy.typing as npt
 Reals = npt.NDArray[np.float64]
 
 
-def read_profile(path: Path) -> Reals:
-    """Heights `[nx]` of a .npy array, a .csv with one column or a .nc file with one variable, in the file's unit.
+def read_profile(path: Path, length: float | None = None) -> Reals:
+    """Heights `[nx]` of a .npy array, a .csv with one column or a .nc file with one variable, over one period.
 
-    Raises ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
+    Heights and the .nc file's x are in m beside a period in m, in units of the period without one. Raises
+    ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
     """
-    heights = _READERS[path.suffix](path)
+    heights = _read_netcdf(path, length) if path.suffix == ".nc" else _READERS[path.suffix](path)
     if heights.ndim != 1 or heights.dtype.kind not in "fiu":
         raise ValueError(f"an array of shape {heights.shape} and type {heights.dtype}, not one row of numbers")
     heights = np.asarray(heights, dtype=np.float64)
@@ -36,23 +37,52 @@ def _read_npy(path: Path) -> npt.NDArray[Any]:
 
 def _read_csv(path: Path) -> npt.NDArray[Any]:
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of an empty file, which has 0 heights
-        table = np.loadtxt(path, delimiter=",", ndmin=2)
+        table = np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig")
     if table.shape[1] > 1:
         raise ValueError(f"{table.shape[1]} columns, not one column of equidistant heights")
     return table.ravel()
 
 
-def _read_netcdf(path: Path) -> npt.NDArray[Any]:
+def _read_netcdf(path: Path, length: float | None) -> npt.NDArray[Any]:
     import xarray as xr
 
     try:
-        with xr.open_dataset(path, engine="netcdf4") as dataset:
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
             names = [str(name) for name in dataset.data_vars]
             if "height" not in names and len(names) != 1:
                 raise ValueError(f"variables {', '.join(names)}, not one named height")
-            return np.asarray(dataset["height" if "height" in names else names[0]])
+            height = dataset["height" if "height" in names else names[0]].load()
+            positions = {"x", *height.coords} & {str(name) for name in dataset.variables}
+            along = [dataset[name].load() for name in positions if dataset[name].dims == height.dims]
     except OSError:
         raise ValueError("no netCDF file") from None
+    _check_units(height, length)
+    for position in along if height.ndim == 1 else []:
+        _check_units(position, length)
+        _check_positions(str(position.name), position.values, length)
+    return np.asarray(height)
 
 
-_READERS = {".npy": _read_npy, ".csv": _read_csv, ".nc": _read_netcdf}
+def _check_units(variable: Any, length: float | None) -> None:
+    given = variable.attrs.get("units")
+    if given not in (None, "1" if length is None else "m"):
+        allowed = "1, as the scene has no length" if length is None else "m, as the scene's length"
+        raise ValueError(f"{variable.name} in units {given!r}, not in {allowed}")
+
+
+def _check_positions(name: str, x: npt.NDArray[Any], length: float | None) -> None:
+    """Raise ValueError unless positions ascend in equal steps that make up the period."""
+    if x.dtype.kind not in "fiu" or len(x) < 2 or not np.isfinite(x).all():
+        raise ValueError(f"{name} without finite numbers")
+    rounding = 4 * np.finfo(x.dtype).eps * abs(x).max() if x.dtype.kind == "f" else 0.0
+    x = x.astype(np.float64)
+    spacing = (x[-1] - x[0]) / (len(x) - 1)
+    uneven = abs(np.diff(x) - spacing) > 1e-6 * abs(spacing) + rounding
+    if spacing <= 0 or uneven.any():
+        where = int(uneven.argmax())
+        raise ValueError(f"{name} of {x[where]:g} and {x[where + 1]:g} at index {where}, not equidistant and ascending")
+    if length is not None and abs(len(x) * spacing - length) > 1e-6 * length + rounding:
+        raise ValueError(f"{name} over {len(x) * spacing:.7g} m, not over the scene's length of {length:.7g} m")
+
+
+_READERS = {".npy": _read_npy, ".csv": _read_csv}

@@ -4,6 +4,7 @@ import re
 import reprlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import isinf
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,12 @@ Location = tuple[str | int, ...]
 DEEPEST = 20
 ABSENT = object()
 
+
+def _finite(text: str) -> object:
+    """Number of a text, or the text of one too large for a float, which is not meant to be infinite."""
+    return text if isinf(float(text)) else float(text)
+
+
 # YAML 1.2 core schema, plus fractions; bounded digits keep every int and fraction within a float's range.
 SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
     (re.compile(r"~|null|Null|NULL|"), lambda text: None),
@@ -21,7 +28,7 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
     (re.compile(r"false|False|FALSE"), lambda text: False),
     (re.compile(r"[-+]?[0-9]{1,300}"), int),
     (re.compile(r"0o[0-7]{1,64}|0x[0-9a-fA-F]{1,64}"), lambda text: int(text, 0)),
-    (re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"), float),
+    (re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"), _finite),
     (re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)"), lambda text: float(text.replace(".", ""))),
     (
         re.compile(r"[-+]?[0-9]{1,300}/0*[1-9][0-9]{0,299}"),

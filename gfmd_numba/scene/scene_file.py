@@ -111,8 +111,11 @@ def _profile(document: Document, roughness: Measured) -> Measured:
     if file.suffix not in PROFILE_SUFFIXES:
         raise document.error(location, roughness.file, "a file ending in " + ", ".join(PROFILE_SUFFIXES))
     if not os.path.isfile(file):
-        present = [p.name for p in folder.iterdir() if p.suffix in PROFILE_SUFFIXES]
+        present = [p.name for p in folder.iterdir() if p.suffix in PROFILE_SUFFIXES and p.is_file()]
         raise document.error(
-            location, roughness.file, f"an existing file, unlike {file}", nearest(roughness.file, present)
+            location,
+            roughness.file,
+            f"an existing file, unlike {'the folder ' if file.is_dir() else ''}{file}",
+            nearest(roughness.file, present),
         )
     return roughness.model_copy(update={"file": str(file.resolve())})

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 
@@ -170,6 +171,38 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
     result = gfmd_numba.run(path, out, workers)
     xr.testing.assert_identical(numbers(result), numbers(finished))
     assert {shard: shard.stat().st_mtime_ns for shard in left} == left
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
+def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
+    """Ctrl-C reaches the workers, too, at any moment after the first shard."""
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=2"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    while process.poll() is None and not list(out.glob("shards/*.shard")):
+        time.sleep(0.001)
+    time.sleep(np.random.default_rng().uniform(0, 0.2))
+    os.killpg(process.pid, signal.SIGINT)
+    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("tasks ")]
+    assert process.returncode == 130
+    assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]
+    left = list(out.glob("shards/*"))
+    assert left
+    assert all(shards.read(shard) is not None for shard in left if shard.suffix == ".shard")
+    assert not [p for p in psutil.process_iter() if p.status() != psutil.STATUS_ZOMBIE and session(p) == process.pid]
+
+
+def session(process: psutil.Process) -> int | None:
+    try:
+        return os.getsid(process.pid)
+    except ProcessLookupError:
+        return None
+
+
+@pytest.mark.parametrize("address", ["nowhere://127.0.0.1:1", "tcp://127.0.0.1:x"])
+def test_a_wrong_scheduler_is_named(tmp_path, address):
+    with pytest.raises(InputError, match=f"--scheduler: given {address} .*; allowed: the address of a running dask"):
+        run_campaign(campaign(tmp_path), tmp_path / "out", scheduler=address)
 
 
 def test_a_damaged_shard_is_computed_again(finished, tmp_path):

@@ -1,10 +1,13 @@
 """Running a campaign's tasks, in this process or on dask workers; a finished shard is the only proof of work."""
 
 import os
+import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +16,7 @@ from gfmd_numba.campaign.cases import Task
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
 from gfmd_numba.problem import RandomSurface
+from gfmd_numba.scene import InputError
 
 Failures = dict[str, str]
 Progress = Callable[[], None]
@@ -95,18 +99,42 @@ def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
     if scheduler is not None:
-        with Client(scheduler) as client:
+        try:
+            client = Client(scheduler, timeout=10)
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError(
+                f"--scheduler: given {scheduler} ({error}); "
+                "allowed: the address of a running dask scheduler, like tcp://127.0.0.1:8786"
+            ) from None
+        with client:
             yield client
         return
     os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
     with (
+        _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",  # any free port: None means 8787, which another run may hold
-            silence_logs="ERROR",
+            silence_logs="CRITICAL",
         ) as cluster,
         Client(cluster) as client,
+        _interrupts(True),
     ):
         yield client
+
+
+@contextmanager
+def _interrupts(allowed: bool) -> Iterator[None]:
+    """Let Ctrl-C interrupt this thread, or make it wait; threads and processes begun inside inherit that."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # multiprocessing starts it on demand, and would let Ctrl-C through after that
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK if allowed else signal.SIG_BLOCK, {signal.SIGINT})
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 from scipy.stats import t as student
+from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.least_squares import BOUNDS, Block, best_fit, project, search, whitened
 from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, fractions
@@ -49,7 +50,8 @@ def fit_tfc(
     ranges = {limit: _range(limit, value) for limit, value in (fixed or {}).items()}
     members = collect(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
-    rows = [row for family in families for row in _fit_family(family, ranges, bootstrap, seed)]
+    with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
+        rows = [row for family in families for row in _fit_family(family, ranges, bootstrap, seed)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in ranges.items()]
     return _as_dataset(members, rows).assign_attrs(
         variable=variable,

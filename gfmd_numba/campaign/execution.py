@@ -97,9 +97,11 @@ def _execute_on(client: Any, tasks: list[Task], directory: Path, progress: Progr
 @contextmanager
 def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
     from distributed import Client, LocalCluster
+    from distributed.comm.addressing import resolve_address
 
     if scheduler is not None:
         try:
+            resolve_address(scheduler)  # a client of a malformed address would go on failing in the background
             client = Client(scheduler, timeout=10)
         except (OSError, ValueError, KeyError) as error:
             raise InputError(

@@ -1,11 +1,32 @@
-"""Time step and damping of the position Stormer-Verlet scheme."""
+"""Time step and damping of the position Stormer-Verlet scheme, for modes of unit mass (thesis 6.2, 6.3)."""
 
 import math
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+Reals = npt.NDArray[np.float64]
+Stiffness = TypeVar("Stiffness", float, Reals)
 
 
-def critical_damping(stiffness: float, time_step: float) -> float:
-    """Damping eta at which a mode of this stiffness is critically damped (6.41), unit mass."""
-    return 2.0 * math.sqrt(stiffness) / time_step - stiffness
+def critical_damping(stiffness: Stiffness, time_step: float) -> Stiffness:
+    """Damping eta at which a mode of this stiffness is critically damped (6.41); an array damps every mode critically.
+
+    Both roots are 1 - dt sqrt(K): from K dt^2 = 1 on, eta falls with K, and at the stability limit it is zero.
+    """
+    root: Stiffness = stiffness**0.5
+    return 2.0 * root / time_step - stiffness
+
+
+def scalar_damping(stiffness: Reals, time_step: float) -> float:
+    """Largest eta that over-damps none of the modes (6.3), in 1/time^2.
+
+    (6.41) is concave in sqrt(K), so one of the two extreme modes decides; it is the softest as long as
+    dt (sqrt(Kmin) + sqrt(Kmax)) <= 2.
+    """
+    softest, stiffest = float(stiffness.min()), float(stiffness.max())
+    return min(critical_damping(softest, time_step), critical_damping(stiffest, time_step))
 
 
 def stability_limit(softest: float, stiffest: float, damping: float) -> float:

@@ -93,6 +93,14 @@ def test_formal_stability_limit_is_not_enough():
     assert regimes.growth(gronbech_jensen.polynomial(x, np.array(50.0))) < 1
 
 
+def test_every_mode_critically_damped():
+    """Mode-dependent damping: each mode has the double root 1 - dt sqrt(K) of its own stiffness."""
+    stiffness, dt = np.geomspace(0.01, 9.0, 20), 0.3
+    eta = damping.critical_damping(stiffness, dt)
+    radius = regimes.spectral_radius(stiffness[:, None, None], eta[:, None], dt)
+    np.testing.assert_allclose(radius, abs(1 - dt * np.sqrt(stiffness)), atol=1e-7)
+
+
 @pytest.mark.parametrize("dt", [0.1, 0.5, 0.63])
 def test_scalar_damping_is_the_largest_that_over_damps_nothing(dt):
     stiffness = np.geomspace(0.05, 9.0, 60)

@@ -64,12 +64,15 @@ def fastest(problem):
     while (counts := steps(problem, eta, cap)).min() > cap:
         cap *= 2
     best = eta[counts.argmin()]
-    for width, points in ((1.4, 25), (1.05, 25), (1.006, 25)) if components == 2 else ((1.4, 81), (1.03, 161)):
-        axis = np.geomspace(1 / width, width, points)
-        grid = np.stack(np.meshgrid(*[axis] * components, indexing="ij"), -1).reshape(-1, components) * best
-        cap = int(1.05 * counts.min())
-        counts = steps(problem, grid, cap)
-        best = np.median(grid[counts == counts.min()], axis=0)
+    axis = np.geomspace(0.7, 1.4, 25 if components == 2 else 81)
+    grid = np.stack(np.meshgrid(*[axis] * components, indexing="ij"), -1).reshape(-1, components) * best
+    counts = steps(problem, grid, int(1.05 * counts.min()))
+    best = np.median(grid[counts == counts.min()], axis=0)
+    # in eta_1 the minimum is a cliff: just right of it the first overshoot is still below the tolerance
+    grid = np.repeat(best[None], 601, axis=0)
+    grid[:, 0] *= np.geomspace(0.94, 1.06, 601)
+    counts = steps(problem, grid, int(1.05 * counts.min()))
+    best = np.median(grid[counts == counts.min()], axis=0)
     plateau = None
     if components == 2:
         third = best[0] * np.geomspace(0.3, 30, 121)

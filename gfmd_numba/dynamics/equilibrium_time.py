@@ -49,8 +49,8 @@ def steps_to_equilibrium(
     """Steps after which |u| <= tolerance for good, by making the steps (6.4) themselves, `[...]` without the last axis.
 
     Modes of `stiffness` `[..., d, d]` (symmetric, real) and `damping` eta `[..., d]` start at rest from `start`
-    `[..., d]` (6.98); complex starts carry the phase between components. max_steps + 1 marks what did not come to rest.
-    The same criterion as (6.99): |u| is the root of the sum of squares over components.
+    `[..., d]` (6.98); complex starts carry the phase between components. |u|^2 is summed over components (6.99).
+    max_steps + 1 marks what did not come to rest, or was not yet seen to.
     """
     stiffness, damping = np.asarray(stiffness), np.asarray(damping)
     shape = np.broadcast_shapes(stiffness.shape[:-1], damping.shape, np.shape(start))
@@ -59,8 +59,8 @@ def steps_to_equilibrium(
     keep, slow = 2.0 - time_step**2 * damping, 1.0 - time_step**2 * damping
     # components weighted apart: a matrix product over so small matrices costs ten times as much
     springs = np.moveaxis(time_step**2 * stiffness, -1, 0)
-    period = np.sqrt(np.linalg.eigvalsh(stiffness)[..., 0]) * time_step
-    last = np.zeros(shape[:-1], dtype=np.int64)
+    phase = np.sqrt(np.linalg.eigvalsh(stiffness)[..., 0]) * time_step
+    last, bound = np.zeros(shape[:-1], dtype=np.int64), np.full(shape[:-1], np.inf)
     with np.errstate(over="ignore", invalid="ignore"):  # an unstable mode ends as nan, and its neighbours go on
         for step in range(1, max_steps + 1):
             moved = keep * new - slow * old
@@ -71,10 +71,10 @@ def steps_to_equilibrium(
             last[size > tolerance] = step
             if step % 64 == 0 or step == max_steps:
                 # displacement, and velocity over the lowest frequency: together they bound what is to come
-                bound = np.maximum(size, _norm(new - old) / period)
+                bound = np.maximum(size, _norm(new - old) / phase)
                 if ((bound < 1e-2 * tolerance) | np.isnan(bound)).all():
                     break
-    last[~(bound <= tolerance)] = max_steps
+    last[~(bound <= 0.5 * tolerance)] = max_steps
     return last + 1
 
 

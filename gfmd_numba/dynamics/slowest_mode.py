@@ -1,9 +1,9 @@
 """Which mode of the elastic body is softest, hence slowest and decisive for the damping: the cases of thesis 6.3.
 
 Stiffness in E*/L_x, aspect ratio a = z_m/L_x, waves q = 2 pi k / L_x. The critical damping of a case is
-`critical_damping(case.stiffness, dt)`, (6.41). The thesis compares the uniform mode with k = 1; in thin slabs with
-nu > 1/4 (normal load) or nu < -0.184 (coupled) the softest wave is near q z_m = 1 to 3, whatever its index, so that all
-waves that may be softest are looked at here.
+`critical_damping(case.stiffness, dt)`, (6.41).
+The thesis compares the uniform mode with k = 1; in thin slabs with nu > 1/4 (normal load), nu < -3/4 (tangential)
+or nu < -0.184 (coupled) the softest wave is where q z_m is 0 to 3, whatever its index: all candidates are compared.
 """
 
 from typing import Literal, NamedTuple

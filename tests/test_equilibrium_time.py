@@ -5,6 +5,7 @@ import pytest
 
 from gfmd_numba.dynamics import damping
 from gfmd_numba.dynamics import equilibrium_time as et
+from gfmd_numba.elasticity import coupled
 
 
 def march(stiffness, eta, dt, start, tolerance, steps):
@@ -94,3 +95,54 @@ def test_time_constant_of_an_under_damped_mode_does_not_depend_on_its_stiffness(
     np.testing.assert_allclose(tau, -0.2 / np.log1p(-0.3 * 0.01))
     assert et.time_constant(np.array(1.0), np.array(0.0), 0.1) == np.inf
     assert et.time_constant(np.array(1.0), np.array(300.0), 0.1) < 0
+
+
+def fastest(stiffness, start, dt, guesses):
+    """Scalar damping with the least equilibrium time of all modes from the step (6.98), and that time."""
+    steps = et.steps_to_equilibrium(stiffness, guesses[:, None, None], dt, start, 1e-16, 4000).max(axis=1)
+    return guesses[steps.argmin()], steps.min() * dt
+
+
+def slope(x, y):
+    return np.polyfit(np.log(x), np.log(y), 1)[0]
+
+
+def test_half_space_by_simulation():
+    """(6.105), (6.106), Tab. 6.1 and Fig. 6.22: powers of L_x, E* and dt, found without any formula for the damping."""
+    k = np.array([1, 2, 3, 10, 30])
+    guesses = np.geomspace(0.5, 6.0, 300)
+
+    def simulate(width=64, modulus=0.7, dt=0.15):
+        stiffness = np.pi * k * modulus / width
+        return fastest(stiffness[:, None, None], 0.01 / (1 + k)[:, None], dt, guesses)
+
+    cases = {
+        "width": ([32, 64, 128], -0.5, 0.5),
+        "modulus": ([0.35, 0.7, 1.4], 0.5, -0.5),
+        "dt": ([0.1, 0.15, 0.2], -1, 0),
+    }
+    for name, (values, of_eta, of_time) in cases.items():
+        eta, times = np.transpose([simulate(**{name: value}) for value in values])
+        assert slope(values, eta) == pytest.approx(of_eta, abs=0.06)
+        assert slope(values, times) == pytest.approx(of_time, abs=0.06)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+def test_slab_by_simulation(nu):
+    """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
+    k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5
+    modulus, q = 0.7 / (1 - nu**2), 2 * np.pi * k / nx
+    a11, a13, a33 = (modulus * q * m for m in coupled.slab(q * a * nx, nu))
+    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform(nu, a)])
+    stiffness = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
+    start = 0.01 / (1 + np.append(0, k))[:, None] * np.array([1, -1j])
+    ratios = np.array([0.3, 0.6, 0.9, 1.05, 1.2, 1.4, 1.6, 2.0])
+    one = np.linspace(0.1, 0.5, 101)
+    eta = np.stack(np.broadcast_arrays(one, ratios[:, None] * one), -1)[:, :, None, :]
+    times = et.steps_to_equilibrium(stiffness, eta, dt, start, 1e-16, 2000).max(axis=-1) * dt
+    row, column = np.unravel_index(times.argmin(), times.shape)
+    critical = damping.critical_damping(0.7 / (2 * a * nx * (1 + nu)), dt)
+    assert one[column] == pytest.approx(critical, rel=0.08)
+    assert ratios[row] > 1
+    assert (times[3:, column] < 1.03 * times.min()).all()
+    assert (times[:2, column] > 1.2 * times.min()).all()

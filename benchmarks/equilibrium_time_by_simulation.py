@@ -14,7 +14,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gfmd_numba.dynamics.equilibrium_time import steps_to_equilibrium
+from gfmd_numba.dynamics.equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
+from gfmd_numba.dynamics.regimes import update_matrix
 from gfmd_numba.elasticity import coupled
 
 BASE = {"nx": 2048, "E": 0.7, "dt": 0.25, "nu": 0.2, "a": 1.0}
@@ -90,37 +91,51 @@ def slope(x, y):
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
-def label_plot(axis, title, x, y):
+def label_plot(axis, title, x, y, ticks=()):
     axis.set(xlabel=x, ylabel=y)
     axis.set_title(title, fontsize=9)
+    if len(ticks):
+        axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks], fontsize=8)
+        axis.xaxis.set_minor_locator(mpl.ticker.NullLocator())
 
 
 def map_of_times(axis, nu):
     """Fig. 6.20 at nx = 2048, a = 1, dt = 0.25."""
+    dt = BASE["dt"]
     problem = slab(**BASE | {"nu": nu})
     one, three = np.linspace(0.04, 0.16, 41), np.geomspace(0.04, 0.8, 41)
     counts = steps(problem, np.stack(np.meshgrid(one, three), -1), 24000)
-    picture = axis.contourf(one, three, counts * 0.25, levels=np.arange(2800, 5601, 200), extend="both")
-    i, j = np.unravel_index(counts.argmin(), counts.shape)
-    axis.plot(one[j], three[i], "wo", mfc="none", label="shortest")
-    best, least, plateau = fastest(problem)
-    axis.plot([best[0]] * 2, plateau, "w", lw=1, label="within 0.5 %")
+    picture = axis.contourf(one, three, counts * dt, levels=np.arange(2800, 5601, 200), extend="both")
+    best, least, near = fastest(problem)
+    roots = np.linalg.eigvals(update_matrix(problem[0], np.stack(np.meshgrid(one, three), -1)[:, :, None], dt))
+    under = (abs(roots.imag) > 0).all(axis=(-1, -2))
+    axis.contour(one, three, under.astype(float), levels=[0.5], colors="black", linewidths=1)
+    axis.plot([], [], "k", lw=1, label="under-damped inside")
+    axis.plot(*best, "wo", mfc="none", label="shortest")
+    axis.plot([best[0]] * 2, near, "w", lw=1.5, label="within 0.5 % of it")
     stiff = np.diag(problem[0][0])
-    critical = 2 * np.sqrt(stiff) / 0.25 - stiff
+    critical = 2 * np.sqrt(stiff) / dt - stiff
     axis.axvline(critical[0], color="white", ls="--", lw=0.8, label=r"$\eta_\mathrm{cr}$ of (6.65)")
     axis.axhline(critical[1], color="white", ls="--", lw=0.8)
     axis.set_yscale("log")
     label_plot(axis, rf"6.20 $t_\mathrm{{eq}}$, $\nu = {nu}$", r"$\eta_1$", r"$\eta_3$")
     axis.legend(fontsize=7, loc="upper right", facecolor="0.4", labelcolor="white")
-    time = least * 0.25
+    time = least * dt
     print(
         f"6.20  nu = {nu}: t_eq = {time:.0f} = {time * np.sqrt(stiff[0]):.2f} / sqrt(kappa_1(0)) with eta_1 ="
-        f" {best[0]:.4f}, eta_3 = {plateau[0]:.4f} to {plateau[1]:.4f}; (6.65): {critical.round(4)}"
+        f" {best[0]:.4f}, eta_3 = {near[0]:.4f} to {near[1]:.4f}; (6.65): {critical.round(4)}"
     )
     return picture
 
 
-def one_component(axes, time_axes):
+def draw_times(axis, name, values, times, base):
+    """Equilibrium time against one parameter over its base value: the slopes of Tabs 6.1 and 6.2."""
+    axis.loglog(
+        values / base[name], times, "o-", ms=4, lw=0.8, label=f"{LABELS[name]}, slope {slope(values, times):.3f}"
+    )
+
+
+def one_component(axes, count_axes, time_axes):
     """Fig. 6.21, Tab. 6.1, (6.105), (6.106), Fig. 6.22."""
     base = {name: BASE[name] for name in ("nx", "E", "dt")}
     print("6.21, Tab. 6.1: half-space, normal. eta_cr and t_eq fitted as powers; theory +-1/2 and -1, 0 for dt")
@@ -133,7 +148,7 @@ def one_component(axes, time_axes):
         kappa = np.pi * (values if name == "E" else base["E"]) / (values if name == "nx" else base["nx"])
         axis.loglog(values, eta, "o", label=f"simulation, slope {slope(values, eta):.3f}")
         axis.loglog(values, 2 * np.sqrt(kappa) / dt - kappa, "k-", label="(6.69)")
-        label_plot(axis, "6.21 half-space", LABELS[name], r"$\eta_\mathrm{cr}$")
+        label_plot(axis, "6.21 half-space", LABELS[name], r"$\eta_\mathrm{cr}$", values)
         axis.legend(fontsize=7)
         ratio = eta / (2 * np.sqrt(kappa) / dt - kappa)
         print(
@@ -141,10 +156,11 @@ def one_component(axes, time_axes):
             f"  t_eq exponent {slope(values, times):7.4f}, t_eq sqrt(kappa) {(times * np.sqrt(kappa)).round(2)}"
         )
         if name == "dt":
-            time_axes.loglog(values, times / dt, "o", label=f"half-space, slope {slope(values, times / dt):.3f}")
+            count_axes.loglog(values, times / dt, "o", label=f"half-space, slope {slope(values, times / dt):.3f}")
+        draw_times(time_axes, name, values, times, base)
 
 
-def two_components(axes, time_axes):
+def two_components(axes, count_axes, time_axes):
     """Fig. 6.23, Tab. 6.2, (6.107), (6.108)."""
     print("6.23, Tab. 6.2: slab, both components, nu = 0.2 and a = 1 unless varied")
     for axis, name in zip(axes, RANGES, strict=True):
@@ -162,7 +178,7 @@ def two_components(axes, time_axes):
         axis.plot(values, three, "s", ms=4, label=rf"$\eta_3$, slope {slope(values, three):.3f}")
         axis.plot(values, critical, "k-", label="scalar (6.65)")
         axis.set(xscale="log", yscale="log")
-        label_plot(axis, "6.23 slab", LABELS[name], r"$\eta$")
+        label_plot(axis, "6.23 slab", LABELS[name], r"$\eta$", values[:: 1 + len(values) // 6])
         axis.legend(fontsize=6)
         print(
             f"  {name:3} eta_1 exponent {slope(values, one):7.4f}, eta_3 {slope(values, three):7.4f}, t_eq"
@@ -172,7 +188,8 @@ def two_components(axes, time_axes):
         print(f"      t_eq sqrt(kappa_1(0)) {scaled.round(2)}")
         print(f"      eta_3/eta_1 from {(low / one).round(2)} to {(high / one).round(2)}")
         if name == "dt":
-            time_axes.loglog(values, times / values, "s", label=f"slab, slope {slope(values, times / values):.3f}")
+            count_axes.loglog(values, times / values, "s", label=f"slab, slope {slope(values, times / values):.3f}")
+        draw_times(time_axes, name, values, times, BASE)
 
 
 def coarse_steps(axis):
@@ -187,15 +204,33 @@ def coarse_steps(axis):
     print("     ", "".join(f"{c * x:8.2f}" for c, x in zip(counts[::4], z[::4], strict=True)))
 
 
+def near_critical(axis):
+    """Equilibrium time of one mode around critical damping, and where theory puts its minimum."""
+    ratio, dt = np.linspace(0.9, 1.05, 301), 0.01
+    eta = ratio[:, None] * (2 / dt - 1)
+    print("one mode, dt sqrt(kappa) = 0.01: fastest damping over critical, theory, time over that at critical damping")
+    for fraction in (1e-6, 1e-10, 1e-14):
+        times = dt * steps_to_equilibrium(np.ones((1, 1)), eta, dt, [1.0], fraction, 20000)
+        (line,) = axis.plot(ratio, times, label=f"to {fraction:g}")
+        axis.axvline(fastest_damping_ratio(fraction), color=line.get_color(), ls=":", lw=1)
+        gain = times.min() / times[abs(ratio - 1).argmin()]
+        print(f"      {fraction:g}: {ratio[times.argmin()]:.4f}  {fastest_damping_ratio(fraction):.4f}  {gain:.3f}")
+    label_plot(axis, "one mode near critical damping", r"$\eta/\eta_\mathrm{cr}$", r"$t_\mathrm{eq}\sqrt{\kappa}$")
+    axis.legend(fontsize=7)
+
+
 figure, axes = plt.subplots(3, 5, figsize=(19, 11), layout="constrained")
 map_of_times(axes[0, 0], 0.3)
 figure.colorbar(map_of_times(axes[0, 1], 0.49), ax=axes[0, :2], fraction=0.03, pad=0.01)
-one_component(axes[1, :3], axes[0, 2])
-two_components(axes[2], axes[0, 2])
-label_plot(axes[0, 2], "6.22 iterations to equilibrium", r"$\Delta t$", r"$n_\mathrm{eq}$")
+one_component(axes[1, :3], axes[0, 2], axes[1, 3])
+two_components(axes[2], axes[0, 2], axes[1, 4])
+label_plot(axes[0, 2], "6.22 iterations to equilibrium", r"$\Delta t$", r"$n_\mathrm{eq}$", RANGES["dt"])
+for panel, title in ((axes[1, 3], "Tab. 6.1 half-space"), (axes[1, 4], "Tab. 6.2 slab")):
+    label_plot(panel, title, "parameter over its base value", r"$t_\mathrm{eq}$", 2.0 ** np.arange(-4, 3, 2))
+    panel.margins(y=0.3)
+    panel.legend(fontsize=7, loc="upper center", ncols=2)
 axes[0, 2].legend(fontsize=7)
 coarse_steps(axes[0, 3])
-for panel in (axes[0, 4], axes[1, 3], axes[1, 4]):
-    panel.remove()
+near_critical(axes[0, 4])
 if len(sys.argv) > 1:
     figure.savefig(sys.argv[1], dpi=110)

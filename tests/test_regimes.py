@@ -112,6 +112,14 @@ def test_formal_stability_limit_is_not_enough():
     assert regimes.growth(gronbech_jensen.polynomial(x, np.array(50.0))) < 1
 
 
+@pytest.mark.parametrize("scheme", [position_verlet, gronbech_jensen])
+def test_damping_with_the_sign_of_6_2_feeds_the_motion(scheme):
+    x = np.array(0.5)
+    assert regimes.regime(scheme.polynomial(x, np.array(-0.01))) == "unstable"
+    assert regimes.growth(scheme.polynomial(x, np.array(-0.01))) > 1
+    assert regimes.growth(scheme.polynomial(x, np.array(0.01))) < 1
+
+
 def test_every_mode_critically_damped():
     """Mode-dependent damping: each mode has the double root 1 - dt sqrt(K) of its own stiffness."""
     stiffness, dt = np.geomspace(0.01, 9.0, 20), 0.3

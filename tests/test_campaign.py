@@ -345,6 +345,9 @@ def test_shards_are_all_or_nothing(tmp_path):
         np.testing.assert_array_equal(stored[name], values)
         assert stored[name].dtype == values.dtype
     content = path.read_bytes()
+    (tmp_path / "b.shard").write_bytes(content)
+    assert shards.read(tmp_path / "b.shard") is None
+    (tmp_path / "b.shard").unlink()
     for cut in range(0, len(content), 7):
         path.write_bytes(content[:cut])
         assert shards.read(path) is None

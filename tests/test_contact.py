@@ -11,7 +11,7 @@ from gfmd_numba.observables import EDGE_BIAS
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
 
-SOLVERS = ["verlet", "conjugate_gradients"]
+SOLVERS = ["verlet", "conjugate_gradients", "gronbech_jensen", "fire"]
 AMPLITUDE = 0.01
 
 
@@ -77,16 +77,17 @@ def test_full_contact_is_linear(solver):
     np.testing.assert_allclose(result.pressure, exact, rtol=1e-9)
 
 
-def test_both_solvers_find_the_same_contact():
+def test_all_solvers_find_the_same_contact():
     """Also the slab, and from light to nearly full contact."""
     q = grid.wavenumbers(1024)
     for hurst in (0.3, 0.5, 0.8):
         heights = self_affine.profiles(hurst, 2, 256, 1024, 2, range(5))
         for body in (stiffness.half_space(q), stiffness.slab(q, 0.49, 0.05)):
             for load in (0.007, 0.05, 0.3, 1.0):
-                verlet, gradients = (press(heights, load, solver, body).pressure for solver in SOLVERS)
-                np.testing.assert_array_equal(verlet > 0, gradients > 0)
-                np.testing.assert_allclose(verlet, gradients, atol=1e-6 * verlet.max())
+                verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
+                for other in others:
+                    np.testing.assert_array_equal(other > 0, verlet > 0)
+                    np.testing.assert_allclose(other, verlet, atol=1e-6 * verlet.max())
 
 
 @pytest.mark.parametrize("nx", [16, 64])
@@ -94,8 +95,9 @@ def test_both_solvers_find_the_same_contact():
 def test_one_or_two_touching_nodes_and_full_contact(nx, load):
     """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
     heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(40)) for hurst in (0, 0.5, 1)])
-    verlet, gradients = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)
-    np.testing.assert_array_equal(verlet > 0, gradients > 0)
+    verlet, *others = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)
+    for other in others:
+        np.testing.assert_array_equal(other > 0, verlet > 0)
 
 
 @pytest.mark.parametrize(
@@ -106,7 +108,7 @@ def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
     heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(2)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
-    results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS]
+    results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS[:2]]
     for result in results:
         np.testing.assert_allclose(result.pressure.mean(axis=1), load, rtol=2e-8)
     np.testing.assert_array_equal(results[0].touching, results[1].touching)
@@ -120,7 +122,7 @@ def test_area_grows_with_load():
     assert (areas[0] < 10).all()
 
 
-@pytest.mark.parametrize(("nu", "solvers"), [(0.3, SOLVERS), (0.49, SOLVERS), (0.5, SOLVERS[1:])])
+@pytest.mark.parametrize(("nu", "solvers"), [(0.3, SOLVERS), (0.49, SOLVERS), (0.5, ["conjugate_gradients"])])
 def test_displacement_control_inverts_load_control(nu, solvers):
     """The punch displacement that a load produces reproduces that load and contact."""
     nx, a, load = 256, 0.2, 0.05

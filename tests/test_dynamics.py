@@ -95,10 +95,10 @@ def test_the_certificate_is_recomputed_independently(solver):
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_too_few_iterations_are_not_converged(solver):
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Numerics(solver=solver, max_iterations=20))
+    result = equilibrate(punch, body, 0.05, Numerics(solver=solver, max_iterations=13))
     assert (result.status == Status.not_converged).all()
     assert (result.residual > 1e-8).all()
-    assert (result.n_iterations == 20).all()
+    assert (result.n_iterations == 13).all()
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -20,21 +20,26 @@ def write(path: Path, arrays: Arrays) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, **arrays)
     payload = buffer.getvalue()
-    replace(path, _MAGIC + hashlib.sha256(payload).digest() + payload)
+    replace(path, _seal(path, payload) + payload)
 
 
 def read(path: Path) -> Arrays | None:
-    """Arrays of a shard; None if it is missing, truncated, altered or no shard."""
+    """Arrays of a shard; None if it is missing, truncated, altered, renamed or no shard."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
         return None
     start = len(_MAGIC) + _DIGEST_BYTES
     payload = content[start:]
-    if content[:start] != _MAGIC + hashlib.sha256(payload).digest():
+    if content[:start] != _seal(path, payload):
         return None
     with np.load(io.BytesIO(payload), allow_pickle=False) as stored:
         return dict(stored)
+
+
+def _seal(path: Path, payload: bytes) -> bytes:
+    """What a shard begins with; its name is the identity of the work, so the digest covers it too."""
+    return _MAGIC + hashlib.sha256(path.name.encode() + payload).digest()
 
 
 def replace(path: Path, content: bytes) -> None:

@@ -230,9 +230,10 @@ def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, resu
     iterations = 0
     pressure = np.zeros_like(solver.restoring)
     while active.size:
-        for _ in range(_CHECK_EVERY):
+        steps = min(_CHECK_EVERY, numerics.max_iterations - iterations)
+        for _ in range(steps):
             solver.advance(active)
-        iterations += _CHECK_EVERY
+        iterations += steps
         residual = solver.residual(active)
         status = np.full(active.size, Status.not_converged, dtype=np.int8)
         status[residual <= numerics.residual] = Status.ok

@@ -194,11 +194,14 @@ def solve(file: Path, output: Path) -> None:
     dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"results  {output}")
+    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     for name in ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual"):
-        click.echo(f"{name:24}{float(dataset[name]):.6g} {dataset[name].units.replace('1', '')}")
-    if int(dataset["status"]) != 0:
-        meaning = dataset["status"].attrs["flag_meanings"].split()[int(dataset["status"])]
-        click.echo(f"gfmd: the run is {meaning}, its numbers are not to be used", err=True)
+        values = "".join(f"{float(value):<14.6g}" for value in steps[name])
+        click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
+    meanings = dataset["status"].attrs["flag_meanings"].split()
+    failed = [f"{meanings[int(s)]} in step {i}" for i, s in enumerate(steps["status"]) if int(s) != 0]
+    if failed:
+        click.echo(f"gfmd: the run is {', '.join(failed)}: those numbers are not to be used", err=True)
         sys.exit(SOME_FAILED)
 
 

@@ -31,17 +31,22 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
         solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
         before = solved.equilibrium
         steps.append(contact_dataset(scene, reduced, rms_gradient, solved))
-    dataset = steps[0] if not file.path else _joined(steps)
+    dataset = steps[0] if not file.path else _joined(steps, list(_path(file)))
     dataset.attrs["scene"] = file.model_dump_json()
     dataset.attrs["solver"] = reduced.numerics.solver
     dataset.attrs["dropped_effects"] = dropped_effects(effects)
     return dataset
 
 
-def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
-    return xr.concat(
+def _joined(steps: list[xr.Dataset], path: list[tuple[Scene, float]]) -> xr.Dataset:
+    """The steps of a path, with what was prescribed in each as coordinates."""
+    joined = xr.concat(
         steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
     )
+    prescribed = [scene.loading.model_dump(exclude_none=True) | {"sliding": sliding} for scene, sliding in path]
+    names = {"displacement": "punch_displacement"}  # the body's own has the short name
+    columns = {names.get(name, name): ("step", [each[name] for each in prescribed]) for name in prescribed[0]}
+    return joined.assign_coords(columns)
 
 
 def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:

@@ -277,3 +277,20 @@ def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tm
     assert done.exit_code == 0
     assert "nan" not in done.output
     assert (tmp_path / "out" / "small.png").stat().st_size > 10_000
+
+
+def test_solve_follows_a_path(tmp_path):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}, {reduced_pressure: 0.05}]\n")
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0
+    result = xr.open_dataset(tmp_path / "out.nc")
+    assert result.sizes == {"step": 3, "x": 256}
+    assert result["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.05]
+    kappa = [f"{float(k):.6g}" for k in result["kappa"]]
+    assert next(line for line in done.output.splitlines() if line.startswith("kappa ")).split() == ["kappa", *kappa]
+    assert kappa[0] == kappa[2]
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 3
+    assert "not_converged in step 0, not_converged in step 1" in done.stderr

@@ -284,7 +284,7 @@ def test_solve_follows_a_path(tmp_path):
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}, {reduced_pressure: 0.05}]\n")
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 0
-    result = xr.open_dataset(tmp_path / "out.nc")
+    result = xr.load_dataset(tmp_path / "out.nc")
     assert result.sizes == {"step": 3, "x": 256}
     assert result["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.05]
     kappa = [f"{float(k):.6g}" for k in result["kappa"]]

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import grid
+from gfmd_numba.roughness.amplitudes import complex_gaussian
 
 Reals = npt.NDArray[np.float64]
 
@@ -19,16 +20,9 @@ def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed:
     envelope = np.maximum(index, cut_on_index) ** -(0.5 + hurst)
     spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
     for row, realisation in zip(spectrum, realisations, strict=True):
-        waves = envelope * _complex_gaussian(seed, realisation, cut_off_index)
+        waves = envelope * complex_gaussian(seed, realisation, cut_off_index)
         waves /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * np.abs(waves) ** 2))
         row[index] = waves
     if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
         spectrum[:, -1] = 2.0 * spectrum[:, -1].real
     return grid.signal(spectrum, nx)
-
-
-def _complex_gaussian(seed: int, realisation: int, count: int) -> npt.NDArray[np.complex128]:
-    """Complex Gaussians of wave index 1 ... count by Box-Muller (3.35); a prefix of any longer request."""
-    stream = np.random.Generator(np.random.Philox(np.random.SeedSequence((seed, realisation))))
-    radius, angle = stream.random((count, 2)).T
-    return np.asarray(np.sqrt(-2.0 * np.log1p(-radius)) * np.exp(2j * np.pi * angle))

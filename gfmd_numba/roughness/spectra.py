@@ -1,0 +1,229 @@
+"""Isotropic models of roughness: power spectral density, autocorrelation and moments, all per w^2.
+
+The spectral density C(q) is two-sided and integrates to 1 over all of q-space, so that a surface of rms height w and
+period L has the mean power <|h~(q)|^2> = w^2 C(q) (2 pi / L)^d. The height-height correlation is 2 w^2 (1 - R).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import gammaln, hyp2f1, j0, kv
+
+from gfmd_numba.roughness import stretched_exponential
+
+Reals = npt.NDArray[np.float64]
+
+_SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
+
+
+class Spectrum(Protocol):
+    """Model of an isotropic surface in one or two dimensions."""
+
+    dimension: int
+
+    def psd(self, q: Reals) -> Reals: ...  # noqa: D102
+
+
+class Model(Spectrum, Protocol):
+    """Model with an autocorrelation function in closed form, and the correlation length it is built on."""
+
+    correlation_length: float
+
+    def autocorrelation(self, distance: Reals) -> Reals: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class SelfAffine:
+    """Power law q^-(d + 2H) between the cut-on and roll-off wavelengths, then a plateau or nothing (thesis 3.5.2.1).
+
+    Lengths in the unit of the period; the plateau ends at `longest`. Raises ValueError for lengths out of order.
+    """
+
+    dimension: int
+    hurst: float
+    cut_on: float
+    roll_off: float
+    longest: float
+
+    def __post_init__(self) -> None:
+        _require(0.0 <= self.hurst <= 1.0, f"a Hurst exponent of {self.hurst:g}, not from 0 to 1")
+        _require(
+            0.0 < self.cut_on < self.roll_off <= self.longest,
+            f"wavelengths cut_on {self.cut_on:g}, roll_off {self.roll_off:g} and longest {self.longest:g}, "
+            "not above 0 and in this order",
+        )
+
+    @property
+    def _wavenumbers(self) -> tuple[float, float, float]:
+        longest, roll_off, cut_on = (2.0 * np.pi / length for length in (self.longest, self.roll_off, self.cut_on))
+        return longest, roll_off, cut_on
+
+    def psd(self, q: Reals) -> Reals:
+        """Spectral density `[...]` at wave numbers q (3.8, 3.28)."""
+        longest, roll_off, cut_on = self._wavenumbers
+        inside = (q >= longest * (1.0 - 1e-12)) & (q <= cut_on * (1.0 + 1e-12))
+        law = np.maximum(q, roll_off) ** -(self.dimension + 2.0 * self.hurst)
+        return np.where(inside, law, 0.0) / self._moment(0)
+
+    def moment(self, order: int) -> float:
+        """Integral of q^n C over all of q-space, in length^-n."""
+        return self._moment(order) / self._moment(0)
+
+    def _moment(self, order: int) -> float:
+        longest, roll_off, cut_on = self._wavenumbers
+        d, rise = self.dimension, order - 2.0 * self.hurst
+        plateau = roll_off ** -(d + 2.0 * self.hurst) * (roll_off ** (d + order) - longest ** (d + order)) / (d + order)
+        law = np.log(cut_on / roll_off) if rise == 0.0 else (cut_on**rise - roll_off**rise) / rise
+        return float(_SPHERE[d] * (plateau + law))
+
+
+@dataclass(frozen=True)
+class Exponential:
+    """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9), 0 < H <= 1."""
+
+    dimension: int
+    hurst: float
+    correlation_length: float
+
+    def __post_init__(self) -> None:
+        _check_model(self.hurst, self.correlation_length)
+
+    def autocorrelation(self, distance: Reals) -> Reals:
+        """Autocorrelation R `[...]` at distances r >= 0 (3.10)."""
+        return np.exp(-((distance / self.correlation_length) ** (2.0 * self.hurst)))
+
+    def psd(self, q: Reals) -> Reals:
+        """Spectral density `[...]` at wave numbers q (3.11)."""
+        scale = self.correlation_length
+        return scale**self.dimension * stretched_exponential.transform(q * scale, self.hurst, self.dimension)
+
+
+@dataclass(frozen=True)
+class KCorrelation:
+    """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14), 0 < H <= 1."""
+
+    dimension: int
+    hurst: float
+    correlation_length: float
+
+    def __post_init__(self) -> None:
+        _check_model(self.hurst, self.correlation_length)
+
+    def autocorrelation(self, distance: Reals) -> Reals:
+        """Autocorrelation R `[...]` at distances r >= 0 (3.13)."""
+        return matern(distance * np.sqrt(2.0 * self.hurst) / self.correlation_length, self.hurst)
+
+    def psd(self, q: Reals) -> Reals:
+        """Spectral density `[...]` at wave numbers q (3.14)."""
+        a = self.correlation_length**2 / (2.0 * self.hurst)
+        return _k_correlation_peak(self) * (1.0 + a * q**2) ** (-self.hurst - self.dimension / 2.0)
+
+    def moment(self, order: int, cut_on: float) -> float:
+        """Integral of q^n C over wavelengths beyond `cut_on`, in length^-n; all wavelengths have no gradient."""
+        high, n = 2.0 * np.pi / cut_on, (order + self.dimension) / 2.0
+        argument = -((high * self.correlation_length) ** 2) / (2.0 * self.hurst)
+        ratio = hyp2f1(self.hurst + self.dimension / 2.0, n, n + 1.0, argument)
+        return float(_SPHERE[self.dimension] * _k_correlation_peak(self) * high ** (2.0 * n) / (2.0 * n) * ratio)
+
+
+@dataclass(frozen=True)
+class Mounded:
+    """Mounds of mean separation lambda on a self-affine model: its correlation times cos or J0 (3.17).
+
+    Raises ValueError unless the correlation length is at most the separation.
+    """
+
+    model: Exponential | KCorrelation
+    separation: float
+
+    def __post_init__(self) -> None:
+        _require(
+            self.model.correlation_length <= self.separation,
+            f"a correlation length of {self.model.correlation_length:g} above the mound separation "
+            f"{self.separation:g}: mounds cannot be larger than their distance",
+        )
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the reference plane."""
+        return self.model.dimension
+
+    @property
+    def correlation_length(self) -> float:
+        """Correlation length of the mounds, in the unit of the period."""
+        return self.model.correlation_length
+
+    def autocorrelation(self, distance: Reals) -> Reals:
+        """Autocorrelation R `[...]` at distances r >= 0 (3.17, with the minus its exponent lacks)."""
+        wave = 2.0 * np.pi * distance / self.separation
+        return np.asarray(self.model.autocorrelation(distance) * (np.cos(wave) if self.dimension == 1 else j0(wave)))
+
+    def psd(self, q: Reals) -> Reals:
+        """Spectral density `[...]` at wave numbers q (3.18, 3.20, 3.22).
+
+        The factor cos or J0 is the transform of two points or of a ring at q_m = 2 pi/lambda: the spectrum is that
+        of the model averaged over them, a sum of positive terms where (3.18) is a difference of huge ones.
+        """
+        mound = 2.0 * np.pi / self.separation
+        if self.dimension == 1:
+            return 0.5 * (self.model.psd(abs(q - mound)) + self.model.psd(q + mound))
+        if isinstance(self.model, KCorrelation):
+            return _k_correlation_ring(self.model, q, mound)
+        return _ring_mean(self.model, q, mound)
+
+
+def height_height_correlation(model: Model, distance: Reals) -> Reals:
+    """Mean square height difference per w^2, 2 (1 - R), `[...]` at distances r >= 0 (3.9, 3.12, 3.17)."""
+    return 2.0 * (1.0 - model.autocorrelation(distance))
+
+
+def nayak(moments: tuple[float, float, float], dimension: int) -> float:
+    """Nayak's parameter m0 m4 / m2^2 of profiles, from the integrals of C, q^2 C and q^4 C."""
+    m0, m2, m4 = moments
+    # along a profile of an isotropic map q_x^2 and q_x^4 average to q^2/2 and 3 q^4/8
+    return (1.0 if dimension == 1 else 1.5) * m0 * m4 / m2**2
+
+
+def matern(z: Reals, order: float) -> Reals:
+    """Correlation 2^(1-H) / Gamma(H) z^H K_H(z) `[...]` of z >= 0, which is 1 at z = 0 (3.13)."""
+    with np.errstate(invalid="ignore"):
+        found = 2.0 * np.exp(-gammaln(order)) * (z / 2.0) ** order * kv(order, z)
+    return np.where(z == 0.0, 1.0, found)
+
+
+def _k_correlation_peak(model: KCorrelation) -> float:
+    scale, h, d = model.correlation_length / np.sqrt(2.0 * model.hurst), model.hurst, model.dimension
+    return float(scale**d * np.exp(gammaln(h + d / 2.0) - gammaln(h)) / np.pi ** (d / 2.0))
+
+
+def _k_correlation_ring(model: KCorrelation, q: Reals, mound: float) -> Reals:
+    """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
+    h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
+    centre = 1.0 + a * (q**2 + mound**2)
+    # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
+    ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
+    b_squared = (2.0 * a * q * mound / centre) ** 2
+    series = hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
+    return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
+
+
+def _ring_mean(model: Exponential, q: Reals, mound: float) -> Reals:
+    # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
+    t = np.arange(-60, 61) / 16.0
+    part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
+    angles, weights = np.pi * part, np.pi * np.cosh(t) * part * (1.0 - part) / 16.0
+    q = np.asarray(q, dtype=np.float64)
+    apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
+    return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
+
+
+def _check_model(hurst: float, correlation_length: float) -> None:
+    _require(0.0 < hurst <= 1.0, f"a Hurst exponent of {hurst:g}, not above 0 and at most 1")
+    _require(0.0 < correlation_length < np.inf, f"a correlation length of {correlation_length:g}, not above 0")
+
+
+def _require(condition: bool, otherwise: str) -> None:
+    if not condition:
+        raise ValueError(otherwise)

@@ -1,0 +1,103 @@
+"""Periodic Gaussian surfaces from waves: the power spectral density method and the Fourier filtering method.
+
+Both draw the amplitude of each wave from (seed, realisation, wave): a finer grid samples the same surface, and a larger
+`largest_index` adds waves to it. Periods are the same in all directions.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.roughness.amplitudes import waves
+from gfmd_numba.roughness.anisotropy import Anisotropic, LengthAnisotropy, ScalingAnisotropy
+from gfmd_numba.roughness.spectra import Model, Spectrum
+
+Reals = npt.NDArray[np.float64]
+
+_ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
+
+
+def psd_power(spectrum: Spectrum | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+    """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
+
+    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere.
+    """
+    index = _indices(_dimension(spectrum), nx)
+    size = np.sqrt(sum(k**2 for k in index))
+    kept = (size > 0) & (size <= largest_index)
+    step = 2.0 * np.pi / period
+    if isinstance(spectrum, LengthAnisotropy | ScalingAnisotropy):
+        q_y, q_x = (np.broadcast_to(step * k, kept.shape)[kept] for k in index)
+        density = spectrum.psd(q_x, q_y)
+    else:
+        q, place = np.unique(step * size[kept], return_inverse=True)
+        density = spectrum.psd(q)[place]
+    power = np.zeros(kept.shape)
+    power[kept] = density * step ** len(index)
+    return _usable(power, largest_index, nx)
+
+
+def filter_power(model: Model | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+    """Mean power <|h~(q)|^2> / w^2, laid out like that of `psd_power`, of the Fourier filtering method.
+
+    It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves.
+    (3.26) filters with the transform itself, whose surfaces have the autocorrelation R * R; R takes its square root.
+    Raises ValueError like `psd_power`, where the period is too short for the correlation.
+    """
+    dimension, points = _dimension(model), 2 * largest_index + 1
+    nearest = np.fft.fftfreq(points) * period  # an image of the origin is nearest on the periodic surface
+    if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
+        correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
+    else:
+        distance = abs(nearest) if dimension == 1 else np.hypot(nearest, nearest[:, np.newaxis])
+        correlation = model.autocorrelation(distance)
+    found = np.fft.rfftn(correlation, norm="forward").real
+    found[(0,) * dimension] = 0.0
+    power = np.zeros([nx] * (dimension - 1) + [nx // 2 + 1])
+    if 2 * largest_index < nx:
+        rows = [np.arange(-largest_index, largest_index + 1)] * (dimension - 1)
+        columns = np.arange(largest_index + 1)
+        power[np.ix_(*rows, columns)] = found[np.ix_(*rows, columns)]
+    return _usable(power, largest_index, nx)
+
+
+def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations: range) -> Reals:
+    """Heights `[realisation, nx]` or `[realisation, nx, nx]` of zero mean and rms height w = 1 in the ensemble (3.27).
+
+    `power` is that of `psd_power` or `filter_power` on the same grid.
+    """
+    shape = (nx,) * power.ndim
+    envelope = np.sqrt(power)
+    heights = np.empty((len(realisations), *shape))
+    for row, realisation in zip(heights, realisations, strict=True):
+        amplitudes = envelope * waves(seed, realisation, shape, largest_index)
+        row[...] = np.fft.irfftn(amplitudes, shape, axes=tuple(range(power.ndim)), norm="forward")
+    return heights
+
+
+def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
+    """Autocorrelation `[nx]` or `[nx, nx]` of a periodic surface with this mean power, per w^2."""
+    return np.asarray(np.fft.irfftn(power, (nx,) * power.ndim, axes=tuple(range(power.ndim)), norm="forward"))
+
+
+def _dimension(spectrum: Spectrum | Anisotropic) -> int:
+    return 2 if isinstance(spectrum, LengthAnisotropy | ScalingAnisotropy) else spectrum.dimension
+
+
+def _indices(dimension: int, nx: int) -> list[Reals]:
+    """Wave indices of each direction in the layout of the transform, ready to broadcast."""
+    half = np.arange(nx // 2 + 1, dtype=np.float64)
+    return [half] if dimension == 1 else [np.fft.fftfreq(nx, 1.0 / nx)[:, np.newaxis], half[np.newaxis]]
+
+
+def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
+    if not 1 <= largest_index < nx / 2:
+        raise ValueError(
+            f"waves up to index {largest_index} on {nx} points, where 1 to {(nx - 1) // 2} lie below Nyquist"
+        )
+    if not np.isfinite(power).all():
+        where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
+        raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")
+    if power.min() < -_ROUNDING * power.max():
+        where = tuple(int(i) for i in np.unravel_index(power.argmin(), power.shape))
+        raise ValueError(f"a spectrum that is negative at wave index {where}")
+    return np.maximum(power, 0.0)

@@ -15,6 +15,18 @@ def wavenumbers(nx: int) -> Reals:
     return 2.0 * np.pi * np.arange(nx // 2 + 1, dtype=np.float64)
 
 
+def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Reals, ...]:
+    """Components (q_x,) or (q_y, q_x), ready to broadcast, of the coefficients of `[nx]` or `[ny, nx]` samples.
+
+    `lengths` are the periods (L_x,) or (L_y, L_x); the result is in one over their unit.
+    """
+    along_x = wavenumbers(shape[-1]) / lengths[-1]
+    if len(shape) == 1:
+        return (along_x,)
+    along_y = 2.0 * np.pi * np.fft.fftfreq(shape[0], lengths[0] / shape[0]).astype(np.float64)
+    return along_y[:, np.newaxis], along_x[np.newaxis]
+
+
 def multiplicity(nx: int) -> Reals:
     """Weight of each kept coefficient in a sum over all wave numbers: 1 for q = 0 and Nyquist, otherwise 2."""
     weight = np.full(nx // 2 + 1, 2.0)

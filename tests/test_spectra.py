@@ -102,9 +102,9 @@ def models(dimension):
 def test_spectrum_is_the_transform_of_the_autocorrelation(model):
     """Back-transformed at three distances, the near ones where the surface is self-affine."""
     distance = np.array([0.0, 0.1, 1.7])
-    log_q = np.arange(-30.0, 60.0, 0.04)
+    log_q = np.arange(-30.0, 60.0, 0.02)
     q = np.exp(log_q)
-    density = model.psd(q) * q**model.dimension * 0.04
+    density = model.psd(q) * q**model.dimension * 0.02
     if model.dimension == 2:
         density *= 2 * np.pi
     else:

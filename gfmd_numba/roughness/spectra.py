@@ -21,16 +21,16 @@ _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
 class Spectrum(Protocol):
     """Model of an isotropic surface in one or two dimensions."""
 
-    dimension: int
-
+    @property
+    def dimension(self) -> int: ...  # noqa: D102
     def psd(self, q: Reals) -> Reals: ...  # noqa: D102
 
 
 class Model(Spectrum, Protocol):
     """Model with an autocorrelation function in closed form, and the correlation length it is built on."""
 
-    correlation_length: float
-
+    @property
+    def correlation_length(self) -> float: ...  # noqa: D102
     def autocorrelation(self, distance: Reals) -> Reals: ...  # noqa: D102
 
 

@@ -44,7 +44,9 @@ def filter_power(model: Model | Anisotropic, nx: int, largest_index: int, period
     Raises ValueError like `psd_power`, where the period is too short for the correlation.
     """
     dimension, points = _dimension(model), 2 * largest_index + 1
-    nearest = np.fft.fftfreq(points) * period  # an image of the origin is nearest on the periodic surface
+    nearest: Reals = (
+        np.fft.fftfreq(points).astype(np.float64) * period
+    )  # an image of the origin is nearest on the periodic surface
     if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
         correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
     else:
@@ -86,7 +88,8 @@ def _dimension(spectrum: Spectrum | Anisotropic) -> int:
 def _indices(dimension: int, nx: int) -> list[Reals]:
     """Wave indices of each direction in the layout of the transform, ready to broadcast."""
     half = np.arange(nx // 2 + 1, dtype=np.float64)
-    return [half] if dimension == 1 else [np.fft.fftfreq(nx, 1.0 / nx)[:, np.newaxis], half[np.newaxis]]
+    both = np.fft.fftfreq(nx, 1.0 / nx).astype(np.float64)
+    return [half] if dimension == 1 else [both[:, np.newaxis], half[np.newaxis]]
 
 
 def _usable(power: Reals, largest_index: int, nx: int) -> Reals:

@@ -1,4 +1,7 @@
-"""Statistics of periodic profiles, from their Fourier coefficients."""
+"""Statistics of periodic profiles `[..., nx]` and maps `[..., ny, nx]`, from their Fourier coefficients.
+
+`lengths` are the periods, (L_x,) of profiles and (L_y, L_x) of maps; heights share their unit.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -7,30 +10,76 @@ from gfmd_numba import grid
 
 Reals = npt.NDArray[np.float64]
 
+UNIT = (1.0,)
 
-def spectral_moment(heights: Reals, order: int) -> Reals:
-    """Moment m_n = sum_q q^n |h~(q)|^2 of each profile `[..., nx]`, in L_x^(2 - n)."""
-    nx = heights.shape[-1]
-    power = grid.multiplicity(nx) * np.abs(grid.coefficients(heights)) ** 2
+
+def power(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Squares |h~(q)|^2 of the kept Fourier coefficients, `[..., nx // 2 + 1]` or `[..., ny, nx // 2 + 1]`."""
+    axes = tuple(range(-len(lengths), 0))
+    return np.asarray(np.abs(np.fft.rfftn(heights, axes=axes, norm="forward")) ** 2)
+
+
+def wavenumbers(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Magnitudes of the wave vectors of `power`."""
+    vectors = grid.wavevectors(heights.shape[-len(lengths) :], lengths)
+    return vectors[0] if len(lengths) == 1 else np.hypot(*vectors)
+
+
+def spectral_moment(heights: Reals, order: int, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Moment m_n = sum_q q^n |h~(q)|^2 `[...]` over all waves but the mean, in length^(2 - n)."""
+    weighted = grid.multiplicity(heights.shape[-1]) * power(heights, lengths)
+    flat = weighted.reshape(*heights.shape[: -len(lengths)], -1)
     # summed row by row: a matrix product would round differently in batches of different size
-    return np.asarray((power[..., 1:] * grid.wavenumbers(nx)[1:] ** order).sum(axis=-1))
+    return np.asarray((flat[..., 1:] * wavenumbers(heights, lengths).ravel()[1:] ** order).sum(axis=-1))
 
 
-def rms_gradient(heights: Reals) -> Reals:
-    """Root-mean-square gradient of each profile `[..., nx]` (thesis (4.2), corrected)."""
-    return np.sqrt(spectral_moment(heights, 2))
+def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Root-mean-square height `[...]` about the mean."""
+    return np.sqrt(spectral_moment(heights, 0, lengths))
 
 
-def nayak(heights: Reals) -> Reals:
-    """Nayak's parameter m0 m4 / m2^2 of each profile `[..., nx]`."""
-    m0, m2, m4 = (spectral_moment(heights, order) for order in (0, 2, 4))
-    return np.asarray(m0 * m4 / m2**2)
+def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Root-mean-square gradient `[...]` (thesis (4.2), corrected)."""
+    return np.sqrt(spectral_moment(heights, 2, lengths))
 
 
-def gradient(heights: Reals) -> Reals:
-    """Spectral derivative dh/dx at the grid points of each profile `[..., nx]`."""
+def rms_curvature(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Root-mean-square second derivative of profiles, or Laplacian of maps, `[...]`, in 1 / length."""
+    return np.sqrt(spectral_moment(heights, 4, lengths))
+
+
+def nayak(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Nayak's parameter m0 m4 / m2^2 `[...]` of profiles, or of the profiles of a map in all directions."""
+    m0, m2, m4 = (spectral_moment(heights, order, lengths) for order in (0, 2, 4))
+    # q_x^2 and q_x^4 average to q^2/2 and 3 q^4/8 over the directions of a map
+    return np.asarray(m0 * m4 / m2**2 * (1.0 if len(lengths) == 1 else 1.5))
+
+
+def gradient(heights: Reals, length: float = 1.0) -> Reals:
+    """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
     nx = heights.shape[-1]
     slope = 1j * grid.wavenumbers(nx) * grid.coefficients(heights)
     if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
         slope[..., -1] = 0.0
-    return grid.signal(slope, nx)
+    return grid.signal(slope, nx) / length
+
+
+def typical_slope(heights: Reals, length: float = 1.0) -> Reals:
+    """Standard deviation sigma(theta) `[...]` in rad of the slope angle along each row (thesis Tab. 3.2)."""
+    return np.asarray(np.arctan(gradient(heights, length)).std(axis=-1))
+
+
+def scaled(
+    heights: Reals, lengths: tuple[float, ...], rms_height: float | None = None, rms_gradient: float | None = None
+) -> Reals:
+    """Surfaces scaled one by one to an rms height or an rms gradient, whichever is given, about a zero mean.
+
+    Raises ValueError for a flat surface.
+    """
+    order, wanted = (0, rms_height) if rms_gradient is None else (2, rms_gradient)
+    present = np.sqrt(spectral_moment(heights, order, lengths))
+    if not (present > 0.0).all():
+        raise ValueError("a flat surface, which no factor makes rough")
+    axes = tuple(range(-len(lengths), 0))
+    centred = heights - heights.mean(axis=axes, keepdims=True)
+    return np.asarray(centred * np.expand_dims(np.asarray(wanted) / present, axes))

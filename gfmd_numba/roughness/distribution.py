@@ -1,0 +1,54 @@
+"""Distribution of heights: moments, and how far and how surely it is from a Gaussian one (thesis 3.5.3)."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+Reals = npt.NDArray[np.float64]
+
+_FEWEST = 20  # heights for which the limiting distribution of the test still holds
+
+
+def standardised(heights: Reals, dimension: int = 1) -> Reals:
+    """Heights of each profile or map less their mean, over their rms height; ValueError for a flat surface."""
+    axes = tuple(range(-dimension, 0))
+    spread = heights.std(axis=axes, keepdims=True)
+    if not (spread > 0.0).all():
+        raise ValueError("a flat surface, which has no distribution of heights")
+    return np.asarray((heights - heights.mean(axis=axes, keepdims=True)) / spread)
+
+
+def skewness(heights: Reals, dimension: int = 1) -> Reals:
+    """Third moment m3 / w^3 `[...]` of the heights, 0 for a Gaussian surface (thesis 3.2)."""
+    return np.asarray((standardised(heights, dimension) ** 3).mean(axis=tuple(range(-dimension, 0))))
+
+
+def kurtosis(heights: Reals, dimension: int = 1) -> Reals:
+    """Fourth moment m4 / w^4 `[...]` of the heights, 3 for a Gaussian surface (thesis 3.2)."""
+    return np.asarray((standardised(heights, dimension) ** 4).mean(axis=tuple(range(-dimension, 0))))
+
+
+def gaussian_distance(heights: Reals, dimension: int = 1) -> Reals:
+    """Largest difference `[...]` between the cumulative distributions of the heights and of (3.1) with their w."""
+    unit = standardised(heights, dimension)
+    ordered = np.sort(unit.reshape(*unit.shape[:-dimension], -1), axis=-1)
+    n = ordered.shape[-1]
+    expected = stats.norm.cdf(ordered)
+    above = (np.arange(1, n + 1) / n - expected).max(axis=-1)
+    return np.asarray(np.maximum(above, (expected - np.arange(n) / n).max(axis=-1)))
+
+
+def gaussian_p_value(heights: Reals, apart: int, dimension: int = 1) -> Reals:
+    """Probability `[...]` of skewness and kurtosis at least as unlike a Gaussian's (D'Agostino and Pearson).
+
+    Every `apart`-th height in each direction enters; they have to be uncorrelated, so `apart` spacings several times
+    the correlation length. Raises ValueError if fewer than 20 heights remain.
+    """
+    every: tuple[Any, ...] = (..., *(slice(None, None, apart),) * dimension)
+    thinned = heights[every]
+    flat = thinned.reshape(*thinned.shape[:-dimension], -1)
+    if flat.shape[-1] < _FEWEST:
+        raise ValueError(f"{flat.shape[-1]} independent heights, not at least {_FEWEST}")
+    return np.asarray(stats.normaltest(flat, axis=-1).pvalue)

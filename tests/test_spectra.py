@@ -94,17 +94,16 @@ def models(dimension):
     for hurst in (0.3, 0.5, 0.8, 1.0):
         for model in (Exponential(dimension, hurst, 1.3), KCorrelation(dimension, hurst, 1.3)):
             yield model
-            yield Mounded(model, 1.5)
-            yield Mounded(model, 6.0)
+            yield Mounded(model, 1.5 if hurst in (0.3, 1.0) else 6.0)
 
 
 @pytest.mark.parametrize("model", [*models(1), *models(2)], ids=repr)
 def test_spectrum_is_the_transform_of_the_autocorrelation(model):
     """Back-transformed at three distances, the near ones where the surface is self-affine."""
     distance = np.array([0.0, 0.1, 1.7])
-    log_q = np.arange(-30.0, 60.0, 0.02)
+    log_q = np.arange(-22.0, 36.0, 0.01)
     q = np.exp(log_q)
-    density = model.psd(q) * q**model.dimension * 0.02
+    density = model.psd(q) * q**model.dimension * 0.01
     if model.dimension == 2:
         density *= 2 * np.pi
     else:

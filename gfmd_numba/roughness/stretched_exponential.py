@@ -17,7 +17,7 @@ _TERMS = 60  # of the series for q > 30; they fall by more than a half from one 
 _STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
 _REACH = 700  # steps below log r = 0, to r = 6e-19
 _FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
-_TABLE = 400  # points a decade; a cubic spline through them errs by 1e-10
+_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
 
 
 def transform(q: Reals, hurst: float, dimension: int) -> Reals:

@@ -1,0 +1,156 @@
+"""Random midpoint displacement and successive random addition, periodic and with cut-on and roll-off (thesis 3.5.1).
+
+Points a quarter of the roll-off wavelength apart have independent heights of one variance. A step halves the spacing: new points are means
+of their nearest neighbours, and Gaussian heights of variance (3.24) are added, to the new points only (midpoint
+displacement) or, half as large, to all (successive addition). Steps end at half the cut-on wavelength, and the surface
+between the points is their trigonometric interpolant. On a map a step has two halves: centres of squares, then of edges.
+
+Neither process is stationary, which is the artefact these methods are known for. `power` has their spectrum, averaged
+over positions, exactly. It is the same for both methods; they differ in how much the variance depends on position.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.roughness.amplitudes import stream
+from gfmd_numba.roughness.resampling import resample
+
+Reals = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Recursion:
+    """How a surface of period 1 is subdivided; `cut_on` and `roll_off` are wavelengths in periods.
+
+    Raises ValueError unless 0 <= H <= 1 and 0 < 2 cut_on <= roll_off <= 1.
+    """
+
+    method: Literal["midpoint_displacement", "successive_addition"]
+    dimension: int
+    hurst: float
+    cut_on: float
+    roll_off: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.hurst <= 1.0:
+            raise ValueError(f"a Hurst exponent of {self.hurst:g}, not from 0 to 1")
+        if not 0.0 < 2.0 * self.cut_on <= self.roll_off <= 1.0:
+            raise ValueError(
+                f"a roll_off of {self.roll_off:g} periods, not at least twice cut_on = {self.cut_on:g} and at most 1"
+            )
+
+    @property
+    def first(self) -> int:
+        """Number n of the step whose spacing 2^-n is a quarter of the roll-off wavelength, or up to twice that.
+
+        Points a quarter of a wavelength apart are where the autocorrelation of a power law with a plateau has fallen
+        to about 0.1, so that independent heights come closest to it.
+        """
+        return 1 + _step(self.roll_off)
+
+    @property
+    def last(self) -> int:
+        """Number n of the step whose spacing 2^-n is half the cut-on wavelength, or up to twice that."""
+        return _step(self.cut_on)
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether heights are added to old points as well."""
+        return self.method == "successive_addition"
+
+    def variance(self, distance: float) -> float:
+        """Variance of the heights added to means of neighbours at a distance (3.24), per that of the first points.
+
+        It is what self-affine height differences, 2 (distance / first spacing)^(2H), leave of the height of a point
+        once the mean of its two neighbours, or of the four of a map, is known.
+        """
+        h = self.hurst
+        left = 1.0 - 2.0 ** (2.0 * h - 2.0) if self.dimension == 1 else 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)
+        return (1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h)
+
+
+def surfaces(recursion: Recursion, nx: int, seed: int, realisations: range) -> Reals:
+    """Heights `[realisation, nx]` or `[realisation, nx, nx]`, w = 1 averaged over positions and the ensemble.
+
+    A finer grid samples the same surface; a smaller cut-on keeps the points of midpoint displacement and adds to all
+    points of successive addition. Raises ValueError for a cut-on beyond Nyquist.
+    """
+    if 2**recursion.last > nx:
+        raise ValueError(f"{2**recursion.last} points of the last step on a grid of {nx}")
+    norm = np.sqrt(_total(_power(recursion)))
+    heights = np.empty((len(realisations), *(nx,) * recursion.dimension))
+    for row, realisation in zip(heights, realisations, strict=True):
+        row[...] = resample(_subdivided(recursion, stream(seed, realisation)) / norm, (nx,) * recursion.dimension)
+    return heights
+
+
+def power(recursion: Recursion) -> Reals:
+    """Mean power <|h~(q)|^2> / w^2 `[n // 2 + 1]` or `[n, n // 2 + 1]` on the n = 2^last points of the last step."""
+    found = _power(recursion)
+    found /= _total(found)
+    return found[..., : found.shape[-1] // 2 + 1]
+
+
+def _step(wavelength: float) -> int:
+    return 1 + int(np.floor(np.log2(1.0 / wavelength) + 1e-9))
+
+
+def _subdivided(recursion: Recursion, numbers: np.random.Generator) -> Reals:
+    heights = numbers.standard_normal((2**recursion.first,) * recursion.dimension)
+    for step in range(recursion.first + 1, recursion.last + 1):
+        divide = _divide_profile if recursion.dimension == 1 else _divide_map
+        heights = divide(heights, recursion, 0.5**step, numbers)
+    return heights
+
+
+def _divide_profile(old: Reals, recursion: Recursion, spacing: float, numbers: np.random.Generator) -> Reals:
+    new = np.empty(2 * old.size)
+    new[::2] = old
+    new[1::2] = 0.5 * (old + np.roll(old, -1))
+    added = new if recursion.everywhere else new[1::2]
+    added += np.sqrt(recursion.variance(spacing)) * numbers.standard_normal(added.size)
+    return new
+
+
+def _divide_map(old: Reals, recursion: Recursion, spacing: float, numbers: np.random.Generator) -> Reals:
+    n = len(old)
+    size = np.sqrt([recursion.variance(np.sqrt(2.0) * spacing), recursion.variance(spacing)])
+    new = np.empty((2 * n, 2 * n))
+    corners, centres, along_x, along_y = new[::2, ::2], new[1::2, 1::2], new[::2, 1::2], new[1::2, ::2]
+    below = np.roll(old, -1, axis=0)
+    corners[...] = old
+    centres[...] = 0.25 * (old + below + np.roll(old + below, -1, axis=1))
+    for points in (corners, centres)[0 if recursion.everywhere else 1 :]:
+        points += size[0] * numbers.standard_normal((n, n))
+    along_x[...] = 0.25 * (corners + np.roll(corners, -1, axis=1) + centres + np.roll(centres, 1, axis=0))
+    along_y[...] = 0.25 * (corners + np.roll(corners, -1, axis=0) + centres + np.roll(centres, 1, axis=1))
+    for points in (along_x, along_y, corners, centres)[: 4 if recursion.everywhere else 2]:
+        points += size[1] * numbers.standard_normal((n, n))
+    return new
+
+
+def _power(recursion: Recursion) -> Reals:
+    """Power of all coefficients, not normalised: each step filters the repeated spectrum and adds white noise."""
+    d, everywhere = recursion.dimension, recursion.everywhere
+    found = np.full((2**recursion.first,) * d, 0.5 ** (recursion.first * d))
+    for step in range(recursion.first + 1, recursion.last + 1):
+        n, spacing = 2**step, 0.5**step
+        cosine = np.cos(2.0 * np.pi * np.arange(n) / n)
+        found = np.tile(found, (2,) * d)
+        noise = recursion.variance(spacing) * (1.0 if everywhere else 0.5) / n**d
+        if d == 1:
+            found = ((1.0 + cosine) / 2.0) ** 2 * found + noise
+        else:
+            first = recursion.variance(np.sqrt(2.0) * spacing) * (0.5 if everywhere else 0.25) / n**2
+            centres = (1.0 + np.multiply.outer(cosine, cosine)) ** 2
+            edges = (1.0 + np.add.outer(cosine, cosine) / 2.0) ** 2
+            found = edges * (centres * found / 16.0 + first) + noise
+    return found
+
+
+def _total(power: Reals) -> float:
+    """Mean square height about the mean."""
+    return float(power.sum() - power.ravel()[0])

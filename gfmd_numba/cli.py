@@ -205,6 +205,28 @@ def solve(file: Path, output: Path) -> None:
         sys.exit(SOME_FAILED)
 
 
+@main.command()
+@_file
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+def surface(file: Path, output: Path) -> None:
+    """Make the rough surface described in FILE, with its statistics and a picture."""
+    from gfmd_numba.analysis import plot_surface
+    from gfmd_numba.surface import surface_dataset
+
+    dataset = surface_dataset(file)
+    dataset.to_netcdf(output, engine="netcdf4")
+    click.echo(f"surface  {output}")
+    picture = output.with_suffix(".png")
+    plot_surface(dataset).savefig(picture, dpi=150)
+    click.echo(f"picture  {picture}")
+    for name, variable in dataset.data_vars.items():
+        if not variable.dims:
+            unit = variable.attrs["units"]
+            click.echo(f"{name!s:24}{float(variable):.6g} {'' if unit == '1' else unit}")
+    for sentence in filter(None, dataset.attrs["processing"].split("\n")):
+        click.echo(f"done     {sentence}")
+
+
 def _check_output(output: Path, *inputs: Path) -> None:
     """Raise InputError unless a file can be written that is none of the inputs."""
     import os

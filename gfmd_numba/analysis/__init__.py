@@ -2,6 +2,15 @@
 
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
+from gfmd_numba.analysis.surface_plots import plot_surface
 from gfmd_numba.analysis.tfc import fit_tfc
 
-__all__ = ["UnusableDataError", "ensemble_mean", "fit_tfc", "plot_campaign", "plot_contact", "select_limit"]
+__all__ = [
+    "UnusableDataError",
+    "ensemble_mean",
+    "fit_tfc",
+    "plot_campaign",
+    "plot_contact",
+    "plot_surface",
+    "select_limit",
+]

@@ -26,10 +26,10 @@ from gfmd_numba.analysis.selection import (
 )
 
 # Okabe and Ito: told apart with any colour vision
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 _DASHES = ("-", "--", ":", "-.")
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "font.size": 11,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -71,7 +71,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     fitted = dict(_fitted(fit)) if fit is not None else {}
     looks = _looks(dataset)
     widths = [3.0] * len(present) + [1.3] * bool(fitted)
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure((max(sum(widths), 5.0) + 0.6, 4.6), dpi=150, layout="constrained")
         axes = figure.subplots(1, len(widths), sharey=True, squeeze=False, width_ratios=widths)[0]
         for axis, limit in zip(axes, present, strict=False):
@@ -104,7 +104,7 @@ def _looks(dataset: xr.Dataset) -> dict[tuple[float, ...], _Look]:
         style = others.index(each[1:])
         values = [rf"{_SYMBOLS[GROUP[i]]} = {each[i]:g}".replace("inf", r"\infty") for i in varied]
         looks[each] = {
-            "color": _COLOURS[hursts.index(each[0]) % len(_COLOURS)],
+            "color": COLOURS[hursts.index(each[0]) % len(COLOURS)],
             "marker": _MARKERS[style % len(_MARKERS)],
             "linestyle": _DASHES[style % len(_DASHES)],
             "label": f"${', '.join(values)}$",
@@ -189,13 +189,13 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
-    x, x_label = _scaled(dataset["x"], "Position $x$", "L_x")
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"]
     punch = body + dataset["gap"]
     factor, unit = _prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
-    pressure, pressure_label = _scaled(dataset["pressure"], "Pressure $p$", "E^*")
-    with mpl.rc_context(_STYLE):
+    pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
+    with mpl.rc_context(STYLE):
         figure = Figure((9.0, 5.4), dpi=150, layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
         # valleys of the punch rise far above the contact: the view follows the body
@@ -204,10 +204,10 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
         above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label="rigid punch")
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
         above.plot(x, high, color="0.35", lw=1.0)
-        above.plot(x, low, color=_COLOURS[0], lw=1.2)
+        above.plot(x, low, color=COLOURS[0], lw=1.2)
         above.set(ylabel=f"Height ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
-        below.fill_between(x, pressure, color=_COLOURS[1], alpha=0.35, lw=0)
-        below.plot(x, pressure, color=_COLOURS[1], lw=0.9)
+        below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
+        below.plot(x, pressure, color=COLOURS[1], lw=0.9)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
         below.set(xlabel=x_label, ylabel=pressure_label)
         if pressure.min() >= 0:
@@ -222,7 +222,8 @@ def _with_unit(text: str, variable: xr.DataArray) -> str:
     return text if unit == "1" else f"{text} ({unit})"
 
 
-def _scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[NDArray[np.float64], str]:
+def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[NDArray[np.float64], str]:
+    """Values in the SI prefix that suits them, and their label; `natural` stands for the unit 1."""
     factor, unit = _prefix(variable, natural)
     return factor * variable.values, f"{text} ({unit})"
 

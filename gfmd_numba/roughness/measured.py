@@ -28,16 +28,22 @@ def read_profile(path: Path, length: float | None = None) -> Reals:
     return heights
 
 
-def _read_npy(path: Path) -> npt.NDArray[Any]:
+def read_npy(path: Path) -> npt.NDArray[Any]:
+    """Array of a .npy file; raises ValueError for anything else."""
     try:
         return np.asarray(np.load(path, allow_pickle=False))
     except (ValueError, EOFError):
         raise ValueError("no .npy array of numbers") from None
 
 
-def _read_csv(path: Path) -> npt.NDArray[Any]:
+def read_table(path: Path) -> npt.NDArray[Any]:
+    """Rows and columns of numbers of a .csv file; raises ValueError for anything else."""
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of an empty file, which has 0 heights
-        table = np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig")
+        return np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig")
+
+
+def _read_csv(path: Path) -> npt.NDArray[Any]:
+    table = read_table(path)
     if table.shape[1] > 1:
         raise ValueError(f"{table.shape[1]} columns, not one column of equidistant heights")
     return table.ravel()
@@ -85,4 +91,4 @@ def _check_positions(name: str, x: npt.NDArray[Any], length: float | None) -> No
         raise ValueError(f"{name} over {len(x) * spacing:.7g} m, not over the scene's length of {length:.7g} m")
 
 
-_READERS = {".npy": _read_npy, ".csv": _read_csv}
+_READERS = {".npy": read_npy, ".csv": _read_csv}

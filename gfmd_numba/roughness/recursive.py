@@ -1,9 +1,10 @@
 """Random midpoint displacement and successive random addition, periodic and with cut-on and roll-off (thesis 3.5.1).
 
-Points a quarter of the roll-off wavelength apart have independent heights of one variance. A step halves the spacing: new points are means
-of their nearest neighbours, and Gaussian heights of variance (3.24) are added, to the new points only (midpoint
-displacement) or, half as large, to all (successive addition). Steps end at half the cut-on wavelength, and the surface
-between the points is their trigonometric interpolant. On a map a step has two halves: centres of squares, then of edges.
+Points a quarter of the roll-off wavelength apart have independent heights of one variance. A step halves the spacing:
+new points are means of their nearest neighbours, and Gaussian heights of variance (3.24) are added, to the new points
+only (midpoint displacement) or, half as large, to all (successive addition). Steps end at half the cut-on wavelength,
+and the surface between the points is their trigonometric interpolant. On a map a step has two halves: centres of
+squares, then of edges.
 
 Neither process is stationary, which is the artefact these methods are known for. `power` has their spectrum, averaged
 over positions, exactly. It is the same for both methods; they differ in how much the variance depends on position.
@@ -69,7 +70,7 @@ class Recursion:
         """
         h = self.hurst
         left = 1.0 - 2.0 ** (2.0 * h - 2.0) if self.dimension == 1 else 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)
-        return (1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h)
+        return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
 
 
 def surfaces(recursion: Recursion, nx: int, seed: int, realisations: range) -> Reals:

@@ -1,0 +1,88 @@
+"""From a measured field to a periodic surface: trend, periodicity, resolution; what was done is recorded."""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.roughness.resampling import resample
+
+Reals = npt.NDArray[np.float64]
+
+Detrend = Literal["none", "mean", "tilt", "curvature"]
+Periodic = Literal["none", "mirror", "window"]
+
+_ORDER = {"mean": 0, "tilt": 1, "curvature": 2}
+
+
+@dataclass(frozen=True)
+class Processed:
+    """Heights `[nx]` or `[ny, nx]`, their periods, and a sentence for each thing that was done to them."""
+
+    heights: Reals
+    lengths: tuple[float, ...]
+    done: tuple[str, ...]
+
+
+def process(
+    heights: Reals, lengths: tuple[float, ...], detrend: Detrend, periodic: Periodic, points: int | None
+) -> Processed:
+    """Measured heights made periodic: first the trend is removed, then they are mirrored or windowed, then resampled.
+
+    `points` counts grid points along the last axis; the others keep their spacing's ratio. Raises ValueError if
+    resampling would leave fewer than 4 points in a direction.
+    """
+    done = []
+    if detrend != "none":
+        trend = _polynomial(heights, _ORDER[detrend])
+        done.append(f"subtracted the {detrend} fitted by least squares, of rms height {trend.std():g}")
+        heights = heights - trend
+    if periodic == "mirror":
+        heights, lengths = mirrored(heights), tuple(2.0 * length for length in lengths)
+        done.append("mirrored at its ends, which doubles the period")
+    if periodic == "window":
+        heights = windowed(heights)
+        done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
+    if points is not None and points != heights.shape[-1]:
+        shape = tuple(round(n * points / heights.shape[-1]) for n in heights.shape)
+        if min(shape) < 4:
+            raise ValueError(f"{' x '.join(map(str, shape))} points after resampling, not at least 4")
+        done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series")
+        heights = resample(heights, shape)
+    return Processed(heights, lengths, tuple(done))
+
+
+def mirrored(heights: Reals) -> Reals:
+    """Profile or map followed by its mirror image in each direction; periodic without a jump."""
+    for axis in range(heights.ndim):
+        heights = np.concatenate([heights, np.flip(heights, axis)], axis)
+    return heights
+
+
+def windowed(heights: Reals) -> Reals:
+    """Heights about their mean times a Hann window in each direction, scaled back to their mean square."""
+    centred = heights - heights.mean()
+    faded = centred
+    for axis, n in enumerate(heights.shape):
+        window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
+        faded = faded * window.reshape([-1 if i == axis else 1 for i in range(heights.ndim)])
+    faded = faded - faded.mean()
+    if not faded.any():
+        return np.asarray(faded)
+    return np.asarray(faded * np.sqrt((centred**2).mean() / (faded**2).mean()))
+
+
+def _polynomial(heights: Reals, order: int) -> Reals:
+    """Least-squares polynomial of all powers up to an order, at the points of the heights."""
+    positions = [np.linspace(-1.0, 1.0, n) for n in heights.shape]
+    mesh = np.meshgrid(*positions, indexing="ij")
+    exponents = [e for e in product(range(order + 1), repeat=heights.ndim) if sum(e) <= order]
+    terms = np.stack([np.prod([x**k for x, k in zip(mesh, e, strict=True)], axis=0).ravel() for e in exponents], 1)
+    coefficients = np.linalg.lstsq(terms, heights.ravel(), rcond=None)[0]
+    return np.asarray((terms @ coefficients).reshape(heights.shape))
+
+
+def _times(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.scene import SceneFile
 
-__all__ = ["fit_tfc", "open_campaign", "run", "solve"]
+__all__ = ["fit_tfc", "make_surface", "open_campaign", "run", "solve"]
 
 
 def solve(scene: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
@@ -19,6 +19,13 @@ def solve(scene: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
     from gfmd_numba.single import solve_scene
 
     return solve_scene(scene)
+
+
+def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
+    """Make one rough surface: a surface file or mapping in, heights and statistics beside theory out (m or L_x)."""
+    from gfmd_numba.surface import surface_dataset
+
+    return surface_dataset(source)
 
 
 def run(path: str | Path, output: str | Path | None = None, workers: int = 0) -> xr.Dataset:

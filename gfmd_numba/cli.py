@@ -75,14 +75,18 @@ _fixed = click.option(
 @main.command()
 @_file
 def check(file: Path) -> None:
-    """Check a campaign or scene FILE and say what is wrong with it."""
+    """Check a campaign, scene or surface FILE and say what is wrong with it."""
     from gfmd_numba.campaign.specification import Campaign, load_campaign
     from gfmd_numba.scene import load_scene, read_document
+    from gfmd_numba.scene.surface_file import load_surface
 
     data = read_document(file).data
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
         campaign: Campaign = load_campaign(file)[0]
         click.echo(f"{file}: a campaign of {campaign.n_cases} cases x {campaign.realisations} realisations")
+    elif isinstance(data, dict) and "surface" in data:
+        load_surface(file)
+        click.echo(f"{file}: a surface")
     else:
         load_scene(file)
         click.echo(f"{file}: a scene")
@@ -210,13 +214,15 @@ def solve(file: Path, output: Path) -> None:
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
+    import gfmd_numba
     from gfmd_numba.analysis import plot_surface
-    from gfmd_numba.surface import surface_dataset
 
-    dataset = surface_dataset(file)
+    picture = output.with_suffix(".png")
+    if picture == output:
+        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
+    dataset = gfmd_numba.make_surface(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"surface  {output}")
-    picture = output.with_suffix(".png")
     plot_surface(dataset).savefig(picture, dpi=150)
     click.echo(f"picture  {picture}")
     for name, variable in dataset.data_vars.items():

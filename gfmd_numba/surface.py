@@ -14,7 +14,7 @@ from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.recipe import Made, make
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.scene.surface_records import MeasuredField, SurfaceFile
+from gfmd_numba.scene.surface_records import HurstRange, MeasuredField, SurfaceFile
 
 Reals = npt.NDArray[np.float64]
 
@@ -36,6 +36,12 @@ def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
             allowed = "at least 4 equidistant finite heights in each direction, not all equal"
             raise InputError(document.line(("surface", "file"), given, allowed)) from None
         raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
+    if file.hurst_range is not None:
+        try:
+            _add_hurst_exponent(dataset, file.hurst_range, made)
+        except ValueError as error:
+            given = document.value(("hurst_range",))
+            raise document.error(("hurst_range",), given, f"a range that holds waves, not {error}") from None
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
 
@@ -50,14 +56,14 @@ def _described(file: SurfaceFile, made: Made) -> xr.Dataset:
         dataset.coords[dim] = (dim, np.arange(n) / n * length, {"long_name": f"position along {dim}", "units": unit})
     dataset["height"] = (dims, heights, {"long_name": "height, peaks towards the body", "units": unit})
     dataset.attrs["processing"] = "\n".join(made.done)
-    _add_scalars(dataset, file, made, unit)
+    _add_scalars(dataset, made, unit)
     _add_spectrum(dataset, made, unit)
     _add_correlation(dataset, made, unit)
     _add_distribution(dataset, made)
     return dataset
 
 
-def _add_scalars(dataset: xr.Dataset, file: SurfaceFile, made: Made, unit: str) -> None:
+def _add_scalars(dataset: xr.Dataset, made: Made, unit: str) -> None:
     heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
     per_length = "m-1" if unit == "m" else "1"
     scalars: dict[str, tuple[Any, str, str]] = {
@@ -78,13 +84,16 @@ def _add_scalars(dataset: xr.Dataset, file: SurfaceFile, made: Made, unit: str) 
             "largest difference of the cumulative height distribution from a Gaussian one",
         ),
     }
-    if file.hurst_range is not None:
-        ends = (2.0 * np.pi / file.hurst_range.longest, 2.0 * np.pi / file.hurst_range.shortest)
-        hurst, error = correlation.hurst_exponent(heights, *ends, lengths)
-        scalars["hurst_exponent"] = (hurst, "1", "Hurst exponent of the most likely power law")
-        scalars["hurst_exponent_error"] = (error, "1", "standard error of the Hurst exponent")
     for name, (value, units, long_name) in scalars.items():
         dataset[name] = ((), float(value), {"long_name": long_name, "units": units})
+
+
+def _add_hurst_exponent(dataset: xr.Dataset, wavelengths: HurstRange, made: Made) -> None:
+    ends = (2.0 * np.pi / wavelengths.longest, 2.0 * np.pi / wavelengths.shortest)
+    hurst, error = correlation.hurst_exponent(made.heights, *ends, made.lengths)
+    attributes = {"long_name": "Hurst exponent of the most likely power law", "units": "1"}
+    dataset["hurst_exponent"] = ((), hurst, attributes)
+    dataset["hurst_exponent_error"] = ((), error, {"long_name": "standard error of the Hurst exponent", "units": "1"})
 
 
 def _add_spectrum(dataset: xr.Dataset, made: Made, unit: str) -> None:

@@ -84,10 +84,12 @@ def test_lengths_are_in_periods_without_a_length():
 def test_command_writes_surface_and_picture(tmp_path, dimension):
     file = {"surface": {"method": "psd", "spectrum": K_CORRELATION, "rms_height": 3e-7}, "length": 1e-4}
     (tmp_path / "s.yaml").write_text(yaml.safe_dump(file | {"points": 64, "dimension": dimension}))
+    assert gfmd("check", tmp_path / "s.yaml").output == f"{tmp_path / 's.yaml'}: a surface\n"
     done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
     assert done.exit_code == 0
     assert "rms_height              3e-07 m\n" in done.output
     assert (tmp_path / "s.png").stat().st_size > 20_000
+    assert "give one like steel.nc" in gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "t.png").stderr
     with xr.open_dataset(tmp_path / "s.nc") as dataset:
         assert dataset["height"].dims == (("x",) if dimension == 1 else ("y", "x"))
         assert float(dataset["autocorrelation"][0]) == pytest.approx(1.0)
@@ -168,6 +170,11 @@ points: 512
 def test_bad_surface_files(tmp_path, text, old, new, said):
     assert text.count(old) == 1
     assert said in complaint(tmp_path, load_surface, text.replace(old, new))
+
+
+def test_a_range_of_the_hurst_exponent_without_waves(tmp_path):
+    text = TEXT + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
+    assert "bad.yaml:7:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
 
 
 def test_models_that_need_a_map(tmp_path):

@@ -1,5 +1,7 @@
 """Damped dynamics of normal and tangential displacement together, with sticking or Coulomb friction (thesis 2.4)."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -65,7 +67,7 @@ class CoupledRelaxation:
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
         self._strength = (
-            0.0 if interface.cohesion is None else interface.cohesion.work / interface.cohesion.normal / np.e
+            0.0 if interface.cohesion is None else interface.cohesion.work / interface.cohesion.normal / math.e
         )
         self._restore(np.arange(rows))
 

@@ -40,8 +40,8 @@ def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
         try:
             _add_hurst_exponent(dataset, file.hurst_range, made)
         except ValueError as error:
-            given = document.value(("hurst_range",))
-            raise document.error(("hurst_range",), given, f"a range that holds waves, not {error}") from None
+            allowed = f"a range that holds waves, not {error}"
+            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed) from None
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
 

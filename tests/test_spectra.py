@@ -167,6 +167,17 @@ def test_moments_of_a_k_correlated_surface(dimension):
         assert model.moment(order, 0.02) == pytest.approx(quad(area, 0, 2 * np.pi / 0.02, limit=500)[0], rel=1e-8)
 
 
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_moments_of_an_exponential_surface(dimension):
+    """Finite for the Gaussian autocorrelation only, whose Nayak parameter is 3 on profiles in any dimension."""
+    model = Exponential(dimension, 1.0, 0.4)
+    for order in (0, 2, 4):
+        area = lambda q: (2 if dimension == 1 else 2 * np.pi * q) * q**order * float(model.psd(np.array(q)))  # noqa: E731, B023
+        assert model.moment(order) == pytest.approx(quad(area, 0, np.inf)[0], rel=1e-8)
+    assert nayak((model.moment(0), model.moment(2), model.moment(4)), dimension) == pytest.approx(3.0)
+    assert Exponential(dimension, 0.9, 0.4).moment(2) == np.inf
+
+
 def test_height_height_correlation_is_self_affine_at_short_distances():
     r = 1e-4
     for hurst in (0.3, 0.8):

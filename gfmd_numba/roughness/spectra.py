@@ -5,7 +5,7 @@ period L has the mean power <|h~(q)|^2> = w^2 C(q) (2 pi / L)^d. The height-heig
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -98,6 +98,15 @@ class Exponential:
         """Spectral density `[...]` at wave numbers q (3.11)."""
         scale = self.correlation_length
         return scale**self.dimension * stretched_exponential.transform(q * scale, self.hurst, self.dimension)
+
+    def moment(self, order: Literal[0, 2, 4]) -> float:
+        """Integral of q^n C over all of q-space, in length^-n: infinite for n > 0 unless H = 1."""
+        if order == 0:
+            return 1.0
+        if self.hurst < 1.0:
+            return np.inf
+        half = self.dimension / 2.0
+        return float((2.0 / self.correlation_length) ** order * np.exp(gammaln(order / 2.0 + half) - gammaln(half)))
 
 
 @dataclass(frozen=True)

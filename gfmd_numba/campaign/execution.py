@@ -102,7 +102,7 @@ def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
     if scheduler is not None:
         try:
             resolve_address(scheduler)  # a client of a malformed address would go on failing in the background
-            client = Client(scheduler, timeout=10)
+            client = Client(scheduler, timeout=10, set_as_default=False)  # or xarray writes through one that failed
         except (OSError, ValueError, KeyError) as error:
             raise InputError(
                 f"--scheduler: given {scheduler} ({error}); "

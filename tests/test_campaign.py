@@ -11,6 +11,7 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
+from distributed import LocalCluster
 
 import gfmd_numba
 from gfmd_numba.campaign import execution, shards
@@ -197,6 +198,13 @@ def session(process: psutil.Process) -> int | None:
         return os.getsid(process.pid)
     except ProcessLookupError:
         return None
+
+
+def test_an_existing_scheduler_changes_no_number(finished, tmp_path):
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
+        path, failures = run_campaign(campaign(tmp_path), tmp_path / "out", scheduler=cluster.scheduler_address)
+    assert failures == {}
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
 
 
 @pytest.mark.parametrize("address", ["nowhere://127.0.0.1:1", "tcp://127.0.0.1:x"])

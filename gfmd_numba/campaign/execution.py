@@ -82,7 +82,7 @@ def _execute_on(client: Any, tasks: list[Task], directory: Path, progress: Progr
         client.submit(perform, task, directory, key=key, pure=False) for key, task in zip(names, tasks, strict=True)
     )
     in_flight = 2 * max(1, len(client.scheduler_info()["workers"]))
-    futures = as_completed(list(islice(submissions, in_flight)))
+    futures = as_completed(list(islice(submissions, in_flight)), loop=client.loop)
     failures = {}
     for future in futures:
         error = future.exception()

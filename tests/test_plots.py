@@ -223,3 +223,35 @@ def test_no_pyplot_state_is_left(campaign, contact):
     plot_campaign(campaign)
     plot_contact(contact)
     assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize("limits", [("eps_c",), ("eps_c", "eps_f", "eps_t")])
+@pytest.mark.parametrize("aspect_ratios", [(np.inf,), (0.05, 0.1, np.inf)])
+def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
+    rows = []
+    for hurst in (0.3, 0.8):
+        for aspect_ratio in aspect_ratios:
+            reference = {"eps_c": 0.25, "eps_f": 0.01, "eps_t": 0.5}
+            cases = [("reference", {})] + [(limit, {limit: reference[limit] / 2}) for limit in limits]
+            rows += [{"hurst": hurst, "aspect_ratio": aspect_ratio, "limit": n, **reference, **c} for n, c in cases]
+    columns = {name: ("case", [row[name] for row in rows]) for name in rows[0]}
+    n = len(rows)
+    dataset = xr.Dataset(
+        {
+            "kappa": (("case", "realisation"), np.ones((n, 2))),
+            "kappa_counted": (("case", "realisation"), np.ones((n, 2))),
+        },
+        columns
+        | {
+            "case_id": ("case", [str(i) for i in range(n)]),
+            "is_reference": ("case", [row["limit"] == "reference" for row in rows]),
+            "poissons_ratio": ("case", np.full(n, 0.3)),
+            "reduced_pressure": ("case", np.full(n, 0.01)),
+            "rms_gradient_target": ("case", np.full(n, 0.01)),
+        },
+    )
+    figure = plot_campaign(dataset)
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.width

@@ -88,7 +88,9 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         if any(map(_omits_nyquist, fitted.values())) and at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             axes[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
-        rows = -(-len(handles) // 5)
+        longest = max(len(str(handle.get_label()).replace("\\", "")) for handle in handles)
+        fitting = max(1, int(figure.get_figwidth() / (0.6 + 0.085 * longest)))  # inches of a column of the legend
+        rows = -(-len(handles) // fitting)
         figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
     return figure
 

@@ -331,7 +331,8 @@ def _show(fitted: xr.Dataset) -> None:
         )
     _print_table(title, [*parameters, "reference", "limit", *_LIMITS.values()], rows)
     for limit, kind in _LIMITS.items():
-        click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
+        if fitted["alpha"].sel(limit=limit).notnull().any():
+            click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
     messages = [str(message).splitlines() for message in fitted["message"].values]
     for line in dict.fromkeys(line for lines in messages for line in lines):
         having = [i for i, lines in enumerate(messages) if line in lines]

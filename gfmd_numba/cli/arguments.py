@@ -1,0 +1,66 @@
+"""Arguments and options that commands share, and their checks."""
+
+from __future__ import annotations
+
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import click
+
+Fixed = tuple[str, float | tuple[float, float]]
+
+file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
+_variables = click.Choice(["kappa", "kappa_counted", "kappa_r"])
+variable_option = click.option("--variable", type=_variables, help="[as the campaign says]")
+exponents_option = click.option("--exponents", type=click.Choice(["shared", "free"]), help="[as the campaign says]")
+
+
+def _exponents_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> tuple[Fixed, ...]:
+    """Return the exponents of the fit as `eps_c=1` or `eps_c=0.5:1` give them."""
+    return tuple(map(_exponent, options))
+
+
+def _exponent(option: str) -> Fixed:
+    from gfmd_numba.scene.document import plain_scalar
+
+    name, _, given = option.partition("=")
+    ends: list[Any] = [plain_scalar(end) for end in given.split(":")]
+    numbers = len(ends) <= 2 and all(type(end) in (int, float) for end in ends)
+    if name not in LIMITS or not numbers or not 0 < ends[0] <= ends[-1] < inf:
+        allowed = f"{', '.join(LIMITS)} with a number above 0 or a range, like eps_t=1 or eps_f=0.5:1"
+        raise click.BadParameter(f"given {option!r}; allowed: {allowed}")
+    return name, float(ends[0]) if len(ends) == 1 else (float(ends[0]), float(ends[1]))
+
+
+LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
+fixed_option = click.option(
+    "--fixed", multiple=True, callback=_exponents_given, metavar="EPS=X[:Y]", help="Fix an exponent, or say its range"
+)
+
+
+def check_output(output: Path, *inputs: Path) -> None:
+    """Raise InputError unless a file can be written that is none of the inputs."""
+    import os
+
+    from gfmd_numba.scene.document import InputError
+
+    for file in inputs:
+        if output.exists() and file.exists() and output.samefile(file):
+            raise InputError(f"--output: given {output}, which is an input; allowed: another file")
+    if not output.parent.is_dir():
+        raise InputError(f"--output: given {output}; allowed: a file in an existing folder, unlike {output.parent}")
+    if not os.access(output if output.exists() else output.parent, os.W_OK):
+        raise InputError(f"--output: given {output}, which may not be written; allowed: a file that may be")
+
+
+def check_picture(path: Path) -> None:
+    """Raise InputError for a picture of unknown kind."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    from gfmd_numba.scene.document import InputError
+
+    kinds = [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]
+    if path.suffix.lower() not in kinds:
+        raise InputError(f"--output: given {path}; allowed: a picture ending in {', '.join(kinds)}")

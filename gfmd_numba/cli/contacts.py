@@ -1,0 +1,59 @@
+"""Commands that make one contact or one surface."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from gfmd_numba.cli.arguments import check_output, file_argument
+from gfmd_numba.cli.group import SOME_FAILED, main
+
+
+@main.command()
+@file_argument
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+def solve(file: Path, output: Path) -> None:
+    """Solve the one contact in the scene FILE and write its fields and scalars."""
+    import gfmd_numba
+    from gfmd_numba.scene import Measured, load_scene
+
+    roughness = load_scene(file).scene.roughness
+    check_output(output, file, *([Path(roughness.file)] if isinstance(roughness, Measured) else []))
+    dataset = gfmd_numba.solve(file)
+    dataset.to_netcdf(output, engine="netcdf4")
+    click.echo(f"results  {output}")
+    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
+    for name in ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual"):
+        values = "".join(f"{float(value):<14.6g}" for value in steps[name])
+        click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
+    meanings = dataset["status"].attrs["flag_meanings"].split()
+    failed = [f"{meanings[int(s)]} in step {i}" for i, s in enumerate(steps["status"]) if int(s) != 0]
+    if failed:
+        click.echo(f"gfmd: the run is {', '.join(failed)}: those numbers are not to be used", err=True)
+        sys.exit(SOME_FAILED)
+
+
+@main.command()
+@file_argument
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+def surface(file: Path, output: Path) -> None:
+    """Make the rough surface described in FILE, with its statistics and a picture."""
+    import gfmd_numba
+    from gfmd_numba.analysis import plot_surface
+
+    picture = output.with_suffix(".png")
+    if picture == output:
+        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
+    dataset = gfmd_numba.make_surface(file)
+    dataset.to_netcdf(output, engine="netcdf4")
+    click.echo(f"surface  {output}")
+    plot_surface(dataset).savefig(picture, dpi=150)
+    click.echo(f"picture  {picture}")
+    for name, variable in dataset.data_vars.items():
+        if not variable.dims:
+            unit = variable.attrs["units"]
+            click.echo(f"{name!s:24}{float(variable):.6g} {'' if unit == '1' else unit}")
+    for sentence in filter(None, dataset.attrs["processing"].split("\n")):
+        click.echo(f"done     {sentence}")

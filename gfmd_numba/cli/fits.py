@@ -1,0 +1,113 @@
+"""Commands that fit and draw results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gfmd_numba.cli.arguments import (
+    Fixed,
+    check_output,
+    check_picture,
+    exponents_option,
+    fixed_option,
+    results_argument,
+    variable_option,
+)
+from gfmd_numba.cli.group import main
+from gfmd_numba.cli.tables import show_fit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@main.command()
+@results_argument
+@variable_option
+@exponents_option
+@fixed_option
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the fit as netCDF")
+def fit(
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
+) -> None:
+    """Fit kappa in RESULTS (a campaign's file or directory) to its limit."""
+    from gfmd_numba.campaign.results import read_results, results_file
+
+    file = results_file(results)
+    if output is not None:
+        check_output(output, file, file.parent / "campaign.yaml")
+    dataset = read_results(file)
+    with naming(file):
+        fitted = _fit(dataset, fixed, variable, exponents)
+    show_fit(fitted)
+    if output is not None:
+        fitted.to_netcdf(output, engine="netcdf4")
+        click.echo(f"fit      {output}")
+
+
+@main.command()
+@results_argument
+@variable_option
+@exponents_option
+@fixed_option
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture [beside RESULTS]")
+def plot(
+    results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
+) -> None:
+    """Draw RESULTS: kappa against the discretisations, or the fields of one contact."""
+    from gfmd_numba.campaign.results import read_results, results_file
+
+    file = results_file(results)
+    picture = output or file.with_suffix(".png")
+    check_output(picture, file, file.parent / "campaign.yaml")
+    check_picture(picture)
+    dataset = read_results(file)
+    with naming(file):
+        fitted = None if "x" in dataset.dims else _fit(dataset, fixed, variable, exponents)
+        draw(dataset, fitted, picture)
+
+
+@contextmanager
+def naming(file: Path) -> Iterator[None]:
+    """Put the name of the file into what its data lack."""
+    from gfmd_numba.analysis import UnusableDataError
+    from gfmd_numba.scene.document import InputError
+
+    try:
+        yield
+    except UnusableDataError as error:
+        raise InputError(f"{file}: {error}") from None
+
+
+def _fit(dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None) -> xr.Dataset:
+    from gfmd_numba.analysis import fit_tfc
+
+    return fit_tfc(dataset, **fit_options(dataset, fixed, variable, exponents))
+
+
+def fit_options(
+    dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None
+) -> dict[str, Any]:
+    """Options of the fit: the campaign's own, overridden by those of the command line."""
+    import json
+
+    options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
+    options["fixed"] = options.get("fixed", {}) | dict(fixed)
+    if variable is not None:
+        options["variable"] = variable
+    if exponents is not None:
+        options["exponents"] = exponents
+    return options
+
+
+def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
+    """Write the picture of a campaign with its fit, or of one contact without."""
+    from gfmd_numba.analysis import plot_campaign, plot_contact
+
+    figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
+    figure.savefig(path, dpi=150)
+    click.echo(f"picture  {path}")

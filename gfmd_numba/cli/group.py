@@ -1,0 +1,32 @@
+"""The `gfmd` command, and how it ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+BAD_INPUT, SOME_FAILED, INTERRUPTED = 2, 3, 130
+
+
+class _Gfmd(click.Group):
+    """Turns what the user can mend into one message and an exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; bad input exits with 2, an interrupt with 130."""
+        from gfmd_numba.scene.document import InputError
+
+        try:
+            return super().invoke(ctx)
+        except (InputError, OSError) as error:
+            click.echo(f"gfmd: {error}", err=True)
+            ctx.exit(BAD_INPUT)
+        except KeyboardInterrupt:
+            click.echo("gfmd: interrupted; finished work is kept, the same command resumes", err=True)
+            ctx.exit(INTERRUPTED)
+
+
+@click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="gfmd-numba")
+def main() -> None:
+    """Contact of rough elastic bodies: a YAML campaign in, kappa with error bars out."""

@@ -1,0 +1,119 @@
+"""Fits and means as tables on the terminal."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gfmd_numba.cli.arguments import LIMITS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_PARAMETERS = {
+    "H": "hurst",
+    "nu": "poissons_ratio",
+    "a": "aspect_ratio",
+    "p*": "reduced_pressure",
+    "g": "rms_gradient_target",
+}
+_MOST_ROWS = 200
+
+
+def show_fit(fitted: xr.Dataset) -> None:
+    """Print kappa at the reference and in the limit, and what separates the two."""
+    parameters = _shown_parameters(fitted)
+    title = f"{fitted.attrs['variable']} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    rows = []
+    for i in range(fitted.sizes["group"]):
+        group = fitted.isel(group=i)
+        corrections = [
+            _with_error(group["correction"].sel(limit=limit), group["correction_error"].sel(limit=limit))
+            for limit in LIMITS
+        ]
+        rows.append(
+            [
+                *(_number(group[name]) for name in parameters.values()),
+                _with_error(group["reference"], group["reference_error"]),
+                _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
+                *corrections,
+            ]
+        )
+    _print_table(title, [*parameters, "reference", "limit", *LIMITS.values()], rows)
+    for limit, kind in LIMITS.items():
+        if fitted["alpha"].sel(limit=limit).notnull().any():
+            click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
+    messages = [str(message).splitlines() for message in fitted["message"].values]
+    for line in dict.fromkeys(line for lines in messages for line in lines):
+        having = [i for i, lines in enumerate(messages) if line in lines]
+        whose = "" if len(having) == len(messages) else _whose(fitted, having)
+        click.echo(f"note     {whose}{line}")
+
+
+def show_means(dataset: xr.Dataset, variable: str) -> None:
+    """Print the ensemble mean of every case, for a campaign without limits."""
+    from gfmd_numba.analysis import ensemble_mean
+
+    shown = dataset.isel(case=slice(_MOST_ROWS))
+    parameters = _shown_parameters(dataset) | {limit: limit for limit in LIMITS}
+    columns = [shown[name].values for name in parameters.values()]
+    rows = [
+        [*map(_number, values), _with_error(mean, error)]
+        for *values, mean, error in zip(*columns, *ensemble_mean(shown, variable), strict=True)
+    ]
+    _print_table(f"{variable}, mean of the realisations (one standard error)", [*parameters, variable], rows)
+    if dataset.sizes["case"] > _MOST_ROWS:
+        click.echo(f"note     {dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
+
+
+def _print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, title=title)
+    for column in columns:
+        table.add_column(column, justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    Console(width=120).print(table)
+
+
+def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
+    """Return heading and name of each parameter; the gradient only if it differs, as kappa does not know it."""
+    gradients = set(dataset["rms_gradient_target"].values.tolist())
+    return {heading: name for heading, name in _PARAMETERS.items() if heading != "g" or len(gradients) > 1}
+
+
+def _whose(fitted: xr.Dataset, having: list[int]) -> str:
+    """Return which of several groups a note is about."""
+    if len(having) > 3:
+        return f"{len(having)} of {fitted.sizes['group']} groups: "
+    varied = {h: name for h, name in _PARAMETERS.items() if len(set(map(_number, fitted[name].values))) > 1}
+    groups = [
+        ", ".join(f"{heading} = {_number(fitted[name].values[i])}" for heading, name in varied.items()) for i in having
+    ]
+    return " and ".join(groups) + ": "
+
+
+def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
+    """Return the exponent of a limit, or one for each group if they differ."""
+    found = {
+        _with_error(value, error)
+        for value, error in zip(
+            fitted["alpha"].sel(limit=limit).values, fitted["alpha_error"].sel(limit=limit).values, strict=True
+        )
+    }
+    return ", ".join(sorted(found))
+
+
+def _number(value: Any) -> str:
+    return "-" if isnan(float(value)) else f"{float(value):g}"
+
+
+def _with_error(value: Any, error: Any) -> str:
+    if isnan(float(value)):
+        return "-"
+    return f"{float(value):.3f}" + ("" if isnan(float(error)) else f" ± {float(error):.3f}")

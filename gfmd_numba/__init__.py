@@ -34,9 +34,10 @@ def run(path: str | Path, output: str | Path | None = None, workers: int = 0) ->
     `workers` above 0 are dask processes; as they import the calling script, the call must then stand under
     `if __name__ == "__main__":`.
     """
+    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import run as run_campaign
 
-    return open_campaign(run_campaign(path, output, workers)[0])
+    return open_campaign(run_campaign(path, output, Workers(workers))[0])
 
 
 def open_campaign(path: str | Path) -> xr.Dataset:

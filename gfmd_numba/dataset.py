@@ -23,7 +23,7 @@ def scales(scene: Scene, rms_gradient: float) -> dict[str, float]:
         "1": 1.0,
         "gradient": rms_gradient,
         "height": rms_gradient * (scene.length or 1.0),
-        "pressure": rms_gradient * effective_modulus(scene),
+        "pressure": rms_gradient * effective_modulus(scene.body),
         "s": 1.0,
     }
 

@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,8 @@ import numpy.typing as npt
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Discretisation, Numerics, Scene, SelfAffine
+from gfmd_numba.scene import Body, Discretisation, Numerics, Scene, SelfAffine
+from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
 
@@ -73,7 +75,7 @@ class Problem:
     displacement: float | None
     numerics: Numerics
 
-    @property
+    @cached_property
     def identity(self) -> str:
         """Hash of everything that decides the numbers: equal problems are solved once."""
         surface = asdict(self.surface)
@@ -128,27 +130,39 @@ def reduce(
     displacement = None
     if loading.displacement is not None:
         displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    interface, interactions = _interface(scene, rms_gradient)
-    body, elasticity = _body(scene, interface, displacement is not None)
-    if numerics.solver == "auto":
+    interface, interactions = _interface(scene.interface, scene.body, scene.length or 1.0, rms_gradient)
+    exact = displacement is not None or interface.law is not None  # a jump may hang on any small difference
+    tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
+    body, elasticity = _body(scene.body, interface, displacement is not None, tolerance)
+    solver = numerics.solver
+    if solver == "auto":
         light = loading.reduced_pressure is None or loading.reduced_pressure <= _LIGHT_LOAD
         easy = light or scene.body.aspect_ratio <= _THIN_SLAB
         gradients = easy and interface.law is None and not interface.couples
-        numerics = numerics.model_copy(update={"solver": "conjugate_gradients" if gradients else "verlet"})
+        solver = "conjugate_gradients" if gradients else "verlet"
+    numerics = _decided(numerics, solver)
     problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics)
     return problem, (*elasticity, *interactions)
 
 
-def effective_modulus(scene: Scene) -> float:
+def effective_modulus(body: Body) -> float:
     """Contact modulus E* in Pa, E / (1 - nu^2) in plane strain and E in plane stress; 1 without Young's modulus."""
-    body = scene.body
     if body.youngs_modulus is None:
         return 1.0
     return body.youngs_modulus / (1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0)
 
 
-def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[ElasticBody, tuple[Effect, ...]]:
-    nu, aspect_ratio = scene.body.effective_poissons_ratio, scene.body.aspect_ratio
+@lru_cache
+def _decided(numerics: Numerics, solver: str) -> Numerics:
+    """Numerics without what has been decided by now: equal problems have equal ones."""
+    return numerics.model_copy(update={"solver": solver, "effects": "exact"})
+
+
+@lru_cache(maxsize=4096)
+def _body(
+    asked: Body, interface: Interface, mean_matters: bool, tolerance: float
+) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    nu, aspect_ratio = asked.effective_poissons_ratio, asked.aspect_ratio
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
     )
@@ -163,17 +177,21 @@ def _body(scene: Scene, interface: Interface, mean_matters: bool) -> tuple[Elast
         return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "its mean displacement counts"))
     effect = stiffening(nu, aspect_ratio)
     name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
-    bound = f"it stiffens the longest wave by {effect:.1e} relative to the half-space"
-    if mean_matters or effect > np.finfo(float).eps / 2:
+    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
+    rounding = np.finfo(float).eps / 2
+    if mean_matters or effect > max(rounding, tolerance):
         return ElasticBody(nu, aspect_ratio), (condensed, Effect(name, "on", bound))
-    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below double precision"))
+    below = "double precision" if effect <= rounding else f"numerics.effects = {tolerance:g}"
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below {below}"))
 
 
-def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effect, ...]]:
-    asked = scene.interface
+@lru_cache(maxsize=4096)
+def _interface(
+    asked: Interactions, body: Body, period: float, rms_gradient: float
+) -> tuple[Interface, tuple[Effect, ...]]:
     wall, exponential, cohesive, friction = asked.hard_wall, asked.exponential, asked.cohesive, asked.friction
-    length = rms_gradient * (scene.length or 1.0)
-    energy = length * rms_gradient * effective_modulus(scene)
+    length = rms_gradient * period
+    energy = length * rms_gradient * effective_modulus(body)
     law = cohesion = None
     if exponential is not None:
         law = Exponential(exponential.work_of_adhesion / energy, exponential.range / length)
@@ -188,7 +206,7 @@ def _interface(scene: Scene, rms_gradient: float) -> tuple[Interface, tuple[Effe
         _as_asked("friction", friction),
     ]
     coefficient = None if friction is None else friction.coefficient
-    if coefficient is not None and math.isinf(scene.body.aspect_ratio) and scene.body.effective_poissons_ratio == 0.5:
+    if coefficient is not None and math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5:
         coefficient = None
         reason = "an incompressible half-space has no tangential displacement under normal load"
         effects[-1] = Effect("friction", "dropped", reason)

@@ -15,9 +15,11 @@ from distributed import LocalCluster
 
 import gfmd_numba
 from gfmd_numba.campaign import execution, shards
-from gfmd_numba.campaign.cases import blocks, expand, tasks
+from gfmd_numba.campaign.cases import blocks
 from gfmd_numba.campaign.claim import claimed
-from gfmd_numba.campaign.run import plan
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.scene import InputError
 
@@ -46,7 +48,7 @@ def campaign(folder: Path, text: str = SMALL, **replacements: str) -> Path:
 
 
 def numbers(dataset: xr.Dataset) -> xr.Dataset:
-    return dataset.drop_vars("wall_time").drop_attrs()
+    return dataset.drop_vars(["wall_time", "case_seconds"]).drop_attrs()
 
 
 def test_limits_are_one_at_a_time_around_one_reference(tmp_path):
@@ -76,7 +78,7 @@ def test_equal_problems_are_solved_once(tmp_path):
     grid = "poissons_ratio: [0.2, 0.33], aspect_ratio: [.inf, 6, 0.5], rms_gradient: [0.01, 0.1]"
     planned = plan(campaign(tmp_path, **{"hurst: [0.3, 0.8]": grid}))
     assert len(planned.cases) == 2 * 3 * 2 * 5
-    assert planned.n_problems == 5 * (1 + 2)
+    assert len(planned.problems) == 5 * (1 + 2)
     assert (
         sum(effect.state == "dropped" for effect in planned.effects) == 1 + 2
     )  # the half-space's Poisson's ratio; a = 6 at either Poisson's ratio
@@ -101,18 +103,18 @@ def test_identity_follows_what_decides_the_numbers(tmp_path):
 
 
 def test_blocks_cover_all_realisations_once(tmp_path, monkeypatch):
-    monkeypatch.setattr("gfmd_numba.campaign.cases._TASK_SAMPLES", 500)
+    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 500)
     planned = plan(campaign(tmp_path))
     for case in planned.cases:
-        covered = [r for task in blocks(case.problem, 6) for r in range(task.first, task.stop)]
+        covered = [r for block in blocks(case.problem, 6) for r in range(block.first, block.stop)]
         assert covered == list(range(6))
-    assert len(tasks(expand(planned.campaign), 6)) > len(planned.cases)
+    assert len(list(planned.blocks)) > len(planned.cases)
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("finished")
-    path, failures = run_campaign(campaign(folder), folder / "out", workers=0)
+    path, failures = run_campaign(campaign(folder), folder / "out", Workers(0))
     assert failures == {}
     return gfmd_numba.open_campaign(path)
 
@@ -184,7 +186,7 @@ def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
         time.sleep(0.001)
     time.sleep(np.random.default_rng().uniform(0, 0.2))
     os.killpg(process.pid, signal.SIGINT)
-    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("tasks ")]
+    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("blocks ")]
     assert process.returncode == 130
     assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]
     left = list(out.glob("shards/*"))
@@ -202,7 +204,7 @@ def session(process: psutil.Process) -> int | None:
 
 def test_an_existing_scheduler_changes_no_number(finished, tmp_path):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
-        path, failures = run_campaign(campaign(tmp_path), tmp_path / "out", scheduler=cluster.scheduler_address)
+        path, failures = run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address=cluster.scheduler_address))
     assert failures == {}
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
 
@@ -210,8 +212,8 @@ def test_an_existing_scheduler_changes_no_number(finished, tmp_path):
 @pytest.mark.parametrize("address", ["nowhere://127.0.0.1:1", "tcp://127.0.0.1:x"])
 def test_a_wrong_scheduler_is_named(tmp_path, address):
     with pytest.raises(InputError, match=f"--scheduler: given {address} .*; allowed: the address of a running dask"):
-        run_campaign(campaign(tmp_path), tmp_path / "out", scheduler=address)
-    run_campaign(campaign(tmp_path), tmp_path / "out", workers=0)  # a client that failed is not in the way
+        run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address=address))
+    run_campaign(campaign(tmp_path), tmp_path / "out", Workers(0))  # a client that failed is not in the way
 
 
 def test_a_damaged_shard_is_computed_again(finished, tmp_path):
@@ -231,7 +233,7 @@ def test_a_damaged_shard_is_computed_again(finished, tmp_path):
 
 def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path, monkeypatch):
     planned = plan(campaign(tmp_path))
-    bad = planned.tasks[0]
+    bad = next(planned.blocks)
     solve = execution.solve
 
     def fails_once(problem, realisations):
@@ -240,8 +242,8 @@ def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path,
         return solve(problem, realisations)
 
     monkeypatch.setattr(execution, "solve", fails_once)
-    path, failures = run_campaign(tmp_path / "campaign.yaml", tmp_path / "out", workers=0)
-    assert failures == {bad.name: "FloatingPointError: boom"}
+    path, failures = run_campaign(tmp_path / "campaign.yaml", tmp_path / "out", Workers(0))
+    assert failures == {bad.name: Failure("crashed", "FloatingPointError: boom")}
     result = gfmd_numba.open_campaign(path)
     crashed = result["case_id"] == bad.problem.identity
     assert (result["status"].where(crashed, drop=True) == 5).all()
@@ -252,7 +254,7 @@ def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path,
 
 
 def test_more_realisations_keep_the_finished_ones(tmp_path, monkeypatch):
-    monkeypatch.setattr("gfmd_numba.campaign.cases._TASK_SAMPLES", 128 * 3)
+    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 128 * 3)
     out = tmp_path / "out"
     few = gfmd_numba.run(campaign(tmp_path), out, 0)
     stamps = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}

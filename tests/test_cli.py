@@ -10,6 +10,7 @@ import xarray as xr
 from click.testing import CliRunner
 from test_campaign import SMALL, campaign
 
+from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli import main
 
@@ -108,7 +109,7 @@ def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations):
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
-    return run_campaign(campaign(folder), folder / "out", workers=0)[0]
+    return run_campaign(campaign(folder), folder / "out", Workers(0))[0]
 
 
 @pytest.mark.parametrize(

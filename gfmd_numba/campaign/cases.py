@@ -1,14 +1,17 @@
-"""From a campaign to its cases, and from cases to the distinct problems and tasks behind them."""
+"""From a campaign to its cases, and from cases to the distinct problems and blocks of work behind them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
+
+from pydantic import BaseModel
 
 from gfmd_numba.campaign.specification import AXES, Campaign
 from gfmd_numba.problem import Effect, Problem, random_surface, reduce, self_affine
 from gfmd_numba.scene import Discretisation, Scene
 
-_TASK_SAMPLES = 2**18  # realisations times nx in one task: seconds of work, tens of megabytes
+_BLOCK_SAMPLES = 2**18  # realisations times nx in one block: a second of work, tens of megabytes
 _PARTS = {
     "hurst": "roughness",
     "rms_gradient": "roughness",
@@ -33,8 +36,8 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Task:
-    """A block of realisations of one problem: what one worker does at a time."""
+class Block:
+    """A block of realisations of one problem: the unit of finished work."""
 
     problem: Problem
     first: int
@@ -60,23 +63,28 @@ def expand(campaign: Campaign) -> list[Case]:
     return cases
 
 
-def tasks(cases: list[Case], realisations: int) -> list[Task]:
-    """Tasks of the distinct problems among the cases, the largest grids first."""
+def distinct(cases: Iterable[Case]) -> list[Problem]:
+    """Distinct problems among the cases, the largest grids first."""
     problems = {case.problem.identity: case.problem for case in cases}
-    ordered = sorted(problems.values(), key=lambda problem: -problem.surface.nx)
-    return [task for problem in ordered for task in blocks(problem, realisations)]
+    return sorted(problems.values(), key=lambda problem: -problem.surface.nx)
 
 
-def blocks(problem: Problem, realisations: int) -> Iterator[Task]:
-    """Tasks that together hold the realisations of one problem."""
-    size = max(1, _TASK_SAMPLES // problem.surface.nx)
+def blocks(problem: Problem, realisations: int) -> Iterator[Block]:
+    """Blocks that together hold the realisations of one problem."""
+    size = max(1, _BLOCK_SAMPLES // problem.surface.nx)
     for first in range(0, realisations, size):
-        yield Task(problem, first, min(first + size, realisations))
+        yield Block(problem, first, min(first + size, realisations))
+
+
+@lru_cache(maxsize=4096)
+def _part(part: BaseModel, values: tuple[tuple[str, float], ...]) -> BaseModel:
+    """Part of a scene with other values; equal parts of many cases are one record."""
+    return part.model_copy(update=dict(values))
 
 
 def _replaced(scene: Scene, values: dict[str, float]) -> Scene:
-    parts: dict[str, dict[str, float]] = {}
+    parts: dict[str, list[tuple[str, float]]] = {}
     for name, value in values.items():
-        parts.setdefault(_PARTS[name], {})[name] = value
-    changed = {part: getattr(scene, part).model_copy(update=update) for part, update in parts.items()}
+        parts.setdefault(_PARTS[name], []).append((name, value))
+    changed = {part: _part(getattr(scene, part), tuple(update)) for part, update in parts.items()}
     return scene.model_copy(update=changed)

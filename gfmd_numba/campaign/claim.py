@@ -1,6 +1,7 @@
 """An output directory belongs to one campaign, and to one run of it at a time."""
 
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fnmatch import fnmatch
@@ -11,7 +12,8 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.results import campaign_name
 from gfmd_numba.scene import InputError
 
-_LABEL, _LOCK = "campaign.yaml", ".lock"
+LABEL = "campaign.yaml"  # copy of the campaign file
+_LOCK = ".lock"
 
 
 @contextmanager
@@ -21,24 +23,40 @@ def claimed(directory: Path, name: str, text: str) -> Iterator[None]:
         _check_content(directory, name)
     directory.mkdir(parents=True, exist_ok=True)
     with open(directory / _LOCK, "ab") as lock:
-        try:
-            _lock(lock)
-        except (BlockingIOError, PermissionError):
-            raise InputError(
-                f"{directory}: given an output directory in which another run is at work; "
-                "allowed: one run at a time (wait for it, or choose another with --output)"
-            ) from None
+        for attempt in range(5):  # a look at the status holds the lock for a moment
+            try:
+                _lock(lock)
+                break
+            except (BlockingIOError, PermissionError):
+                if attempt == 4:
+                    raise InputError(
+                        f"{directory}: given an output directory in which another run is at work; "
+                        "allowed: one run at a time (wait for it, or choose another with --output)"
+                    ) from None
+                time.sleep(0.05)
         _check_owner(directory, name)
-        for leftover in (*directory.glob(f"{_LABEL}*.tmp"), *directory.glob("shards/*.tmp")):
+        for leftover in (*directory.glob("*.tmp"), *directory.glob("shards/*.tmp")):
             leftover.unlink(missing_ok=True)
-        shards.replace(directory / _LABEL, text.encode())
+        shards.replace(directory / LABEL, text.encode())
         yield
 
 
+def at_work(directory: Path) -> bool:
+    """Whether a run is at work in an output directory."""
+    try:
+        with open(directory / _LOCK, "rb+") as lock:
+            _lock(lock)
+    except FileNotFoundError:
+        return False
+    except (BlockingIOError, PermissionError):
+        return True
+    return False
+
+
 def _check_content(directory: Path, name: str) -> None:
-    ours = (_LABEL, _LOCK, "shards", f"{_LABEL}*.tmp", f"{name}.nc", f"{name}.nc.tmp", f"{name}.png")
+    ours = (LABEL, _LOCK, "shards", "run.json", "*.tmp", f"{name}.nc", f"{name}.png")
     if not directory.is_dir() or not (
-        (directory / _LABEL).exists()
+        (directory / LABEL).exists()
         or all(any(fnmatch(entry.name, pattern) for pattern in ours) for entry in directory.iterdir())
     ):
         raise InputError(
@@ -48,7 +66,7 @@ def _check_content(directory: Path, name: str) -> None:
 
 
 def _check_owner(directory: Path, name: str) -> None:
-    label = directory / _LABEL
+    label = directory / LABEL
     if not label.exists():
         return
     owner = campaign_name(label)

@@ -40,6 +40,20 @@ fixed_option = click.option(
 )
 
 
+def _conditions_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> Any:
+    """Return the conditions on cases as `hurst=0.8` gives them."""
+    pairs = [option.partition("=") for option in options]
+    for option, (name, _, value) in zip(options, pairs, strict=True):
+        if not name or not value:
+            raise click.BadParameter(f"given {option!r}; allowed: a coordinate and its value, like hurst=0.8")
+    return tuple((name, value) for name, _, value in pairs)
+
+
+conditions_option = click.option(
+    "--only", multiple=True, callback=_conditions_given, metavar="NAME=VALUE", help="Only cases with this coordinate"
+)
+
+
 def check_output(output: Path, *inputs: Path) -> None:
     """Raise InputError unless a file can be written that is none of the inputs."""
     import os

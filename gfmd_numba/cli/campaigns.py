@@ -4,32 +4,63 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, file_argument
+from gfmd_numba.cli.arguments import LIMITS, conditions_option, file_argument
 from gfmd_numba.cli.fits import draw, fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar
-from gfmd_numba.cli.tables import show_fit, show_means
+from gfmd_numba.cli.tables import duration, show_fit, show_means
+
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.plan import Plan
 
 
 @main.command()
 @file_argument
-def plan(file: Path) -> None:
-    """Say what the campaign in FILE comes to, without running it."""
-    from gfmd_numba.campaign.run import plan as plan_campaign
+@click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help="That would run it")
+@click.option("--pilot", default=10.0, show_default=True, type=click.FloatRange(0), help="Seconds to measure with")
+def plan(file: Path, workers: int, pilot: float) -> None:
+    """Say what the campaign in FILE comes to and costs, without running it."""
+    from gfmd_numba.campaign.plan import plan as plan_campaign
 
     planned = plan_campaign(file)
-    n, distinct = len(planned.cases), planned.n_problems
+    distinct = len(planned.problems)
+    simulations = distinct * planned.campaign.realisations
     click.echo(f"campaign      {planned.campaign.name}")
-    click.echo(f"cases         {n}, of which {distinct} distinct problems")
-    click.echo(f"simulations   {distinct * planned.campaign.realisations} in {len(planned.tasks)} tasks")
+    click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
+    for differing, count in planned.shared.items():
+        whose = " and ".join(differing) or "nothing"
+        click.echo(f"shared        {count} cases differ from another one in {whose} alone, which changes no number")
+    click.echo(f"simulations   {simulations} of {len(planned.cases) * planned.campaign.realisations} asked for")
     click.echo(f"largest grid  nx = {max(case.discretisation.nx for case in planned.cases)}")
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
-    click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB")
-    for effect in planned.effects:
+    click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
+    if pilot:
+        _show_cost(planned, workers, pilot)
+    for effect in planned.effects[:_MOST_EFFECTS]:
         click.echo(f"{effect.state:13} {effect.name}: {effect.reason}")
+    if len(planned.effects) > _MOST_EFFECTS:
+        click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more of that kind")
+
+
+_MOST_EFFECTS = 50
+
+
+def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
+    from gfmd_numba.campaign import cost
+    from gfmd_numba.campaign.execution import compile_kernels
+    from gfmd_numba.campaign.plan import wall_time
+
+    realisations = planned.campaign.realisations
+    predicted = cost.predict(planned.problems, realisations, pilot, compile_kernels)
+    likely, at_most = predicted.quantile(0.5), predicted.quantile(0.9)
+    click.echo(f"CPU time      {duration(likely)}, with 90 % probability below {duration(at_most)}")
+    walls = [wall_time(predicted, s, realisations, planned.problems, workers) for s in (likely, at_most)]
+    click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
+    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine")
 
 
 @main.command()
@@ -37,25 +68,124 @@ def plan(file: Path) -> None:
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [name of the campaign]")
 @click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help="0: in this process")
 @click.option("--scheduler", metavar="ADDRESS", help="Use an existing dask scheduler")
-def run(file: Path, output: Path | None, workers: int, scheduler: str | None) -> None:
+@click.option("--insecure", is_flag=True, help="Allow one beyond this machine without TLS")
+@conditions_option
+@click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
+@click.option("--retry-failed", is_flag=True, help="Try again what crashed or timed out before")
+@click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
+def run(
+    file: Path,
+    output: Path | None,
+    workers: int,
+    scheduler: str | None,
+    insecure: bool,
+    only: tuple[tuple[str, str], ...],
+    limit: int | None,
+    retry_failed: bool,
+    fail_fast: bool,
+) -> None:
     """Run the campaign in FILE, or what is left of it, and fit its results."""
     import gfmd_numba
+    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
 
-    with progress_bar() as watch:
-        results, failures = run_campaign(file, output, workers, scheduler, watch)
+    choice = Choice(dict(only), limit, retry_failed, fail_fast)
+    try:
+        with progress_bar() as watch:
+            results, failures = run_campaign(file, output, Workers(workers, scheduler, insecure), watch, choice)
+    except StoppedError as error:
+        click.echo(f"gfmd: {error}", err=True)
+        sys.exit(SOME_FAILED)
     click.echo(f"results  {results}")
     dataset = gfmd_numba.open_campaign(results)
-    options = fit_options(dataset, (), None, None)
-    if LIMITS.keys() & set(dataset["limit"].values):
-        fitted = gfmd_numba.fit_tfc(dataset, **options)
+    status = dataset["status"]
+    meanings = status.attrs["flag_meanings"].split()
+    to_do = int((status == meanings.index("unfinished")).sum())
+    not_ok = int((status != 0).sum()) - to_do
+    if to_do:
+        click.echo(f"note     {to_do} of {status.size} simulations are not run yet: the same command resumes")
+    elif LIMITS.keys() & set(dataset["limit"].values):
+        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
         show_fit(fitted)
         draw(dataset, fitted, results.with_suffix(".png"))
     else:
-        show_means(dataset, options.get("variable", "kappa"))
-    for task, reason in failures.items():
-        click.echo(f"gfmd: task {task} crashed: {reason}", err=True)
-    unfinished = int((dataset["status"] != 0).sum())
-    if unfinished:
-        click.echo(f"gfmd: {unfinished} of {dataset['status'].size} simulations are not ok, see `status`", err=True)
+        show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
+    for block, failure in failures.items():
+        click.echo(f"gfmd: block {block} {failure.status}: {failure.reason}", err=True)
+    if not_ok:
+        click.echo(
+            f"gfmd: {not_ok} of {status.size} simulations are not ok, see `status` in the file; "
+            f"`gfmd status {results.parent}` says how to run them again",
+            err=True,
+        )
+        sys.exit(SOME_FAILED)
+
+
+_directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
+
+
+@main.command()
+@_directory
+@click.option("--json", "as_json", is_flag=True, help="For programs")
+@click.option("--watch", is_flag=True, help="Look again every two seconds until it has ended")
+def status(directory: Path, as_json: bool, watch: bool) -> None:
+    """Say how far the campaign is whose output DIRECTORY this is."""
+    import json
+    import time
+    from dataclasses import asdict
+
+    from gfmd_numba.campaign.status import progress
+
+    while True:
+        now = progress(directory)
+        if as_json:
+            click.echo(json.dumps(asdict(now)))
+        else:
+            left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
+            state = "running" if now.running else "finished" if now.done == now.blocks else "not running"
+            failed = f", {len(now.failed)} failed" if now.failed else ""
+            click.echo(f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}")
+        if not watch or not now.running:
+            break
+        time.sleep(2.0)
+    if not as_json:
+        for block, failure in now.failed.items():
+            click.echo(f"{failure.status:9} {block}: {failure.reason}")
+            click.echo(f"          {now.retry[block]}")
+
+
+@main.command()
+@_directory
+def collect(directory: Path) -> None:
+    """Write what is finished in an output DIRECTORY to its netCDF file, also during a run."""
+    from gfmd_numba.campaign.collection import collect as collect_campaign
+    from gfmd_numba.campaign.status import campaign_in
+
+    click.echo(f"results  {collect_campaign(campaign_in(directory), directory)}")
+
+
+@main.command()
+@_directory
+def verify(directory: Path) -> None:
+    """Check every shard in an output DIRECTORY, and its netCDF file, against their digests."""
+    from gfmd_numba.campaign.provenance import content_digest
+    from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.campaign.status import campaign_in
+    from gfmd_numba.campaign.status import verify as verify_shards
+
+    verdict = verify_shards(directory)
+    click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} not there")
+    for name in verdict.damaged:
+        click.echo(f"damaged  {name}: `gfmd run` computes it again")
+    for name in verdict.foreign:
+        click.echo(f"foreign  {name}: of no case of this campaign; it is not used")
+    file = directory / f"{campaign_in(directory).campaign.name}.nc"
+    altered = False
+    if file.exists():
+        dataset = read_results(file)
+        altered = content_digest(dataset) != dataset.attrs.get("content_sha256")
+        state = "differs from its digest: `gfmd collect` writes it again" if altered else "sound"
+        click.echo(f"results  {file} {state}")
+    if verdict.damaged or altered:
         sys.exit(SOME_FAILED)

@@ -18,6 +18,8 @@ class _Gfmd(click.Group):
 
         try:
             return super().invoke(ctx)
+        except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
+            raise
         except (InputError, OSError) as error:
             click.echo(f"gfmd: {error}", err=True)
             ctx.exit(BAD_INPUT)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import time
 from pathlib import Path
 
 import click
 
 from gfmd_numba.cli.arguments import file_argument
-from gfmd_numba.cli.group import main
+from gfmd_numba.cli.group import SOME_FAILED, main
 
 
 @main.command()
@@ -28,3 +30,90 @@ def check(file: Path) -> None:
     else:
         load_scene(file)
         click.echo(f"{file}: a scene")
+
+
+@main.command()
+@click.argument("kind", type=click.Choice(["campaign", "scene", "surface"]), default="campaign")
+def schema(kind: str) -> None:
+    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML."""
+    import json
+
+    from pydantic import BaseModel
+
+    from gfmd_numba.campaign.specification import Campaign
+    from gfmd_numba.scene import SceneFile
+    from gfmd_numba.scene.surface_records import SurfaceFile
+
+    records: dict[str, type[BaseModel]] = {"campaign": Campaign, "scene": SceneFile, "surface": SurfaceFile}
+    click.echo(json.dumps(records[kind].model_json_schema(), indent=2))
+
+
+@main.command()
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path), default="campaign.yaml")
+def init(file: Path) -> None:
+    """Write a campaign with comments to FILE, to begin with."""
+    from importlib.resources import files
+
+    from gfmd_numba.scene.document import InputError
+
+    text = files("gfmd_numba.campaign").joinpath("template.yaml").read_text(encoding="utf-8")
+    try:
+        with open(file, "x", encoding="utf-8") as new:
+            new.write(text)
+    except FileExistsError:
+        raise InputError(f"{file}: given a file that exists; allowed: a new name") from None
+    click.echo(f"campaign {file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")
+
+
+@main.command()
+def doctor() -> None:
+    """Check this installation: packages, cache, kernels and transforms, workers."""
+    from gfmd_numba import cache
+    from gfmd_numba.campaign import provenance
+
+    for name, installed in provenance.versions().items():
+        click.echo(f"{name:13} {installed}")
+    click.echo(f"{'machine':13} {provenance.machine()}")
+    click.echo(f"{'cache':13} {cache.directory()}")
+    ill = False
+    for name, examine in (("a contact", _examine_contact), ("two workers", _examine_workers)):
+        begun = time.perf_counter()
+        try:
+            finding = examine()
+        except Exception as error:
+            ill, finding = True, f"failed: {type(error).__name__}: {error}"
+        click.echo(f"{name:13} {finding} ({time.perf_counter() - begun:.1f} s)")
+    if ill:
+        sys.exit(SOME_FAILED)
+
+
+def _examine_contact() -> str:
+    """Press a wave and compare with Westergaard: kernels compile and transforms are scaled as they should be."""
+    import numpy as np
+
+    from gfmd_numba import grid, reference
+    from gfmd_numba.dynamics import equilibrate
+    from gfmd_numba.elasticity import stiffness
+    from gfmd_numba.scene import Numerics
+
+    nx, amplitude, load = 256, 0.01, 0.01
+    x = np.arange(nx) / nx - 0.5
+    punch = amplitude * (1.0 - np.cos(2.0 * np.pi * x))[np.newaxis]
+    solver = Numerics(solver="conjugate_gradients")
+    found = equilibrate(punch, stiffness.half_space(grid.wavenumbers(nx)), load, solver)
+    expected = reference.westergaard_pressure(x, load, amplitude)
+    expected[np.abs(x) > reference.westergaard_half_width(load, amplitude)] = 0.0
+    error = float(np.sqrt(np.mean((found.pressure[0] - expected) ** 2)) / expected.max())
+    if error > 0.01:
+        raise ArithmeticError(f"pressure under a wave is {error:.1%} off Westergaard's solution")
+    return f"right to {error:.1e} of Westergaard's peak pressure"
+
+
+def _examine_workers() -> str:
+    from gfmd_numba.campaign import provenance
+    from gfmd_numba.campaign.cluster import connected
+
+    with connected(2, None, False, Path()) as client:
+        if client.submit(provenance.versions).result(timeout=60) != provenance.versions():
+            raise RuntimeError("they have other packages than this process")
+        return f"{len(client.scheduler_info()['workers'])} started"

@@ -68,6 +68,14 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
         click.echo(f"note     {dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
 
 
+def duration(seconds: float) -> str:
+    """Return a time span as people say it."""
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.1f} {unit}"
+    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+
+
 def _print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     from rich import box
     from rich.console import Console

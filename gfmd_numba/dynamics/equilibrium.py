@@ -30,7 +30,7 @@ _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond w
 
 
 class Status(IntEnum):
-    """How a run ended; only `ok` results are used."""
+    """How a run ended; only `ok` results are used. Of a campaign, some may still be `unfinished`."""
 
     ok = 0
     not_converged = 1
@@ -38,6 +38,7 @@ class Status(IntEnum):
     nonfinite = 3
     timeout = 4
     crashed = 5
+    unfinished = 6
 
 
 class Solver(Protocol):

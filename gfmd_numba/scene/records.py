@@ -2,9 +2,9 @@
 
 from fractions import Fraction
 from math import ceil, floor, inf, isclose, isinf
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
@@ -236,6 +236,19 @@ class Discretisation(BaseModel):
         return min(fits, key=lambda fit: abs(fit - Fraction(present)), default=None)
 
 
+_TOLERANCE = "a number from 0 to 0.1, or exact"
+
+
+def _tolerance(given: Any) -> Any:
+    if given != "exact" and not (type(given) in (int, float) and 0 <= given <= 0.1):
+        raise ValueError(_TOLERANCE)
+    return given
+
+
+# checked before the union of types, which would tell every fault twice
+Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
+
+
 class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
@@ -251,6 +264,9 @@ class Numerics(BaseModel):
         le=1,
         description="Time step as a fraction of the stability limit",
         json_schema_extra={"allowed": "a number above 0 and at most 1, as more is above the stability limit"},
+    )
+    effects: Tolerance = Field(
+        1e-4, description="Largest relative change of kappa that leaving out an effect may cause"
     )
     damping: float = Field(
         0.5, ge=0, le=100, description="Damping as a fraction of the slowest mode's critical damping"

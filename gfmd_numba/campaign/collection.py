@@ -1,0 +1,120 @@
+"""From finished shards to the campaign's one netCDF file, at any time."""
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.campaign import failures, shards
+from gfmd_numba.campaign.cases import Case, blocks
+from gfmd_numba.campaign.execution import SECONDS, shard_path
+from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
+from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
+from gfmd_numba.dynamics import Status
+from gfmd_numba.observables import MEASURES
+from gfmd_numba.problem import Problem, self_affine
+
+_RUN = "run.json"
+
+Measures = dict[str, npt.NDArray[Any]]
+
+
+def collect(planned: Plan, directory: Path) -> Path:
+    """Write what the finished shards hold to the campaign's netCDF file; the rest is marked in `status`."""
+    path = directory / f"{planned.campaign.name}.nc"
+    temporary = directory / f"{path.name}.{uuid4().hex}.tmp"
+    try:
+        _assemble(planned, directory).to_netcdf(temporary, engine="netcdf4")
+        with open(temporary, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def note(directory: Path, **values: Any) -> None:
+    """Remember facts of a run, like its predicted time, for the file it will be collected into."""
+    shards.replace(directory / _RUN, json.dumps(noted(directory) | values).encode())
+
+
+def noted(directory: Path) -> dict[str, Any]:
+    """What has been noted about the runs in a directory."""
+    try:
+        facts = json.loads((directory / _RUN).read_text())
+    except (OSError, ValueError):
+        return {}
+    return facts if isinstance(facts, dict) else {}
+
+
+def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
+    campaign = planned.campaign
+    measured = {problem.identity: _measured(problem, campaign.realisations, directory) for problem in planned.problems}
+    text = planned.document.text
+    attributes = {
+        "title": campaign.name,
+        "campaign": text,
+        "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "seed": campaign.seed,
+        "fit": campaign.fit.model_dump_json(exclude_none=True),
+        "dropped_effects": dropped_effects(planned.effects),
+        "n_distinct_problems": len(planned.problems),
+        "versions": json.dumps(versions()),
+        "git_commit": git_commit(),
+        "machine": machine(),
+        "threads": "1 for transforms and kernels in every worker",
+        "fft_plans": "FFTW_ESTIMATE",
+        "failures": "\n".join(_failures(planned, directory)),
+        "cpu_seconds": sum(float(values[SECONDS].sum()) for values in measured.values()),
+        **noted(directory),
+    }
+    values = [_in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
+    dataset = campaign_dataset(coordinates(planned.cases), values, units(campaign.scene), attributes)
+    dataset["case_seconds"] = (
+        "case",
+        [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
+        {"long_name": "processor time of the case, shared by all cases of one problem", "units": "s"},
+    )
+    dataset.attrs["content_sha256"] = content_digest(dataset)
+    return dataset
+
+
+def _in_file_units(case: Case, measured: Measures) -> Measures:
+    scale = scales(case.scene, self_affine(case.scene).rms_gradient)
+    return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
+
+
+def _measured(problem: Problem, realisations: int, directory: Path) -> Measures:
+    """Measures of a problem `[realisation]` from its shards, dimensionless, and the seconds of each shard."""
+    parts = []
+    for block in blocks(problem, realisations):
+        part = shards.read(shard_path(directory, block))
+        if part is None:
+            failure = failures.of(directory, block.name)
+            status = Status.unfinished if failure is None else Status[failure.status]
+            part = _nothing(block.stop - block.first, status)
+        parts.append(part)
+    return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
+
+
+def _nothing(count: int, status: Status) -> Measures:
+    nothing: Measures = {m.name: np.full(count, np.nan) for m in MEASURES}
+    nothing["status"] = np.full(count, status, dtype=np.int8)
+    nothing[SECONDS] = np.zeros(1)
+    for counted in ("n_iterations", "n_transforms"):
+        nothing[counted] = np.zeros(count, dtype=np.int64)
+    return nothing
+
+
+def _failures(planned: Plan, directory: Path) -> list[str]:
+    """One line for each block that failed."""
+    found = ((block, failures.of(directory, block.name)) for block in planned.blocks)
+    return [f"{block.name} {failure.status}: {failure.reason}" for block, failure in found if failure is not None]

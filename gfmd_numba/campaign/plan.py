@@ -1,0 +1,131 @@
+"""What a campaign comes to: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gfmd_numba.campaign.cases import Block, Case, blocks, distinct, expand
+from gfmd_numba.campaign.cost import Cost
+from gfmd_numba.campaign.execution import Task
+from gfmd_numba.campaign.specification import Campaign, load_campaign
+from gfmd_numba.observables import MEASURES
+from gfmd_numba.problem import Effect, Problem, self_affine
+from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene.document import plain_scalar
+
+_TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
+_TASKS_PER_WORKER = 16  # so that all end at about the same time
+_ARRAYS = 16  # of the size of a block that its solver holds
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A campaign, its cases, and the distinct problems among them, the largest grids first."""
+
+    campaign: Campaign
+    document: Document
+    cases: list[Case]
+    problems: list[Problem]
+
+    @property
+    def blocks(self) -> Iterator[Block]:
+        """All blocks of work."""
+        return (block for problem in self.problems for block in blocks(problem, self.campaign.realisations))
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """What became of the effects of all scenes, each sentence once."""
+        return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
+
+    @property
+    def file_bytes(self) -> int:
+        """Size of the results, before compression."""
+        return 8 * len(MEASURES) * len(self.cases) * self.campaign.realisations
+
+    @property
+    def worker_bytes(self) -> int:
+        """Largest memory a block asks of its worker."""
+        return max(_ARRAYS * 8 * (block.stop - block.first) * block.problem.surface.nx for block in self.blocks)
+
+    @property
+    def shared(self) -> dict[tuple[str, ...], int]:
+        """How many cases have the problem of another one, by the parameters in which the two differ."""
+        columns = coordinates(self.cases)
+        del columns["case_id"], columns["is_reference"]
+        members: dict[str, list[int]] = {}
+        for i, case in enumerate(self.cases):
+            members.setdefault(case.problem.identity, []).append(i)
+        reasons: Counter[tuple[str, ...]] = Counter()
+        for group in members.values():
+            if len(group) > 1:
+                differing = [name for name, column in columns.items() if len({column[i] for i in group}) > 1]
+                reasons[tuple(differing)] += len(group) - 1
+        return dict(reasons)
+
+    def only(self, conditions: Mapping[str, str]) -> list[Block]:
+        """Blocks of the cases that meet all conditions, name of a coordinate -> value; raises InputError."""
+        columns = coordinates(self.cases)
+        chosen = np.ones(len(self.cases), dtype=bool)
+        for name, given in conditions.items():
+            if name not in columns:
+                raise InputError(f"--only: given {name}; allowed: {', '.join(columns)}")
+            value = given if isinstance(columns[name][0], str) else plain_scalar(given)
+            met = np.array([held == value for held in columns[name]])
+            if not met.any():
+                held = ", ".join(map(str, list(dict.fromkeys(columns[name]))[:10]))
+                raise InputError(f"--only: given {name}={given}; allowed: a value of the campaign, like {held}")
+            chosen &= met
+        problems = distinct(case for case, wanted in zip(self.cases, chosen, strict=True) if wanted)
+        return [block for problem in problems for block in blocks(problem, self.campaign.realisations)]
+
+
+def plan(path: str | Path) -> Plan:
+    """Plan of a campaign file; raises InputError."""
+    campaign, document = load_campaign(path)
+    cases = expand(campaign)
+    return Plan(campaign, document, cases, distinct(cases))
+
+
+def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
+    """What tells one case from another, by name and case."""
+    return {
+        "case_id": [case.problem.identity for case in cases],
+        "limit": [case.limit for case in cases],
+        "is_reference": [case.limit == "reference" for case in cases],
+        "eps_c": [case.discretisation.eps_c for case in cases],
+        "eps_f": [case.discretisation.eps_f for case in cases],
+        "eps_t": [case.discretisation.eps_t for case in cases],
+        "hurst": [self_affine(case.scene).hurst for case in cases],
+        "poissons_ratio": [case.scene.body.poissons_ratio for case in cases],
+        "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
+        "reduced_pressure": [
+            np.nan if case.problem.mean_pressure is None else case.problem.mean_pressure for case in cases
+        ],
+        "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
+        "nx": [case.discretisation.nx for case in cases],
+    }
+
+
+def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
+    """Group blocks into tasks of about equal predicted time, the longest blocks first."""
+    seconds = {block.name: cost.seconds[block.problem.identity] * (block.stop - block.first) for block in todo}
+    target = min(_TASK_SECONDS, sum(seconds.values()) / (_TASKS_PER_WORKER * max(1, workers)))
+    grouped: list[list[Block]] = []
+    filled = target
+    for block in sorted(todo, key=lambda block: -seconds[block.name]):
+        if filled + seconds[block.name] > target:
+            grouped.append([])
+            filled = 0.0
+        grouped[-1].append(block)
+        filled += seconds[block.name]
+    return [tuple(group) for group in grouped]
+
+
+def wall_time(cost: Cost, cpu_seconds: float, realisations: int, problems: list[Problem], workers: int) -> float:
+    """Time in s that workers need for some processor time: at least that of the longest block."""
+    longest = max(cost.seconds[p.identity] * (b.stop - b.first) for p in problems for b in blocks(p, realisations))
+    return max(cpu_seconds / max(1, workers), longest)

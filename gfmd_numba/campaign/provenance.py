@@ -1,0 +1,51 @@
+"""Where results come from, and a digest of what they say."""
+
+import hashlib
+import os
+import platform
+import subprocess
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+_PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
+_OF_THE_RUN = ("wall_time",)  # differs from run to run
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that make a result."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+
+
+def machine() -> str:
+    """What the results were computed on."""
+    return f"{platform.system()} {platform.machine()}, {os.cpu_count()} CPUs"
+
+
+def git_commit() -> str:
+    """Commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
+    if not any((folder / ".git").exists() for folder in list(Path(__file__).parents)[:3]):
+        return ""
+    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty=-modified", "--abbrev=40"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
+
+def content_digest(dataset: xr.Dataset) -> str:
+    """SHA-256 of all numbers of a campaign but those of time, whoever computed them."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, dataset.variables)):
+        if name in _OF_THE_RUN:
+            continue
+        variable = dataset[name].transpose(*sorted(map(str, dataset[name].dims)))
+        values = variable.values
+        digest.update(f"{name} {variable.dims} {values.shape}".encode())
+        if values.dtype.kind in "OUS":
+            digest.update("\0".join(map(str, values.ravel())).encode())
+        else:
+            digest.update(np.ascontiguousarray(values, dtype=np.float64).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,100 @@
+"""How far a campaign is, from what lies in its output directory."""
+
+import time
+from dataclasses import dataclass
+from math import log
+from pathlib import Path
+
+from gfmd_numba.campaign import failures, shards
+from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.claim import LABEL, at_work
+from gfmd_numba.campaign.execution import shard_path
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.scene import InputError
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Blocks of a campaign: in all, done and failed; `seconds_left` is None where nothing tells.
+
+    `retry` is the command that runs the failed ones again, in one process.
+    """
+
+    campaign: str
+    running: bool
+    blocks: int
+    done: int
+    failed: dict[str, Failure]
+    seconds_left: float | None
+    retry: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Names of shards that are sound, damaged, still missing, or none of this campaign's."""
+
+    sound: int
+    damaged: list[str]
+    missing: int
+    foreign: list[str]
+
+
+def campaign_in(directory: Path) -> Plan:
+    """Plan of the campaign whose output directory this is; raises InputError."""
+    label = directory / LABEL
+    if not label.is_file():
+        raise InputError(f"{directory}: given a directory without {LABEL}; allowed: one that `gfmd run` made")
+    return plan(label)
+
+
+def progress(directory: Path) -> Progress:
+    """Progress of the campaign in a directory, by the names of its files; raises InputError."""
+    planned = campaign_in(directory)
+    blocks = list(planned.blocks)
+    done, failed, left, recent, total_recent = 0, {}, 0.0, 0.0, 0
+    begun = (directory / LABEL).stat().st_mtime
+    retry = {}
+    for block in blocks:
+        try:
+            written = shard_path(directory, block).stat().st_mtime
+        except FileNotFoundError:
+            failure = failures.of(directory, block.name)
+            if failure is None:
+                left += _work(block)
+            else:
+                failed[block.name] = failure
+                retry[block.name] = _retry(directory, block)
+            continue
+        done += 1
+        if written >= begun:
+            recent += _work(block)
+            total_recent += 1
+    seconds_left = None
+    if left == 0.0:
+        seconds_left = 0.0
+    elif total_recent:
+        seconds_left = left * max(0.0, time.time() - begun) / recent
+    return Progress(planned.campaign.name, at_work(directory), len(blocks), done, failed, seconds_left, retry)
+
+
+def verify(directory: Path) -> Verdict:
+    """Read every shard of the campaign in a directory and check its digest; raises InputError."""
+    planned = campaign_in(directory)
+    expected = {shard_path(directory, block).name: block for block in planned.blocks}
+    present = {file.name: file for file in (directory / "shards").glob("*.shard")}
+    damaged = [name for name in sorted(expected.keys() & present.keys()) if shards.read(present[name]) is None]
+    sound = len(expected.keys() & present.keys()) - len(damaged)
+    return Verdict(sound, damaged, len(expected.keys() - present.keys()), sorted(present.keys() - expected.keys()))
+
+
+def _work(block: Block) -> float:
+    nx = block.problem.surface.nx
+    return (block.stop - block.first) * nx * log(nx)
+
+
+def _retry(directory: Path, block: Block) -> str:
+    return (
+        f"gfmd run {directory / LABEL} --output {directory} --only case_id={block.problem.identity} "
+        "--retry-failed --workers 0"
+    )

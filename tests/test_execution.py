@@ -1,0 +1,150 @@
+"""What can go wrong with the workers of a campaign, and that it touches nothing but its own block."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, replace
+
+import cloudpickle
+import pytest
+from distributed import LocalCluster
+from test_campaign import campaign
+
+from gfmd_numba.campaign import shards
+from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cluster import connected
+from gfmd_numba.campaign.execution import Workers, execute, shard_path
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.scene import InputError
+
+POISONS = ("segfault", "exception", "endless")
+
+
+@dataclass(frozen=True)
+class Poison:
+    """A surface that does harm to whoever looks at it."""
+
+    kind: str
+    nx: int = 64
+
+    @property
+    def hurst(self):
+        if self.kind == "segfault":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if self.kind == "endless":
+            re.match("(a|aa)+$", "a" * 100 + "b")  # like a compiled kernel, it does not let go of the interpreter
+        raise ZeroDivisionError("poison")
+
+
+def perform_all(tasks, folder, workers, timeout=None):
+    failures = {}
+
+    def finished(blocks, failed):
+        failures.update(failed)
+        return True
+
+    execute(tasks, folder, workers, timeout, finished)
+    return failures
+
+
+def poisoned(problem, kinds=POISONS):
+    return [(Block(replace(problem, surface=Poison(kind)), 0, 1),) for kind in kinds]
+
+
+@pytest.fixture
+def sound(tmp_path):
+    """Sound tasks of a small campaign."""
+    planned = plan(campaign(tmp_path))
+    blocks = list(planned.blocks)
+    return [tuple(blocks[i : i + 2]) for i in range(0, len(blocks), 2)]
+
+
+def test_poison_kills_no_other_task(tmp_path, sound):
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    bad = poisoned(sound[0][0].problem)
+    tasks = [sound[0], (*bad[0], *sound[1]), bad[1], *sound[2:], bad[2]]
+    failures = perform_all(tasks, tmp_path, Workers(2), timeout=4.0)
+    assert [failures[task[0].name].status for task in bad] == ["crashed", "crashed", "timeout"]
+    reasons = ("its worker died, also with nothing else at work", "ZeroDivisionError: poison", "case_timeout of 4 s")
+    for task, reason in zip(bad, reasons, strict=True):
+        assert reason in failures[task[0].name].reason
+    assert len(failures) == 3
+    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+    assert not list(tmp_path.glob("shards/*.tmp"))
+
+
+def test_poison_in_this_process(tmp_path, sound, monkeypatch):
+    monkeypatch.setattr(Poison, "hurst", property(lambda self: time.sleep(60)))
+    bad = poisoned(sound[0][0].problem, ["endless"])
+    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=0.5)
+    assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
+    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
+    """A limit to the size of files stops the run as a full disk would."""
+    path, out = campaign(tmp_path), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers", str(workers)]
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+
+    stopped = subprocess.run(
+        command, preexec_fn=limit, capture_output=True, text=True, env=os.environ | {"GFMD_CACHE_DIR": str(tmp_path)}
+    )
+    assert stopped.returncode == 3
+    said = [line for line in stopped.stderr.splitlines() if not line.startswith("blocks")]
+    assert len(said) == 1
+    assert said[0].startswith("gfmd: [Errno 27] File too large")
+    assert said[0].endswith("finished work is kept, the same command resumes")
+    assert all(shards.read(shard) is not None for shard in out.glob("shards/*.shard"))
+    assert subprocess.run(command, capture_output=True).returncode == 0
+
+
+def test_a_lost_scheduler_is_told(tmp_path, sound):
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+
+        def finished(blocks, failed):
+            cluster.close()
+            return True
+
+        with pytest.raises(OSError, match="the dask scheduler is lost"):
+            execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None, finished)
+
+
+@pytest.mark.parametrize(
+    ("address", "allowed"),
+    [("tcp://192.0.2.1:8786", "or --insecure beside it"), ("nowhere://127.0.0.1:1", "the address of a running dask")],
+)
+def test_a_scheduler_that_is_refused(tmp_path, address, allowed):
+    with (
+        pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
+        connected(0, address, False, tmp_path),
+    ):
+        pass
+
+
+def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
+        address = cluster.scheduler_address
+        monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
+        with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):  # noqa: SIM117
+            with connected(0, address, False, tmp_path):
+                pass
+
+
+class OtherVersions:
+    """Here the versions of long ago; on a worker the present ones."""
+
+    def __call__(self):
+        return {"numba": "0.1"}
+
+    def __reduce__(self):
+        from gfmd_numba.campaign import provenance
+
+        return getattr, (provenance, "versions")

@@ -1,6 +1,8 @@
 """The command line as a user meets it: what it prints, writes and returns."""
 
+import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -295,3 +297,42 @@ def test_solve_follows_a_path(tmp_path):
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
     assert "not_converged in step 0, not_converged in step 1" in done.stderr
+
+
+def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert gfmd("init").exit_code == 0
+    assert "a campaign of 14 cases x 30 realisations" in gfmd("check", "campaign.yaml").output
+    again = gfmd("init")
+    assert again.exit_code == 2
+    assert "given a file that exists; allowed: a new name" in again.output
+
+
+@pytest.mark.parametrize("kind", ["campaign", "scene", "surface"])
+def test_schemas_are_json(kind):
+    schema = json.loads(gfmd("schema", kind).output)
+    assert schema["additionalProperties"] is False
+
+
+def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
+    text = SMALL.replace("grid: {", "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], ")
+    path = tmp_path / "campaign.yaml"
+    path.write_text(text)
+    said = gfmd("plan", path, "--pilot=1").output
+    assert "cases differ from another one in poissons_ratio and aspect_ratio alone" in said
+    assert re.search(r"CPU time +\S+ m?s, with 90 % probability below", said)
+    assert re.search(r"dropped +slab of aspect ratio 1.5, .* at most \S+, below numerics.effects = 0.0001", said)
+
+
+def test_doctor_finds_a_sound_installation():
+    said = gfmd("doctor")
+    assert said.exit_code == 0, said.output
+    assert "of Westergaard's peak pressure" in said.output
+    assert "2 started" in said.output
+
+
+def test_doctor_finds_a_wrong_pressure(monkeypatch):
+    monkeypatch.setattr("gfmd_numba.reference.westergaard_pressure", lambda x, p, a: x + 1.0)
+    said = gfmd("doctor")
+    assert said.exit_code == 3
+    assert "failed: ArithmeticError" in said.output

@@ -1,0 +1,86 @@
+"""The predicted cost of a campaign, and the tasks it is cut into."""
+
+import numpy as np
+import pytest
+from test_campaign import campaign
+
+from gfmd_numba.campaign import cost
+from gfmd_numba.campaign.plan import plan, tasks, wall_time
+
+WIDE = {
+    "grid: {hurst: [0.3, 0.8]}": "grid: {hurst: [0.2, 0.4, 0.6, 0.8], reduced_pressure: [0.01, 0.03, 0.1, 0.3]}",
+    "eps_f: [1/8, 1/16, 1/32]": "eps_f: [1/8, 1/16, 1/32, 1/64, 1/128, 1/256]",
+}
+
+
+@pytest.fixture
+def unmeasured(tmp_path, monkeypatch):
+    """A machine on which nothing was measured before, and whose clock tells a law of its own."""
+    monkeypatch.setattr("gfmd_numba.cache.directory", lambda: tmp_path / "cache")
+    (tmp_path / "cache").mkdir()
+    asked = []
+
+    def law(problem):
+        asked.append(problem.identity)
+        noise = np.random.default_rng(int(problem.identity, 16)).normal(0.0, 0.1)
+        return true_seconds(problem) * np.exp(noise)
+
+    monkeypatch.setattr(cost, "_measured", law)
+    return asked
+
+
+def true_seconds(problem):
+    surface = problem.surface
+    return 1e-6 * surface.nx**1.4 * (1.0 + surface.hurst) * problem.mean_pressure**-0.3
+
+
+def predicted(planned, budget=100.0):
+    return cost.predict(planned.problems, planned.campaign.realisations, budget, lambda problems: None)
+
+
+def test_a_pilot_predicts_all_others(tmp_path, unmeasured):
+    planned = plan(campaign(tmp_path, **WIDE))
+    found = predicted(planned)
+    assert found.pilot == len(unmeasured) < len(planned.problems) / 2
+    errors = [np.log(found.seconds[p.identity] / true_seconds(p)) for p in planned.problems]
+    assert np.std(errors) < 0.2
+    total = planned.campaign.realisations * sum(map(true_seconds, planned.problems))
+    assert found.quantile(0.05) < total < found.quantile(0.95)
+    assert found.quantile(0.5) == pytest.approx(total, rel=0.2)
+
+
+def test_what_was_measured_is_remembered(tmp_path, unmeasured):
+    planned = plan(campaign(tmp_path, **WIDE))
+    first = predicted(planned)
+    asked = len(unmeasured)
+    assert predicted(planned).seconds == first.seconds
+    assert len(unmeasured) == asked
+    memory = next((tmp_path / "cache").rglob("*.json"))
+    memory.write_text("damaged")
+    predicted(planned)
+    assert len(unmeasured) > asked
+
+
+def test_without_a_budget_nothing_is_measured(tmp_path, unmeasured):
+    planned = plan(campaign(tmp_path, **WIDE))
+    found = predicted(planned, budget=0.0)
+    assert found.pilot == 0
+    assert not unmeasured
+    assert found.quantile(0.9) / found.quantile(0.1) > 100  # it does not know, and says so
+
+
+def test_tasks_are_of_about_equal_time_and_hold_every_block_once(tmp_path, unmeasured):
+    planned = plan(campaign(tmp_path, **WIDE))
+    found = predicted(planned)
+    blocks = list(planned.blocks)
+    grouped = tasks(blocks, found, 2)
+    assert sorted(block.name for task in grouped for block in task) == sorted(block.name for block in blocks)
+
+    def seconds(task):
+        return sum(found.seconds[block.problem.identity] * (block.stop - block.first) for block in task)
+
+    total = sum(map(seconds, grouped))
+    assert all(seconds(task) <= total / 32 or len(task) == 1 for task in grouped)
+    longest = max(seconds((block,)) for block in blocks)
+    assert wall_time(found, total, 6, planned.problems, 2) == pytest.approx(total / 2)
+    assert wall_time(found, total, 6, planned.problems, 10**6) == pytest.approx(longest)

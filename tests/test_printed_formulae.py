@@ -1,4 +1,4 @@
-"""Formulae of thesis chapter 6 that are misprinted or do not hold; ERRATA.md lists them."""
+"""Formulae of thesis chapter 6 that are misprinted or do not hold; docs/errata.md lists them."""
 
 import numpy as np
 import pytest

@@ -3,9 +3,9 @@
 import numpy as np
 
 from gfmd_numba import grid, reference
+from gfmd_numba.contact_edges import EDGE_BIAS
 from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.observables import EDGE_BIAS
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
 

@@ -8,15 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.contact import Contact
+from gfmd_numba.contact_edges import EDGE_BIAS, contact_length
 from gfmd_numba.dynamics import Status
 from gfmd_numba.roughness import statistics
 
 Reals = npt.NDArray[np.float64]
-
-# A touching stretch of N nodes is shorter than N dx: on average by this many dx at each of its two ends, for the
-# spectral discretisation with the stiffness q E*/2 cut at Nyquist. It is 1/4 - sum_k (Si(k pi)/pi - 1/2), from the
-# Wiener-Hopf solution at the edge of a contact.
-EDGE_BIAS = 0.1900092859259187
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
@@ -39,6 +35,21 @@ def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x with the mean correction for the two edges of each segment `[realisation]`."""
     nx = contact.heights.shape[1]
     return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
+
+
+def contact_area_fraction_error(contact: Contact) -> Reals:
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
+    return np.asarray(np.sqrt(2.0 * n_segments(contact) / 12.0) / contact.heights.shape[1])
+
+
+def contact_area_fraction_edges(contact: Contact) -> Reals:
+    """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
+    return contact_length(contact.equilibrium.pressure, touching(contact))[0]
+
+
+def contact_area_fraction_edges_error(contact: Contact) -> Reals:
+    """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
+    return contact_length(contact.equilibrium.pressure, touching(contact))[1]
 
 
 def mean_pressure(contact: Contact) -> Reals:
@@ -109,6 +120,27 @@ MEASURES = (
         "1",
         "touching nodes over all nodes",
         contact_area_fraction_counted,
+    ),
+    Measure(
+        "contact_area_fraction_error",
+        "contact",
+        "1",
+        "standard deviation of contact_area_fraction by edges between the nodes",
+        contact_area_fraction_error,
+    ),
+    Measure(
+        "kappa_edges",
+        "contact",
+        "1",
+        "area-load coefficient a_r g E* / p, each contact edge located from the pressures beside it",
+        lambda c: contact_area_fraction_edges(c) * rms_gradient(c) / mean_pressure(c),
+    ),
+    Measure(
+        "kappa_edges_error",
+        "contact",
+        "1",
+        "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
+        lambda c: contact_area_fraction_edges_error(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure("n_segments", "contact", "1", "number of separate stretches of contact", n_segments),
     Measure("mean_pressure", "contact", "pressure", "mean contact pressure", mean_pressure),

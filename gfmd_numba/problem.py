@@ -21,7 +21,7 @@ from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 2  # raised whenever a change of the code changes a number: older shards are then not reused
+RESULTS_VERSION = 3  # raised whenever a change of the code changes a number: older shards are then not reused
 # where conjugate gradients need less time than Verlet
 _LIGHT_LOAD = 0.01  # reduced pressure
 _THIN_SLAB = 0.1  # aspect ratio

@@ -1,0 +1,45 @@
+"""Where a contact ends between two nodes of the grid.
+
+For the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the edge of a
+half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with
+sum a_m z^m = (1-z)^(-3/2) / g+(z) and log g+(z) = sum_k s_k z^k / k, s_k = Si(k pi)/pi - 1/2. The true edge then lies
+3/4 + c + b node spacings beyond the last touching node, c = sum_k s_k. It is never farther than 3/4 + c, and one
+spacing less brings the next node out of contact.
+"""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import sici
+
+Reals = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+# A touching stretch of N nodes is shorter than N dx: on average over its position by this many dx at each of its two
+# ends, 1/4 - c.
+EDGE_BIAS = 0.1900092859259187
+_FARTHEST = 1.0 - EDGE_BIAS  # 3/4 + c
+_A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
+# below that many nodes a stretch is no half-infinite contact: its edges are then taken at their mean position
+_LEAST_NODES = 6
+
+
+def contact_length(pressure: Reals, touching: Flags) -> tuple[Reals, Reals]:
+    """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
+
+    The error `[realisation]` is one standard deviation, of the edges whose position between two nodes is unknown.
+    """
+    nx = pressure.shape[1]
+    beyond = np.zeros(len(pressure))
+    unknown = np.zeros(len(pressure))
+    for inward in (1, -1):
+        edge = touching & ~np.roll(touching, inward, axis=1)
+        resolved = edge.copy()
+        for m in range(1, _LEAST_NODES):
+            resolved &= np.roll(touching, -m * inward, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = pressure / np.roll(pressure, -inward, axis=1)
+            b = (1.0 - ratio * _A1) / (ratio * (_A1 - 1.0) - 1.0)
+        position = np.where(resolved, np.clip(_FARTHEST + b, _FARTHEST - 1.0, _FARTHEST), 0.5 - EDGE_BIAS)
+        beyond += np.where(edge, position - 0.5, 0.0).sum(axis=1)
+        unknown += (edge & ~resolved).sum(axis=1)
+    return (touching.sum(axis=1) + beyond) / nx, np.sqrt(unknown / 12.0) / nx

@@ -9,24 +9,20 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.document import Document, Location, read_document
-from gfmd_numba.scene.records import (
+from gfmd_numba.scene.quantities import (
     RECORD,
     AspectRatio,
-    Discretisation,
     EpsC,
     EpsF,
     EpsT,
     Hurst,
-    Numerics,
     PoissonsRatio,
     ReducedPressure,
     RmsGradient,
-    Scene,
     Seed,
-    SelfAffine,
     broken_rule,
-    check_solver,
 )
+from gfmd_numba.scene.records import Discretisation, Numerics, Scene, SelfAffine, check_solver
 from gfmd_numba.scene.scene_file import check_discretisation, check_range
 from gfmd_numba.scene.validation import validate
 

@@ -1,11 +1,10 @@
 """What the user describes, and how it is read and checked."""
 
 from gfmd_numba.scene.document import Document, InputError, read_document
+from gfmd_numba.scene.interface_records import HardWall, Interface
 from gfmd_numba.scene.records import (
     Body,
     Discretisation,
-    HardWall,
-    Interface,
     Loading,
     Measured,
     Numerics,

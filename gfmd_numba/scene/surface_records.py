@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.records import RECORD, Hurst, RmsGradient, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Hurst, RmsGradient, Seed, broken_rule
 
 PositiveHurst = Annotated[float, Field(gt=0, le=1, description="Hurst exponent (dimensionless)")]
 Length = Annotated[float, Field(gt=0, description="Length in m, or in L_x without a length")]

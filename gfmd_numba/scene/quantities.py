@@ -1,0 +1,31 @@
+"""What all records share: their configuration, the quantities that return and the error of a broken rule."""
+
+from typing import Annotated
+
+from pydantic import ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]
+AspectRatio = Annotated[
+    float,
+    Field(
+        gt=0,
+        allow_inf_nan=True,
+        description="Thickness over period, z_m/L_x (dimensionless); inf: a half-space",
+        json_schema_extra={"allowed": "a number above 0, or .inf for a half-space"},
+    ),
+]
+Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
+RmsGradient = Annotated[float, Field(gt=0, description="Root-mean-square gradient (dimensionless)")]
+ReducedPressure = Annotated[float, Field(gt=0, description="Mean pressure p/(g E*) (dimensionless)")]
+EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
+EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
+EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]
+Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
+
+
+def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustomError:
+    """Error of a rule between several fields, located relative to the record that states the rule."""
+    return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})

@@ -9,13 +9,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.scene import SceneFile
+    from gfmd_numba.scene import BoundaryFile, SceneFile
 
 __all__ = ["fit_tfc", "make_surface", "open_campaign", "run", "solve"]
 
 
-def solve(scene: str | Path | Mapping[str, Any] | SceneFile) -> xr.Dataset:
-    """Solve one contact: a scene file, mapping or record in, fields over x and scalars out (SI units)."""
+def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> xr.Dataset:
+    """Solve one contact or loaded body: a file, mapping or record in, fields over x and scalars out (SI units)."""
+    from gfmd_numba.scene import BoundaryFile, SceneFile, has_no_punch
+
+    if isinstance(scene, BoundaryFile) or (not isinstance(scene, SceneFile) and has_no_punch(scene)):
+        from gfmd_numba.loaded import solve_loaded
+
+        return solve_loaded(scene)
     from gfmd_numba.single import solve_scene
 
     return solve_scene(scene)

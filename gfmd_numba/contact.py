@@ -20,12 +20,14 @@ class Contact:
     """Heights `[realisation, x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
-    displacement below it) at zero.
+    displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
+    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes.
     """
 
     heights: Reals
     punch: Reals
     equilibrium: Equilibrium
+    deflected: tuple[Reals, Reals] | None = None
 
 
 def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, sliding: float = 0.0) -> Contact:
@@ -38,9 +40,13 @@ def solve(problem: Problem, realisations: range, before: Equilibrium | None = No
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
+    deflected = None
+    if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
+        deflected = _coupled(problem).deflection(problem.tractions.tangential, problem.tractions.normal)
+        punch -= deflected[1]
     start = None if before is None else Start.after(before, punch, sliding)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
-    return Contact(heights, punch, equilibrium)
+    return Contact(heights, punch, equilibrium, deflected)
 
 
 def _heights(problem: Problem, realisations: range) -> Reals:
@@ -55,8 +61,13 @@ def _heights(problem: Problem, realisations: range) -> Reals:
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
     nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
     if problem.interface.couples:
-        assert nu is not None  # reduce's promise
-        return surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
+        return _coupled(problem)
     if nu is None or aspect_ratio is None:
         return stiffness.half_space(grid.wavenumbers(nx))
     return stiffness.slab(grid.wavenumbers(nx), nu, aspect_ratio)
+
+
+def _coupled(problem: Problem) -> CoupledStiffness:
+    nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
+    assert nu is not None  # reduce's promise
+    return surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)

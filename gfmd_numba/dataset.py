@@ -12,12 +12,12 @@ from gfmd_numba.dynamics import Status
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import MEASURES, gap, measure
 from gfmd_numba.problem import Effect, Problem, effective_modulus
-from gfmd_numba.scene import Scene
+from gfmd_numba.scene import LoadedBody, Scene
 
 CONVENTIONS = "CF-1.11"
 
 
-def scales(scene: Scene, rms_gradient: float) -> dict[str, float]:
+def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
     """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
     return {
         "1": 1.0,
@@ -28,7 +28,7 @@ def scales(scene: Scene, rms_gradient: float) -> dict[str, float]:
     }
 
 
-def units(scene: Scene) -> dict[str, str]:
+def units(scene: Scene | LoadedBody) -> dict[str, str]:
     """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
     return {
         "1": "1",
@@ -64,16 +64,20 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None:
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
+    tangential = contact.equilibrium.tangential
+    sideways = None if tangential is None else tangential.displacement[0]
+    if contact.deflected is not None:
+        displacement = displacement + contact.deflected[1]
+        sideways = None if sideways is None else sideways + contact.deflected[0]
     fields = {
         "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
         "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
         "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
-    tangential = contact.equilibrium.tangential
     if tangential is not None:
         fields |= {
-            "tangential_displacement": ("height", "tangential displacement of the body", tangential.displacement[0]),
+            "tangential_displacement": ("height", "tangential displacement of the body", sideways),
             "tangential_traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
         }
     dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})

@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.boundary import Tractions
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
@@ -74,6 +75,7 @@ class Problem:
     mean_pressure: float | None
     displacement: float | None
     numerics: Numerics
+    tractions: Tractions | None = None
 
     @cached_property
     def identity(self) -> str:
@@ -89,6 +91,8 @@ class Problem:
             "displacement": self.displacement,
             "numerics": self.numerics.model_dump(),
         }
+        if self.tractions is not None:
+            content["tractions"] = self.tractions.digest
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 
 
@@ -123,9 +127,13 @@ def profile(heights: Reals) -> tuple[Profile, float]:
 
 
 def reduce(
-    scene: Scene, surface: RandomSurface | Profile, rms_gradient: float, numerics: Numerics
+    scene: Scene,
+    surface: RandomSurface | Profile,
+    rms_gradient: float,
+    numerics: Numerics,
+    tractions: Tractions | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene, and what became of each of its effects."""
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's."""
     loading = scene.loading
     displacement = None
     if loading.displacement is not None:
@@ -133,7 +141,7 @@ def reduce(
     interface, interactions = _interface(scene.interface, scene.body, scene.length or 1.0, rms_gradient)
     exact = displacement is not None or interface.law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
-    body, elasticity = _body(scene.body, interface, displacement is not None, tolerance)
+    body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
     solver = numerics.solver
     if solver == "auto":
         light = loading.reduced_pressure is None or loading.reduced_pressure <= _LIGHT_LOAD
@@ -141,8 +149,8 @@ def reduce(
         gradients = easy and interface.law is None and not interface.couples
         solver = "conjugate_gradients" if gradients else "verlet"
     numerics = _decided(numerics, solver)
-    problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics)
-    return problem, (*elasticity, *interactions)
+    problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics, tractions)
+    return problem, (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
 
 
 def effective_modulus(body: Body) -> float:
@@ -160,7 +168,7 @@ def _decided(numerics: Numerics, solver: str) -> Numerics:
 
 @lru_cache(maxsize=4096)
 def _body(
-    asked: Body, interface: Interface, mean_matters: bool, tolerance: float
+    asked: Body, interface: Interface, mean_matters: bool, loaded: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
     nu, aspect_ratio = asked.effective_poissons_ratio, asked.aspect_ratio
     condensed = Effect(
@@ -171,6 +179,8 @@ def _body(
         off = Effect("slab", "off", "the body is a half-space")
         if interface.couples:
             return ElasticBody(nu, None), (coupled, off)
+        if loaded:  # tangential tractions move the surface up and down by nu
+            return ElasticBody(nu, None), (condensed, off)
         unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
     if interface.couples:
@@ -179,7 +189,7 @@ def _body(
     name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
     bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
     rounding = np.finfo(float).eps / 2
-    if mean_matters or effect > max(rounding, tolerance):
+    if mean_matters or loaded or effect > max(rounding, tolerance):
         return ElasticBody(nu, aspect_ratio), (condensed, Effect(name, "on", bound))
     below = "double precision" if effect <= rounding else f"numerics.effects = {tolerance:g}"
     return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below {below}"))

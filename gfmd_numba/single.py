@@ -1,12 +1,15 @@
 """One contact from a scene file to a dataset."""
 
 from collections.abc import Iterator, Mapping
+from math import isinf
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from gfmd_numba import contact, problem
+from gfmd_numba.boundary import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.dataset import contact_dataset, dropped_effects
 from gfmd_numba.roughness.measured import read_profile
 from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
@@ -24,9 +27,10 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     except ValueError as error:
         raise _unusable_profile(source, scene, error) from None
     check_range(scene_document(source), scene, surface.nx)
+    prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None
     for scene, sliding in _path(file):
-        reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics)
+        reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics, prescribed)
         sliding /= (scene.length or 1.0) * rms_gradient
         solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
         before = solved.equilibrium
@@ -66,6 +70,26 @@ def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, 
         return problem.profile(read_profile(Path(scene.roughness.file), scene.length) / (scene.length or 1.0))
     assert file.discretisation is not None  # load_scene's promise
     return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
+
+
+def _tractions(
+    source: str | Path | Mapping[str, Any] | SceneFile, scene: Scene, nx: int, rms_gradient: float
+) -> Tractions | None:
+    """Tractions the scene prescribes; raises InputError for a mean that nothing, or the loading already, decides."""
+    if scene.boundary is None:
+        return None
+    document = scene_document(source)
+    arrays = read_boundary(document, scene.boundary, nx)
+    if scene.loading.reduced_pressure is not None:
+        arrays = balanced(document, arrays, "normal", "as loading.reduced_pressure prescribes the mean pressure")
+    if isinf(scene.body.aspect_ratio):
+        arrays = balanced(document, arrays, "tangential", "or a finite aspect_ratio, as nothing holds a half-space")
+    scale = rms_gradient * problem.effective_modulus(scene.body)
+    tangential, normal = (
+        np.nan_to_num(arrays.get(f"{component}_traction", np.zeros(nx)), nan=0.0) / scale
+        for component in ("tangential", "normal")
+    )
+    return tractions(tangential, normal)
 
 
 def _unusable_profile(

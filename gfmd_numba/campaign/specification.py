@@ -157,6 +157,8 @@ class Campaign(BaseModel):
                 ("scene", "roughness", "method"),
                 "'psd' in a campaign; a measured profile belongs to `gfmd solve`",
             )
+        if self.scene.boundary is not None:
+            raise broken_rule(("scene", "boundary"), "nothing in a campaign; it belongs to `gfmd solve`")
         for axis in AXES:
             if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
                 raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")

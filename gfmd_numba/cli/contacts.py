@@ -15,17 +15,17 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 @file_argument
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
 def solve(file: Path, output: Path) -> None:
-    """Solve the one contact in the scene FILE and write its fields and scalars."""
+    """Solve the one contact or loaded body in the scene FILE and write its fields and scalars."""
     import gfmd_numba
-    from gfmd_numba.scene import Measured, load_scene
+    from gfmd_numba.scene import input_files
 
-    roughness = load_scene(file).scene.roughness
-    check_output(output, file, *([Path(roughness.file)] if isinstance(roughness, Measured) else []))
+    check_output(output, file, *input_files(file))
     dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"results  {output}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    for name in ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual"):
+    shown = ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual")
+    for name in (name for name in shown if name in dataset):  # a loaded body has but the last
         values = "".join(f"{float(value):<14.6g}" for value in steps[name])
         click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
     meanings = dataset["status"].attrs["flag_meanings"].split()

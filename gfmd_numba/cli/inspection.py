@@ -17,7 +17,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
     from gfmd_numba.campaign.specification import Campaign, load_campaign
-    from gfmd_numba.scene import load_scene, read_document
+    from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document
     from gfmd_numba.scene.surface_file import load_surface
 
     data = read_document(file).data
@@ -27,6 +27,9 @@ def check(file: Path) -> None:
     elif isinstance(data, dict) and "surface" in data:
         load_surface(file)
         click.echo(f"{file}: a surface")
+    elif has_no_punch(file):
+        load_boundary(file)
+        click.echo(f"{file}: a loaded body")
     else:
         load_scene(file)
         click.echo(f"{file}: a scene")

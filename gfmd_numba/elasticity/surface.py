@@ -24,6 +24,18 @@ class CoupledStiffness:
         softening = np.divide(self.k13**2, self.k11, out=np.zeros_like(self.k13), where=self.k13 != 0.0)
         return np.asarray(self.k33 - softening)
 
+    def deflection(self, tangential: Reals, normal: Reals) -> tuple[Reals, Reals]:
+        """Displacements `[nx]` (tangential, normal) under tractions `[nx]` in E*; 0 in a mean that nothing restores."""
+        t1, t3 = grid.coefficients(tangential), grid.coefficients(normal)
+        k11, k13, k33 = self.k11[1:], self.k13[1:], self.k33[1:]
+        determinant = k11 * k33 - k13**2
+        u1, u3 = np.zeros_like(t1), np.zeros_like(t3)
+        u1[1:] = (k33 * t1[1:] - 1j * k13 * t3[1:]) / determinant
+        u3[1:] = (k11 * t3[1:] + 1j * k13 * t1[1:]) / determinant
+        for u, t, k in ((u1, t1, self.k11), (u3, t3, self.k33)):
+            u[0] = t[0] / k[0] if k[0] > 0.0 else 0.0
+        return grid.signal(u1, len(tangential)), grid.signal(u3, len(normal))
+
     def with_free_mean(self) -> "CoupledStiffness":
         """The same without the restoring force of the mean normal displacement, which then follows the load."""
         return replace(self, k33=np.concatenate(([0.0], self.k33[1:])))

@@ -3,6 +3,7 @@
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.prescribed import free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.spectral import couple, multiply
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 
@@ -15,9 +16,12 @@ __all__ = [
     "coupled_step",
     "exponential_pull",
     "fire_step",
+    "free_mean",
     "friction_violation",
     "kkt_violation",
     "multiply",
+    "prescribed_step",
+    "prescribed_violation",
     "verlet_step",
     "wall_pressure",
     "xu_needleman_pull",

@@ -16,6 +16,7 @@ from gfmd_numba import kernel_cache
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
+Flags = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 

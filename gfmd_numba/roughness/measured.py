@@ -16,16 +16,21 @@ def read_profile(path: Path, length: float | None = None) -> Reals:
     Heights and the .nc file's x are in m beside a period in m, in units of the period without one. Raises
     ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
     """
-    heights = _read_netcdf(path, length) if path.suffix == ".nc" else _READERS[path.suffix](path)
-    if heights.ndim != 1 or heights.dtype.kind not in "fiu":
-        raise ValueError(f"an array of shape {heights.shape} and type {heights.dtype}, not one row of numbers")
-    heights = np.asarray(heights, dtype=np.float64)
-    if len(heights) < 4:
-        raise ValueError(f"{len(heights)} heights, not at least 4")
+    heights = read_column(path, length)
     if not np.isfinite(heights).all():
         where = int(np.flatnonzero(~np.isfinite(heights))[0])
         raise ValueError(f"height {heights[where]} at index {where}, not a finite number")
     return heights
+
+
+def read_column(path: Path, length: float | None = None) -> Reals:
+    """Values `[nx]` of such a file, of which any may be not-a-number; raises ValueError otherwise likewise."""
+    values = _read_netcdf(path, length) if path.suffix == ".nc" else _READERS[path.suffix](path)
+    if values.ndim != 1 or values.dtype.kind not in "fiu":
+        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
+    if len(values) < 4:
+        raise ValueError(f"{len(values)} heights, not at least 4")
+    return np.asarray(values, dtype=np.float64)
 
 
 def read_npy(path: Path) -> npt.NDArray[Any]:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.quantities import (
     RECORD,
@@ -84,7 +85,21 @@ class Scene(BaseModel):
     roughness: Roughness
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
+    boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
     length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+
+    @model_validator(mode="after")
+    def _punch_leaves_tractions_only(self) -> Self:
+        for component in COMPONENTS if self.boundary is not None else ():
+            if getattr(self.boundary, f"{component}_displacement") is not None:
+                raise broken_rule(
+                    ("boundary", f"{component}_displacement"),
+                    "tractions beside a punch, which prescribes displacements itself (sticking: friction with "
+                    "coefficient .inf); without roughness, interface and loading both",
+                )
+        if self.boundary is not None and self.interface.cohesive is not None:
+            raise broken_rule(("boundary",), "nothing beside a cohesive law, whose slip counts from the unloaded body")
+        return self
 
     @model_validator(mode="after")
     def _displacement_has_a_reference(self) -> Self:

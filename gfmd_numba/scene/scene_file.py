@@ -6,12 +6,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document, Location, read_document
 from gfmd_numba.scene.records import Discretisation, Measured, Scene, SceneFile
 from gfmd_numba.scene.validation import nearest, validate
 
 ARRAYS_PER_REALISATION = 16
 PROFILE_SUFFIXES = (".npy", ".csv", ".nc")
+BOUNDARY_SUFFIXES = (".npy", ".csv")
+_TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
 
 
 def check_discretisation(
@@ -68,11 +71,25 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
         axes = Discretisation.model_fields
         check_discretisation(document, scene_file.discretisation, {axis: ("discretisation", axis) for axis in axes})
         check_range(document, scene_file.scene, scene_file.discretisation.nx)
-    if isinstance(scene_file.scene.roughness, Measured):
-        profile = _profile(document, scene_file.scene.roughness)
-        scene = scene_file.scene.model_copy(update={"roughness": profile})
-        scene_file = scene_file.model_copy(update={"scene": scene})
-    return scene_file
+    scene = scene_file.scene
+    located: dict[str, object] = {}
+    if isinstance(scene.roughness, Measured):
+        file = existing_file(document, ("scene", "roughness", "file"), scene.roughness.file, PROFILE_SUFFIXES)
+        located["roughness"] = scene.roughness.model_copy(update={"file": file})
+    if scene.boundary is not None:
+        located["boundary"] = located_boundary(document, scene.boundary)
+    return scene_file.model_copy(update={"scene": scene.model_copy(update=located)})
+
+
+def located_boundary(document: Document, boundary: Boundary) -> Boundary:
+    """Boundary whose files exist and have absolute paths; raises InputError."""
+    names = {name: value for name, value in boundary if isinstance(value, str)}
+    return boundary.model_copy(
+        update={
+            name: existing_file(document, ("scene", "boundary", name), value, BOUNDARY_SUFFIXES)
+            for name, value in names.items()
+        }
+    )
 
 
 def scene_document(source: str | Path | Mapping[str, Any] | SceneFile) -> Document:
@@ -89,11 +106,11 @@ def _nested(document: Document) -> Document:
         return document
 
     def home(location: Location) -> Location:
-        return location if not location or location[0] in SceneFile.model_fields else ("scene", *location)
+        return location if not location or location[0] in _TOP_LEVEL else ("scene", *location)
 
     nested: dict[str, Any] = {"scene": {}}
     for key, value in data.items():
-        (nested if key in SceneFile.model_fields else nested["scene"])[key] = value
+        (nested if key in _TOP_LEVEL else nested["scene"])[key] = value
     return replace(
         document,
         data=nested,
@@ -103,19 +120,18 @@ def _nested(document: Document) -> Document:
     )
 
 
-def _profile(document: Document, roughness: Measured) -> Measured:
-    """Measured roughness with an absolute path to an existing profile of a known kind."""
-    location = ("scene", "roughness", "file")
+def existing_file(document: Document, location: Location, name: str, suffixes: tuple[str, ...]) -> str:
+    """Absolute path of an existing file of a known kind, its name relative to the document's folder."""
     folder = Path() if document.path is None else document.path.parent
-    file = folder / roughness.file
-    if file.suffix not in PROFILE_SUFFIXES:
-        raise document.error(location, roughness.file, "a file ending in " + ", ".join(PROFILE_SUFFIXES))
+    file = folder / name
+    if file.suffix not in suffixes:
+        raise document.error(location, name, "a file ending in " + ", ".join(suffixes))
     if not os.path.isfile(file):
-        present = [p.name for p in folder.iterdir() if p.suffix in PROFILE_SUFFIXES and p.is_file()]
+        present = [p.name for p in folder.iterdir() if p.suffix in suffixes and p.is_file()]
         raise document.error(
             location,
-            roughness.file,
+            name,
             f"an existing file, unlike {'the folder ' if file.is_dir() else ''}{file}",
-            nearest(roughness.file, present),
+            nearest(name, present),
         )
-    return roughness.model_copy(update={"file": str(file.resolve())})
+    return str(file.resolve())

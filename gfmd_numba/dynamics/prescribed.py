@@ -107,8 +107,10 @@ class _Relaxation:
         worst, peak = kernels.prescribed_violation(
             self.field.result, self._traction, self._free, self.excess, self.field.n
         )
+        if worst == 0.0:
+            return 0.0
         peak = max(peak, self._least_peak)
-        return float(worst / peak) if peak > 0.0 else 0.0
+        return float(worst / peak) if peak > 0.0 else np.inf
 
     def _start(self, elastic: CoupledStiffness, displacement: Reals) -> Reals:
         """The response to the tractions alone, moved to where the displacement is prescribed."""

@@ -338,3 +338,6 @@ def test_identity_and_effects_of_tractions():
     assert len({problem.identity, one[0].identity, two[0].identity}) == 3
     assert [e.state for e in one[1] if e.name == "prescribed tractions"] == ["on"]
     assert one[0].body.poissons_ratio == 0.3  # tangential tractions move the surface up and down by it
+    scene["body"]["aspect_ratio"] = 6.0
+    assert reduced(tractions(SHEAR, WAVE))[0].body.aspect_ratio == 6.0  # however deep, its mean shear counts
+    assert reduced()[0].body.aspect_ratio is None

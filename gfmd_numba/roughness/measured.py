@@ -29,7 +29,7 @@ def read_column(path: Path, length: float | None = None) -> Reals:
     if values.ndim != 1 or values.dtype.kind not in "fiu":
         raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
     if len(values) < 4:
-        raise ValueError(f"{len(values)} heights, not at least 4")
+        raise ValueError(f"{len(values)} values, not at least 4")
     return np.asarray(values, dtype=np.float64)
 
 
@@ -50,7 +50,7 @@ def read_table(path: Path) -> npt.NDArray[Any]:
 def _read_csv(path: Path) -> npt.NDArray[Any]:
     table = read_table(path)
     if table.shape[1] > 1:
-        raise ValueError(f"{table.shape[1]} columns, not one column of equidistant heights")
+        raise ValueError(f"{table.shape[1]} columns, not one column of equidistant values")
     return table.ravel()
 
 

@@ -88,6 +88,9 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     for m in MEASURES:
         attributes = measure_attributes(m.name, unit[m.unit], m.long_name)
         dataset[m.name] = ((), scaled(values[m.name][0], scale[m.unit]), attributes)
+    if contact.equilibrium.growing_wave is not None:
+        attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
+        dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
     dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"}
     return dataset
 

@@ -15,6 +15,7 @@ from test_campaign import SMALL, campaign
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli import main
+from gfmd_numba.dynamics import schemes
 
 CAMPAIGNS = Path(__file__).parent.parent / "campaigns"
 SCENE = """
@@ -149,10 +150,10 @@ def test_solve_writes_fields_and_scalars(tmp_path):
         ("utf16.csv", "\ufeff0\n1\n0\n2\n".encode("utf-16"), "codec"),
         ("flat.csv", "1\n1\n1\n1\n", "rms gradient of 0"),
         ("nan.csv", "1\n2\nnan\n4\n", "height nan at index 2"),
-        ("short.csv", "1\n2\n", "2 heights"),
+        ("short.csv", "1\n2\n", "2 values"),
         ("columns.csv", "0,1\n1,2\n2,1\n3,0\n", "2 columns"),
         ("words.csv", "one\ntwo\nthree\nfour\n", "could not convert string 'one'"),
-        ("empty.csv", "", "0 heights"),
+        ("empty.csv", "", "0 values"),
         ("broken.npy", "no array", "no .npy array"),
         ("broken.nc", "no dataset", "no netCDF file"),
     ],
@@ -296,7 +297,25 @@ def test_solve_follows_a_path(tmp_path):
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
-    assert "not_converged in step 0, not_converged in step 1" in done.stderr
+    assert "not_converged after 1 iterations in step 0, not_converged after 1 iterations in step 1" in done.stderr
+
+
+def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
+    scene, out = tmp_path / "scene.yaml", tmp_path / "out.nc"
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")
+    assert gfmd("solve", scene, "-o", out).exit_code == 0
+    assert "growing_wave" not in xr.load_dataset(out)
+    limit = schemes.stability_limit
+    monkeypatch.setattr(schemes, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    done = gfmd("solve", scene, "-o", out)
+    assert done.exit_code == 3
+    result = xr.load_dataset(out)
+    steps, wave = int(result["n_iterations"][0]), int(result["growing_wave"][0])
+    assert wave > 100  # of 128
+    assert (
+        f"unstable after {steps} iterations with wave {wave} growing (lower numerics.time_step) in step 0"
+        in done.stderr
+    )
 
 
 def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):

@@ -61,7 +61,7 @@ def test_members_of_a_batch_end_on_their_own(solver):
     for i in range(len(punch)):
         alone = equilibrate(punch[i : i + 1], body, 0.05, numerics)
         for field in dataclasses.fields(batch):
-            if field.name not in ("wall_time", "tangential"):
+            if field.name not in ("wall_time", "tangential", "growing_wave"):
                 np.testing.assert_array_equal(getattr(alone, field.name)[0], getattr(batch, field.name)[i])
 
 
@@ -114,3 +114,5 @@ def test_a_step_beyond_the_limit_is_reported_unstable():
     beyond = Numerics.model_construct(**(Numerics(solver="verlet").model_dump() | {"time_step": 1.05}))
     result = equilibrate(punch, body, 0.05, beyond)
     assert (result.status == Status.unstable).all()
+    assert (result.growing_wave > 0.9 * (len(body) - 1)).all()  # those stiffer than 1/1.05^2 of the last
+    assert equilibrate(punch, body, 0.05, Numerics(solver="verlet")).growing_wave is None

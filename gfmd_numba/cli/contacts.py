@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from gfmd_numba.cli.arguments import check_output, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @main.command()
@@ -28,11 +32,19 @@ def solve(file: Path, output: Path) -> None:
     for name in (name for name in shown if name in dataset):  # a loaded body has but the last
         values = "".join(f"{float(value):<14.6g}" for value in steps[name])
         click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
-    meanings = dataset["status"].attrs["flag_meanings"].split()
-    failed = [f"{meanings[int(s)]} in step {i}" for i, s in enumerate(steps["status"]) if int(s) != 0]
+    failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
         click.echo(f"gfmd: the run is {', '.join(failed)}: those numbers are not to be used", err=True)
         sys.exit(SOME_FAILED)
+
+
+def _ending(step: xr.Dataset) -> str:
+    """How a run that is not ok ended, when, and by which wave."""
+    meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
+    ending = f"{meaning} after {int(step['n_iterations'])} iterations"
+    if meaning != "unstable":
+        return ending
+    return f"{ending} with wave {int(step['growing_wave'])} growing (lower numerics.time_step)"
 
 
 @main.command()

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import kernels
+from gfmd_numba import grid, kernels
 from gfmd_numba.dynamics.certificate import Certificate, pressure_scale
 from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
 from gfmd_numba.dynamics.coupled import CoupledRelaxation
@@ -77,7 +77,8 @@ class Equilibrium:
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
     largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law at
-    zero gap), or the load imbalance over the load, whichever is larger.
+    zero gap), or the load imbalance over the load, whichever is larger. `growing_wave` is the index of the wave that
+    grew most in each unstable realisation, -1 in the others; None unless there is one.
     """
 
     displacement: Reals
@@ -89,6 +90,7 @@ class Equilibrium:
     n_iterations: npt.NDArray[np.int64]
     n_transforms: npt.NDArray[np.int64]
     wall_time: Reals
+    growing_wave: Rows | None = None
 
 
 @dataclass(frozen=True)
@@ -174,7 +176,24 @@ def equilibrate(
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
         result.pressure[:] -= interface.cohesion.normal_traction(gap, slip)
         result.tangential.traction[:] += interface.cohesion.tangential_traction(gap, slip)
+    if (result.status == Status.unstable).any():
+        return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
     return result
+
+
+def _growing_wave(result: Equilibrium, stiffness: Reals | CoupledStiffness, free_mean: bool) -> Rows:
+    """Wave whose restoring tractions are largest where a run ended unstable: those blew up from next to nothing."""
+    unstable = result.status == Status.unstable
+    normal = stiffness.k33 if isinstance(stiffness, CoupledStiffness) else stiffness
+    tractions = np.abs(grid.coefficients(result.displacement[unstable])) * normal
+    if free_mean:
+        tractions[:, 0] = 0.0
+    if isinstance(stiffness, CoupledStiffness) and result.tangential is not None:
+        sideways = np.abs(grid.coefficients(result.tangential.displacement[unstable])) * stiffness.k11
+        tractions = np.maximum(tractions, sideways)
+    growing = np.full(len(unstable), -1, dtype=np.int64)
+    growing[unstable] = tractions.argmax(axis=1)
+    return growing
 
 
 def _solver(

@@ -192,7 +192,10 @@ class Numerics(BaseModel):
         gt=0,
         le=1,
         description="Time step as a fraction of the stability limit",
-        json_schema_extra={"allowed": "a number above 0 and at most 1, as more is above the stability limit"},
+        json_schema_extra={
+            "allowed": "a number above 0 and at most 1, as more is above the stability limit of the stiffest mode, "
+            "as a rule wave nx/2"
+        },
     )
     effects: Tolerance = Field(
         1e-4, description="Largest relative change of kappa that leaving out an effect may cause"

@@ -168,8 +168,8 @@ path: []
         ),
         (
             "{hard_wall: {}}",
-            "{hard_wall: {}, exponential: {work_of_adhesion: 1, range: 1e-6}, friction: {coefficient: 1}}",
-            "5:89: scene.interface.friction: given {'coefficient': 1}; allowed: one law beside the hard_wall",
+            "{cohesive: {work_of_adhesion: 1, normal_length: 1, tangential_length: 1}, friction: {coefficient: 1}}",
+            "5:98: scene.interface.friction: given {'coefficient': 1}; allowed: one law of normal and tangential",
         ),
         (
             "{hard_wall: {}}",
@@ -296,3 +296,36 @@ def test_cohesive_forces_balance_on_a_rough_surface(hard_wall):
     np.testing.assert_allclose(0.05 - f3 + law.normal_traction(gap, slip), wall, atol=2e-8)
     assert (wall > -1e-8).all()
     assert abs(wall).max() > 0.01 if hard_wall else abs(wall).max() < 1e-7
+
+
+def test_adhesion_lets_an_unloaded_punch_rub(tmp_path):
+    """An almost flat punch at its first touch: the wall presses as hard as the law pulls, and friction is on that."""
+    work, length, friction = 0.02, 0.05, 0.3
+    body, most = (1 - 0.3) / 2 / 0.1, 0.3 * 0.02 / 0.05  # C44 / z_m and the traction it slides at, in E*
+    path = [{"sliding": 0.5 * most / body}, {"sliding": 3 * most / body}]
+    law = {"work_of_adhesion": work, "range": length}
+    result = nearly_flat(tmp_path, path, 0.0, hard_wall={}, exponential=law, friction={"coefficient": friction})
+    assert (result["status"] == 0).all()
+    np.testing.assert_allclose(result["pressure"], 0.0, atol=1e-6 * work / length)
+    np.testing.assert_allclose(result["tangential_traction"].mean("x"), [0.0, 0.5 * most, most], rtol=1e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize("work", [0.002, -0.002])
+def test_forces_of_law_and_friction_balance_on_a_rough_surface(work):
+    punch, _ = surface()
+    law, friction = Exponential(work, 0.02), 0.2
+    both = coupled_surface.half_space(punch.shape[1], 0.2)
+    result = equilibrate(punch, both, 0.05, Numerics(), Interface(True, law, friction))
+    assert (result.status == 0).all()
+    c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
+    f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
+    f3 = grid.signal(both.k33 * c3 - 1j * both.k13 * c1, punch.shape[1])
+    pull = law.traction(punch - result.displacement)
+    wall = result.pressure + pull
+    np.testing.assert_allclose(0.05 - f3 + pull, wall, atol=2e-8)
+    assert wall.min() > -1e-8
+    np.testing.assert_array_equal(wall > 1e-8, result.touching)
+    np.testing.assert_allclose(f1, result.tangential.traction, atol=2e-8)
+    assert (abs(f1) <= friction * wall + 2e-8).all()  # of the wall's pressure, not of what is left of it
+    assert abs(f1).max() > 0.1 * friction * wall.max()
+    assert (result.n_transforms == 4 * (result.n_iterations + 1)).all()  # as without the law

@@ -40,6 +40,7 @@ class CoupledRelaxation:
         rows, n = punch.shape
         self._rows = rows
         self._friction = interface.friction or 0.0
+        self._law = interface.law
         self._cohesion = interface.cohesion
         self._sliding = sliding
         self.certificate = Certificate(rows)
@@ -60,15 +61,15 @@ class CoupledRelaxation:
         smaller, larger = stiffness.principal()
         softest = float(smaller[smaller > 0.0].min())
         stiffest = float(larger.max())
-        if interface.cohesion is not None:
-            stiffest += interface.cohesion.stiffest(largest_pressure, interface.hard_wall)
+        for law in (interface.law, interface.cohesion):
+            stiffest += 0.0 if law is None else law.stiffest(largest_pressure, interface.hard_wall)
         dt = time_step * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
-        self._strength = (
-            0.0 if interface.cohesion is None else interface.cohesion.work / interface.cohesion.normal / math.e
-        )
+        self._strength = 0.0 if interface.law is None else abs(interface.law.strength)
+        if interface.cohesion is not None:
+            self._strength = interface.cohesion.work / interface.cohesion.normal / math.e
         self._restore(np.arange(rows))
 
     @property
@@ -100,6 +101,8 @@ class CoupledRelaxation:
         self.field.forward(both)
         kernels.couple(self.field.spectrum, self._k11, self._k13, self._k33, active, self._rows)
         self.field.inverse(both)
+        if self._law is not None:
+            self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:
             self._cohesion.pull(
                 self.tangential, self.tangential_restoring, self.displacement, self.restoring, self._punch,

@@ -74,9 +74,11 @@ class Interface(BaseModel):
                 (),
                 "hard_wall, cohesive, or an exponential law that repels: something must keep the bodies apart",
             )
-        laws = [name for name in ("exponential", "cohesive", "friction") if getattr(self, name) is not None]
-        if len(laws) > 1:
-            raise broken_rule((laws[-1],), f"one law beside the hard_wall, not {laws[0]} with {laws[-1]}")
+        others = [name for name in ("exponential", "friction") if getattr(self, name) is not None]
+        if self.cohesive is not None and others:
+            raise broken_rule(
+                (others[0],), f"one law of normal and tangential tractions, not {others[0]} beside cohesive"
+            )
         if self.friction is not None and self.hard_wall is None:
             raise broken_rule(("friction",), "friction beside a hard_wall, on which there are touching nodes")
         return self

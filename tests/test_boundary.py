@@ -173,16 +173,20 @@ def test_prescribed_displacements_are_a_flat_punch(friction):
         np.testing.assert_allclose(result.traction[0], wall.tangential.traction[0], atol=1e-8)
 
 
-def test_sticking_flat_punch():
-    """Johnson (1985), 2.69, for one punch; these stand 32 widths apart. Means over neighbours, as of a sharp edge."""
-    nu, load, errors = 0.0, 0.01, []
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+def test_sticking_flat_punch(nu):
+    """Johnson (1985), 2.69, for one punch; these stand 32 widths apart. Means over neighbours, as of a sharp edge.
+
+    A periodic surface keeps its length under the mean pressure p, where that of one punch is free to contract by
+    (1 - 2 nu) / (1 - nu) p / E*: the punches here are stretched by as much. Without that the shear is off by 2 %.
+    """
+    load, errors, a = 0.01, [], 1 / 64
     eta = np.log(3 - 4 * nu) / (2 * np.pi)
-    for nx in (512, 2048):
+    for nx in (512, 8192):
         given, x = flat(nx, nx // 32, 0.0, 0.0)
-        result = settled(
-            surface.half_space(nx, nu), np.where(np.isnan(given), [[0.0], [load]], np.nan), given, residual=1e-8
-        )
-        a = 1 / 64
+        given[0] += (1 - 2 * nu) / (1 - nu) * load * x
+        pull = np.where(np.isnan(given), [[0.0], [load]], np.nan)
+        result = settled(surface.half_space(nx, nu), pull, given, residual=1e-8)
         inside = abs(x) < 0.8 * a
         x = x[inside]
         size = load * 2 * (1 - nu) / np.sqrt(3 - 4 * nu) / (np.pi * np.sqrt(a**2 - x**2))
@@ -191,9 +195,8 @@ def test_sticking_flat_punch():
         means = [(f[:-2] + 2 * f[1:-1] + f[2:]) / 4 for f in found]
         exact = [size * np.cos(phase), size * np.sin(phase)]
         errors.append([abs(m - e[1:-1]).max() * 2 * a / load for m, e in zip(means, exact, strict=True)])
-    assert errors[1][0] < 0.015
-    assert errors[1][1] < 0.02
-    assert errors[1][0] < 0.6 * errors[0][0]  # order 1/2 or better
+    assert max(errors[1]) < 0.005
+    assert np.log(np.divide(*errors)).min() / np.log(16) > 0.7  # the order
 
 
 @pytest.mark.parametrize("compiled", [True, False])

@@ -12,6 +12,7 @@ import xarray as xr
 from click.testing import CliRunner
 from test_campaign import SMALL, campaign
 
+import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli import main
@@ -130,6 +131,16 @@ def test_runs_that_do_not_converge_exit_with_3(tmp_path):
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
     assert "60 of 60 simulations are not ok" in done.stderr
+
+
+def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
+    path = campaign(tmp_path, **{"grid:": "numerics: {solver: verlet}\ngrid:"})
+    limit = schemes.stability_limit
+    monkeypatch.setattr(schemes, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 3
+    least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())
+    assert f"60 are unstable, the first after {least} iterations: lower numerics.time_step" in done.stderr
 
 
 def test_solve_writes_fields_and_scalars(tmp_path):

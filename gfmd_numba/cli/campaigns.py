@@ -113,6 +113,10 @@ def run(
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():
         click.echo(f"gfmd: block {block} {failure.status}: {failure.reason}", err=True)
+    unstable = dataset["n_iterations"].where(status == meanings.index("unstable"))
+    if unstable.notnull().any():
+        first = f"the first after {int(unstable.min())} iterations"
+        click.echo(f"gfmd: {int(unstable.count())} are unstable, {first}: lower numerics.time_step", err=True)
     if not_ok:
         click.echo(
             f"gfmd: {not_ok} of {status.size} simulations are not ok, see `status` in the file; "

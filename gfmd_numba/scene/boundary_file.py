@@ -31,7 +31,7 @@ class BoundaryFile(BaseModel):
     model_config = RECORD
     scene: LoadedBody = Field(description="What is loaded")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
-    points: int | None = Field(None, ge=4, le=2**24, description="Nodes over the period; None: as many as in the files")
+    points: int | None = Field(None, ge=4, le=2**22, description="Nodes over the period; None: as many as in the files")
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:

@@ -189,7 +189,7 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
     Of a path of loadings the last one is drawn; UnusableDataError for a dataset without these fields.
     """
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
-        raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves")
+        raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"]

@@ -338,7 +338,7 @@ def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):
     assert "given a file that exists; allowed: a new name" in again.output
 
 
-@pytest.mark.parametrize("kind", ["campaign", "scene", "surface"])
+@pytest.mark.parametrize("kind", ["campaign", "scene", "boundary", "surface"])
 def test_schemas_are_json(kind):
     schema = json.loads(gfmd("schema", kind).output)
     assert schema["additionalProperties"] is False

@@ -36,7 +36,7 @@ def check(file: Path) -> None:
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["campaign", "scene", "surface"]), default="campaign")
+@click.argument("kind", type=click.Choice(["campaign", "scene", "boundary", "surface"]), default="campaign")
 def schema(kind: str) -> None:
     """Print the JSON Schema of a KIND of file, for editors that complete and check YAML."""
     import json
@@ -44,10 +44,15 @@ def schema(kind: str) -> None:
     from pydantic import BaseModel
 
     from gfmd_numba.campaign.specification import Campaign
-    from gfmd_numba.scene import SceneFile
+    from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_records import SurfaceFile
 
-    records: dict[str, type[BaseModel]] = {"campaign": Campaign, "scene": SceneFile, "surface": SurfaceFile}
+    records: dict[str, type[BaseModel]] = {
+        "campaign": Campaign,
+        "scene": SceneFile,
+        "boundary": BoundaryFile,
+        "surface": SurfaceFile,
+    }
     click.echo(json.dumps(records[kind].model_json_schema(), indent=2))
 
 

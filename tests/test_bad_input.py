@@ -467,18 +467,27 @@ CAMPAIGNS = {
     ),
     "no realisations": (
         ("realisations: 30", "realisations: 0"),
-        "bad.yaml:3:15: realisations: given 0; allowed: a whole number from 1 to 1000000",
+        "bad.yaml:3:15: realisations: given 0; allowed: a whole number from 1 to 1000000, or a mapping of such",
+    ),
+    "realisations of an unknown limit": (
+        ("realisations: 30", "realisations: {reference: 30, eps_x: 3}"),
+        "bad.yaml:3:31: realisations.eps_x: given an unknown key; allowed: one of 'reference', 'eps_c', 'eps_f', ",
+    ),
+    "realisations of no reference": (
+        ("realisations: 30", "realisations: {eps_c: 3}"),
+        "bad.yaml:3:1: realisations.reference: given nothing; allowed: a whole number from 1 to 1000000",
     ),
     "key of another level": (
         ("seed: 2018", "seed: 2018\nlength: 1e-6"),
         "bad.yaml:3:1: length: given an unknown key; allowed: one of 'name', 'seed', "
         "'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics', 'fit'; 'length' belongs to scene",
+        "'reference', 'limits', 'grid', 'numerics', 'fit', 'case_timeout'; 'length' belongs to scene",
     ),
     "key of several levels": (
         ("seed: 2018", "seed: 2018\neps_c: 1"),
         "bad.yaml:3:1: eps_c: given an unknown key; allowed: one of 'name', 'seed', 'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics', 'fit'; 'eps_c' belongs to reference or limits or grid",
+        "'reference', 'limits', 'grid', 'numerics', 'fit', 'case_timeout'; "
+        "'eps_c' belongs to realisations or reference or limits or grid or fit.fixed",
     ),
     "unknown axis": (
         ("grid: {hurst", "grid: {hurts"),

@@ -5,7 +5,7 @@ import pytest
 from test_campaign import campaign
 
 from gfmd_numba.campaign import cost
-from gfmd_numba.campaign.plan import plan, tasks, wall_time
+from gfmd_numba.campaign.plan import plan, tasks
 
 WIDE = {
     "grid: {hurst: [0.3, 0.8]}": "grid: {hurst: [0.2, 0.4, 0.6, 0.8], reduced_pressure: [0.01, 0.03, 0.1, 0.3]}",
@@ -35,7 +35,9 @@ def true_seconds(problem):
 
 
 def predicted(planned, budget=100.0):
-    return cost.predict(planned.problems, planned.campaign.realisations, budget, lambda problems: None)
+    return cost.predict(
+        planned.problems, [planned.demand[p.identity] for p in planned.problems], budget, lambda problems: None
+    )
 
 
 def test_a_pilot_predicts_all_others(tmp_path, unmeasured):
@@ -44,7 +46,7 @@ def test_a_pilot_predicts_all_others(tmp_path, unmeasured):
     assert found.pilot == len(unmeasured) < len(planned.problems) / 2
     errors = [np.log(found.seconds[p.identity] / true_seconds(p)) for p in planned.problems]
     assert np.std(errors) < 0.2
-    total = planned.campaign.realisations * sum(map(true_seconds, planned.problems))
+    total = 6 * sum(map(true_seconds, planned.problems))
     assert found.quantile(0.05) < total < found.quantile(0.95)
     assert found.quantile(0.5) == pytest.approx(total, rel=0.2)
 
@@ -82,5 +84,5 @@ def test_tasks_are_of_about_equal_time_and_hold_every_block_once(tmp_path, unmea
     total = sum(map(seconds, grouped))
     assert all(seconds(task) <= total / 32 or len(task) == 1 for task in grouped)
     longest = max(seconds((block,)) for block in blocks)
-    assert wall_time(found, total, 6, planned.problems, 2) == pytest.approx(total / 2)
-    assert wall_time(found, total, 6, planned.problems, 10**6) == pytest.approx(longest)
+    assert planned.wall_time(found, total, 2) == pytest.approx(total / 2)
+    assert planned.wall_time(found, total, 10**6) == pytest.approx(longest)

@@ -36,26 +36,67 @@ class Block:
 
 
 def whitened(values: Array, log_ratio: Array, limits: NDArray[np.intp]) -> Block:
-    """Return the block of a group's values (realisation, case)."""
-    lower = np.linalg.cholesky(_covariance(values) / len(values))
+    """Return the block of a group's values (realisation, case), nan where a case was not asked of a realisation."""
+    means, covariance = best_means(values, covariance_of_one(values))
+    lower = np.linalg.cholesky(covariance)
     whitener = solve_triangular(lower, np.eye(len(lower)), lower=True)
-    return Block(values.mean(axis=0), whitener, log_ratio, limits)
+    return Block(means, whitener, log_ratio, limits)
 
 
-def _covariance(values: Array) -> Array:
-    """Return the shrunk covariance (case, case) of one realisation's values."""
-    n, n_cases = values.shape
-    centred = values - values.mean(axis=0)
-    sample = centred.T @ centred / max(n - 1, 1)
-    own = centred - centred.mean(axis=1, keepdims=True)
-    residual = (own**2).sum(axis=0) / max(n - 1, 1)
-    if residual.mean() <= (1e-12 * abs(values).max()) ** 2:
+def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
+    """Return the least-variance means of the cases (Gauss-Markov) and their covariance.
+
+    Realisations that only the cheaper cases have improve the dearer ones through the covariance of the two: for
+    nested levels this is multilevel Monte Carlo with the best control coefficients (Giles 2008).
+    """
+    present = np.isfinite(values)
+    patterns, member = np.unique(present, axis=0, return_inverse=True)
+    information, total = np.zeros_like(covariance), np.zeros(len(covariance))
+    for index, pattern in enumerate(patterns):
+        there = np.flatnonzero(pattern)
+        if not there.size:
+            continue
+        rows = values[np.ix_(member.ravel() == index, there)]
+        weight = np.linalg.inv(covariance[np.ix_(there, there)])
+        information[np.ix_(there, there)] += len(rows) * weight
+        total[there] += weight @ rows.sum(axis=0)
+    variance = np.linalg.inv(information)
+    return variance @ total, (variance + variance.T) / 2
+
+
+def covariance_of_one(values: Array) -> Array:
+    """Return the shrunk covariance (case, case) of one realisation's values, nan where there are none."""
+    present = np.isfinite(values)
+    n_cases, counts = values.shape[1], present.sum(axis=0)
+    n = int(counts.min())
+    centred = np.where(present, values - np.nanmean(values, axis=0), 0.0)
+    sample = _sample_covariance(centred, present)
+    own = np.where(present, centred - (centred.sum(axis=1) / present.sum(axis=1).clip(1))[:, None], 0.0)
+    residual = (own**2).sum(axis=0) / (counts - 1).clip(1)
+    if residual.mean() <= (1e-12 * np.nanmax(abs(values))) ** 2:
         return np.eye(n_cases)  # one realisation or perfect data: nothing to weight by
     # no case, the reference least of all, may look exact by chance, nor beside a huge common offset
     residual = residual.clip(max(0.05 * residual.mean(), 1e-12 * sample.trace()))
     between = sample[~np.eye(n_cases, dtype=bool)].mean().clip(0)
     weight = n / (n + 2 * n_cases)
     return np.asarray(weight * sample + (1 - weight) * (np.diag(residual) + between))
+
+
+def _sample_covariance(centred: Array, present: NDArray[np.bool_]) -> Array:
+    """Return variances from all values of a case, correlations from the realisations that two cases share."""
+    if present.all():
+        return np.asarray(centred.T @ centred / max(len(centred) - 1, 1))
+    there = present.astype(float)
+    shared = (there.T @ there).clip(1)
+    offset = centred.T @ there / shared  # mean of case i over the realisations it shares with j
+    product = centred.T @ centred / shared - offset * offset.T
+    own = (centred**2).T @ there / shared - offset**2
+    scale = np.sqrt(own * own.T)
+    correlation = np.divide(product, scale, out=np.zeros_like(product), where=scale > 0.0).clip(-1, 1)
+    deviation = np.sqrt((centred**2).sum(axis=0) / (present.sum(axis=0) - 1).clip(1))
+    values, vectors = np.linalg.eigh(correlation)  # of different realisations, they need not fit together
+    definite = (vectors * values.clip(1e-6)) @ vectors.T
+    return np.asarray(deviation[:, None] * definite * deviation)
 
 
 def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[Array]]:

@@ -26,7 +26,8 @@ class Group:
 
     parameters: dict[str, float]
     values: Array  # (realisation, case)
-    complete: NDArray[np.bool_]  # realisations that are good in every case
+    complete: NDArray[np.bool_]  # realisations that are good in every case asked of them
+    asked: NDArray[np.bool_]  # (realisation, case)
     levels: dict[str, Array]  # of the limits that are varied
     reference: dict[str, float]  # its discretisation
     reference_mean: float
@@ -36,8 +37,8 @@ class Group:
 
     @property
     def n_realisations(self) -> int:
-        """Number of complete realisations."""
-        return int(self.complete.sum())
+        """Number of complete realisations of the case that has fewest."""
+        return int(self.asked[self.complete].sum(axis=0).min(initial=len(self.complete)))
 
     @property
     def n_cases(self) -> int:
@@ -109,7 +110,9 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         cases = cases.isel(case=~at_nyquist(cases["eps_c"].values))
     values = cases[variable].transpose("realisation", "case").values.astype(float)
     present = np.isfinite(values)
-    n_present, n_run = present.sum(axis=0), present.any(axis=1).sum()
+    asked = _asked(cases)
+    n_present, n_run = present.sum(axis=0), (asked & present.any(axis=1, keepdims=True)).sum(axis=0)
+    n_excluded = int((asked & ~present).sum())
     # only complete realisations are fitted: a case that mostly failed would leave hardly any
     dead, poor = n_present == 0, (n_present > 0) & (2 * n_present < n_run)
     kept = ~(dead | poor)
@@ -117,7 +120,8 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         if left_out.any():
             names = [_named(cases.isel(case=index)) for index in np.flatnonzero(left_out)]
             notes.append(f"left out, {why}: {'; '.join(names)}")
-    some, complete = present[:, kept].any(axis=1), present[:, kept].all(axis=1) & kept.any()
+    values, present, asked = values[:, kept], present[:, kept], asked[:, kept]
+    some, complete = present.any(axis=1), (present | ~asked).all(axis=1) & present.any(axis=1)
     if some.sum() > complete.sum():
         dropped = some.sum() - complete.sum()
         notes.append(f"{dropped} of {some.sum()} realisations dropped, not good in every case")
@@ -128,8 +132,15 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             levels[name] = level
         else:
             notes.append(f"{name} is not varied: kappa_tfc is not extrapolated in it")
-    n_excluded = int((~present).sum())
-    return Group(parameters, values[:, kept], complete, levels, reference, mean, error, n_excluded, notes)
+    return Group(parameters, values, complete, asked, levels, reference, mean, error, n_excluded, notes)
+
+
+def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:
+    """Return which cases were asked of which realisations (realisation, case)."""
+    shape = cases.sizes["realisation"], cases.sizes["case"]
+    if "realisations" not in cases.coords:
+        return np.ones(shape, dtype=bool)
+    return np.asarray(np.arange(shape[0])[:, None] < cases["realisations"].values)
 
 
 def _named(case: xr.Dataset) -> str:

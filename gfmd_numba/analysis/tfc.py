@@ -131,8 +131,10 @@ def _bootstrap(
     pool = np.flatnonzero(np.any([group.complete for group in groups], axis=0))
     if pool.size > 1:
         rng = np.random.default_rng(seed)
+        _, kind = np.unique(np.hstack([group.asked for group in groups])[pool], axis=0, return_inverse=True)
+        strata = [pool[kind.ravel() == index] for index in range(kind.max() + 1)]  # each design its own realisations
         # n - 1 draws from n: then the bootstrap variance of a mean is s^2/n without bias (Rao and Wu 1988)
-        draws = rng.choice(pool, (number, pool.size - 1))
+        draws = np.hstack([rng.choice(alike, (number, max(1, alike.size - 1))) for alike in strata])
         # an exponent fixed to a range differs between replicates, so that the errors include not knowing it
         starts = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((number, len(ends)))
         free = np.flatnonzero(np.isnan(ends[:, 0]))

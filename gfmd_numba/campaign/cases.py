@@ -23,7 +23,7 @@ _PARTS = {
 
 @dataclass(frozen=True)
 class Case:
-    """One ensemble: a scene at one discretisation, and the dimensionless problem it reduces to.
+    """One ensemble: a scene at one discretisation, its realisations, and the dimensionless problem it reduces to.
 
     `limit` names the discretisation that differs from the reference, or is "reference".
     """
@@ -31,6 +31,7 @@ class Case:
     scene: Scene
     discretisation: Discretisation
     limit: str
+    realisations: int
     problem: Problem
     effects: tuple[Effect, ...]
 
@@ -59,7 +60,7 @@ def expand(campaign: Campaign) -> list[Case]:
         for discretisation, limit in discretisations:
             surface = random_surface(scene, discretisation, campaign.seed)
             problem, effects = reduce(scene, surface, self_affine(scene).rms_gradient, campaign.numerics)
-            cases.append(Case(scene, discretisation, limit, problem, effects))
+            cases.append(Case(scene, discretisation, limit, campaign.realisations.of(limit), problem, effects))
     return cases
 
 
@@ -67,6 +68,15 @@ def distinct(cases: Iterable[Case]) -> list[Problem]:
     """Distinct problems among the cases, the largest grids first."""
     problems = {case.problem.identity: case.problem for case in cases}
     return sorted(problems.values(), key=lambda problem: -problem.surface.nx)
+
+
+def demand(cases: Iterable[Case]) -> dict[str, int]:
+    """Realisations that the cases together want of each problem, by its identity."""
+    wanted: dict[str, int] = {}
+    for case in cases:
+        identity = case.problem.identity
+        wanted[identity] = max(case.realisations, wanted.get(identity, 0))
+    return wanted
 
 
 def blocks(problem: Problem, realisations: int) -> Iterator[Block]:

@@ -57,7 +57,9 @@ def noted(directory: Path) -> dict[str, Any]:
 
 def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     campaign = planned.campaign
-    measured = {problem.identity: _measured(problem, campaign.realisations, directory) for problem in planned.problems}
+    wanted = planned.demand
+    longest = max(wanted.values())
+    measured = {p.identity: _measured(p, wanted[p.identity], longest, directory) for p in planned.problems}
     text = planned.document.text
     attributes = {
         "title": campaign.name,
@@ -92,8 +94,8 @@ def _in_file_units(case: Case, measured: Measures) -> Measures:
     return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
 
 
-def _measured(problem: Problem, realisations: int, directory: Path) -> Measures:
-    """Measures of a problem `[realisation]` from its shards, dimensionless, and the seconds of each shard."""
+def _measured(problem: Problem, realisations: int, longest: int, directory: Path) -> Measures:
+    """Measures of a problem `[longest]` from its shards, dimensionless, and the seconds of each shard."""
     parts = []
     for block in blocks(problem, realisations):
         part = shards.read(shard_path(directory, block))
@@ -102,6 +104,8 @@ def _measured(problem: Problem, realisations: int, directory: Path) -> Measures:
             status = Status.unfinished if failure is None else Status[failure.status]
             part = _nothing(block.stop - block.first, status)
         parts.append(part)
+    if longest > realisations:
+        parts.append(_nothing(longest - realisations, Status.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
 
 

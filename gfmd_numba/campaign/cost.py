@@ -52,7 +52,9 @@ class Cost:
         return float(np.quantile(self.total, probability))
 
 
-def predict(problems: list[Problem], realisations: int, budget: float, warm: Callable[[list[Problem]], None]) -> Cost:
+def predict(
+    problems: list[Problem], realisations: list[int], budget: float, warm: Callable[[list[Problem]], None]
+) -> Cost:
     """Predicted cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
     The pilot takes no more than a tenth of the work itself unless that tells nothing. `warm` is called before
@@ -62,7 +64,7 @@ def predict(problems: list[Problem], realisations: int, budget: float, warm: Cal
     identities = [problem.identity for problem in problems]
     remembered = _remembered()
     seconds = np.array([remembered.get(identity, np.nan) for identity in identities])
-    weight = np.full(len(problems), float(realisations))
+    weight = np.array(realisations, dtype=float)
     missing = np.isnan(seconds)
     begun = None
     while missing.any() and (known := len(problems) - missing.sum()) < _MOST_PILOTS:

@@ -3,14 +3,15 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gfmd_numba.campaign.cases import Block, Case, blocks, distinct, expand
-from gfmd_numba.campaign.cost import Cost
-from gfmd_numba.campaign.execution import Task
+from gfmd_numba.campaign.cases import Block, Case, blocks, demand, distinct, expand
+from gfmd_numba.campaign.cost import Cost, predict
+from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, Problem, self_affine
@@ -34,7 +35,22 @@ class Plan:
     @property
     def blocks(self) -> Iterator[Block]:
         """All blocks of work."""
-        return (block for problem in self.problems for block in blocks(problem, self.campaign.realisations))
+        return (block for problem in self.problems for block in blocks(problem, self.demand[problem.identity]))
+
+    @cached_property
+    def demand(self) -> dict[str, int]:
+        """Realisations wanted of each problem, by its identity."""
+        return demand(self.cases)
+
+    @property
+    def n_simulations(self) -> int:
+        """Number of distinct simulations."""
+        return sum(self.demand.values())
+
+    @property
+    def n_asked(self) -> int:
+        """Number of simulations that the cases ask for, shared ones counted again."""
+        return sum(case.realisations for case in self.cases)
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -44,7 +60,7 @@ class Plan:
     @property
     def file_bytes(self) -> int:
         """Size of the results, before compression."""
-        return 8 * len(MEASURES) * len(self.cases) * self.campaign.realisations
+        return 8 * len(MEASURES) * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:
@@ -79,8 +95,18 @@ class Plan:
                 held = ", ".join(map(str, list(dict.fromkeys(columns[name]))[:10]))
                 raise InputError(f"--only: given {name}={given}; allowed: a value of the campaign, like {held}")
             chosen &= met
-        problems = distinct(case for case, wanted in zip(self.cases, chosen, strict=True) if wanted)
-        return [block for problem in problems for block in blocks(problem, self.campaign.realisations)]
+        cases = [case for case, wanted in zip(self.cases, chosen, strict=True) if wanted]
+        wanted = demand(cases)
+        return [block for problem in distinct(cases) for block in blocks(problem, wanted[problem.identity])]
+
+    def predicted_cost(self, budget: float) -> Cost:
+        """Cost on this machine, from a pilot of at most `budget` seconds."""
+        return predict(self.problems, [self.demand[p.identity] for p in self.problems], budget, compile_kernels)
+
+    def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
+        """Time in s that workers need for some processor time: at least that of the longest block."""
+        longest = max(cost.seconds[block.problem.identity] * (block.stop - block.first) for block in self.blocks)
+        return max(cpu_seconds / max(1, workers), longest)
 
 
 def plan(path: str | Path) -> Plan:
@@ -95,6 +121,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     return {
         "case_id": [case.problem.identity for case in cases],
         "limit": [case.limit for case in cases],
+        "realisations": [case.realisations for case in cases],
         "is_reference": [case.limit == "reference" for case in cases],
         "eps_c": [case.discretisation.eps_c for case in cases],
         "eps_f": [case.discretisation.eps_f for case in cases],
@@ -123,9 +150,3 @@ def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
         grouped[-1].append(block)
         filled += seconds[block.name]
     return [tuple(group) for group in grouped]
-
-
-def wall_time(cost: Cost, cpu_seconds: float, realisations: int, problems: list[Problem], workers: int) -> float:
-    """Time in s that workers need for some processor time: at least that of the longest block."""
-    longest = max(cost.seconds[p.identity] * (b.stop - b.first) for p in problems for b in blocks(p, realisations))
-    return max(cpu_seconds / max(1, workers), longest)

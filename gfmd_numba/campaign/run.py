@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gfmd_numba.campaign import cost, failures
+from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.collection import collect, note
@@ -70,9 +70,7 @@ def run(
             if todo:
                 begun = time.perf_counter()
                 compile_kernels(planned.problems)
-                predicted = cost.predict(
-                    planned.problems, planned.campaign.realisations, _PILOT_SECONDS, compile_kernels
-                )
+                predicted = planned.predicted_cost(_PILOT_SECONDS)
                 note(
                     directory,
                     predicted_cpu_seconds_p50=predicted.quantile(0.5),

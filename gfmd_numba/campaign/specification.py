@@ -57,6 +57,39 @@ def _exponent(given: Any) -> float | tuple[float, float]:
 Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), WithJsonSchema({"allowed": EXPONENT})]
 
 
+Count = Annotated[int, Field(ge=1, le=1_000_000, description="Random surfaces per case")]
+COUNT = "a whole number from 1 to 1000000, or a mapping of such with the key reference and any of eps_c, eps_f, eps_t"
+
+
+class Realisations(BaseModel):
+    """Random surfaces of each case, by the limit it belongs to; a limit left out has as many as the reference."""
+
+    model_config = RECORD
+    reference: Count = Field(description="Random surfaces of each case at the reference")
+    eps_c: Count | None = Field(None, description="Random surfaces of each case of the continuum limit")
+    eps_f: Count | None = Field(None, description="Random surfaces of each case of the fractal limit")
+    eps_t: Count | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
+
+    def of(self, limit: str | None) -> int:
+        """Number for the cases of a limit, or of the reference."""
+        return self.reference if limit in (None, "reference") else getattr(self, str(limit)) or self.reference
+
+
+def _realisations(given: Any) -> Any:
+    if isinstance(given, dict | Realisations):
+        return given
+    if type(given) is not int or not 1 <= given <= 1_000_000:
+        raise ValueError(COUNT)
+    return {"reference": given}
+
+
+_Realisations = Annotated[
+    Realisations,
+    BeforeValidator(_realisations),
+    WithJsonSchema(Realisations.model_json_schema() | {"type": ["integer", "object"], "allowed": COUNT}),
+]
+
+
 class Limits(BaseModel):
     """Discretisations (dimensionless) taken one at a time around the reference."""
 
@@ -109,7 +142,7 @@ class Campaign(BaseModel):
         json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
     )
     seed: Seed
-    realisations: int = Field(ge=1, le=1_000_000, description="Random surfaces per case")
+    realisations: _Realisations = Field(description="Random surfaces of each case, a number or one for each limit")
     scene: Scene = Field(description="What is in contact")
     reference: Discretisation = Field(description="Discretisation around which the limits are taken")
     limits: Limits = Field(Limits(), description="Discretisations one at a time")

@@ -28,13 +28,12 @@ def plan(file: Path, workers: int, pilot: float) -> None:
 
     planned = plan_campaign(file)
     distinct = len(planned.problems)
-    simulations = distinct * planned.campaign.realisations
     click.echo(f"campaign      {planned.campaign.name}")
     click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         click.echo(f"shared        {count} cases differ from another one in {whose} alone, which changes no number")
-    click.echo(f"simulations   {simulations} of {len(planned.cases) * planned.campaign.realisations} asked for")
+    click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
     click.echo(f"largest grid  nx = {max(case.discretisation.nx for case in planned.cases)}")
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
@@ -50,15 +49,10 @@ _MOST_EFFECTS = 50
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    from gfmd_numba.campaign import cost
-    from gfmd_numba.campaign.execution import compile_kernels
-    from gfmd_numba.campaign.plan import wall_time
-
-    realisations = planned.campaign.realisations
-    predicted = cost.predict(planned.problems, realisations, pilot, compile_kernels)
+    predicted = planned.predicted_cost(pilot)
     likely, at_most = predicted.quantile(0.5), predicted.quantile(0.9)
     click.echo(f"CPU time      {duration(likely)}, with 90 % probability below {duration(at_most)}")
-    walls = [wall_time(predicted, s, realisations, planned.problems, workers) for s in (likely, at_most)]
+    walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
     click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine")
 
@@ -102,7 +96,7 @@ def run(
     status = dataset["status"]
     meanings = status.attrs["flag_meanings"].split()
     to_do = int((status == meanings.index("unfinished")).sum())
-    not_ok = int((status != 0).sum()) - to_do
+    not_ok = int((status != 0).sum()) - to_do - int((status == meanings.index("not_asked")).sum())
     if to_do:
         click.echo(f"note     {to_do} of {status.size} simulations are not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):

@@ -23,7 +23,7 @@ def check(file: Path) -> None:
     data = read_document(file).data
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
         campaign: Campaign = load_campaign(file)[0]
-        click.echo(f"{file}: a campaign of {campaign.n_cases} cases x {campaign.realisations} realisations")
+        click.echo(f"{file}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
     elif isinstance(data, dict) and "surface" in data:
         load_surface(file)
         click.echo(f"{file}: a surface")

@@ -30,7 +30,7 @@ _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond w
 
 
 class Status(IntEnum):
-    """How a run ended; only `ok` results are used. Of a campaign, some may still be `unfinished`."""
+    """How a run ended; only `ok` results are used. Of a campaign some may be `unfinished` or `not_asked`."""
 
     ok = 0
     not_converged = 1
@@ -39,6 +39,7 @@ class Status(IntEnum):
     timeout = 4
     crashed = 5
     unfinished = 6
+    not_asked = 7
 
 
 class Solver(Protocol):

@@ -514,7 +514,7 @@ def test_limits_with_fewer_realisations_lose_little_and_stay_unbiased():
         errors.append([fit["kappa_tfc_error"].item() for fit in fits])
     scatter = np.std(estimates, axis=0, ddof=1)
     assert np.abs(np.mean(estimates, axis=0) - TFC[0.8] < 3 * scatter / np.sqrt(60)).all()
-    assert scatter[1] < 1.3 * scatter[0]
+    assert scatter[1] < 1.5 * scatter[0]
     assert scatter[2] > 2.0 * scatter[0]  # ten surfaces everywhere
     stated = np.nanmean(errors, axis=0)
     np.testing.assert_allclose(stated[:2], scatter[:2], rtol=0.3)

@@ -65,16 +65,22 @@ def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
 
 
 def covariance_of_one(values: Array) -> Array:
-    """Return the shrunk covariance (case, case) of one realisation's values, nan where there are none."""
+    """Return the covariance (case, case) of one realisation's values, nan where there are none.
+
+    Complete, it is the shrunk one; with cases of few realisations among others of many, the tree.
+    """
     present = np.isfinite(values)
-    n_cases, counts = values.shape[1], present.sum(axis=0)
-    n = int(counts.min())
     centred = np.where(present, values - np.nanmean(values, axis=0), 0.0)
-    sample = _sample_covariance(centred, present)
-    own = np.where(present, centred - (centred.sum(axis=1) / present.sum(axis=1).clip(1))[:, None], 0.0)
-    residual = (own**2).sum(axis=0) / (counts - 1).clip(1)
-    if residual.mean() <= (1e-12 * np.nanmax(abs(values))) ** 2:
-        return np.eye(n_cases)  # one realisation or perfect data: nothing to weight by
+    if (centred**2).mean() <= (1e-12 * np.nanmax(abs(values))) ** 2:
+        return np.eye(values.shape[1])  # one realisation or perfect data: nothing to weight by
+    return _shrunk(centred) if present.all() else _tree(centred, present)
+
+
+def _shrunk(centred: Array) -> Array:
+    n, n_cases = centred.shape
+    sample = centred.T @ centred / max(n - 1, 1)
+    own = centred - centred.mean(axis=1, keepdims=True)
+    residual = (own**2).sum(axis=0) / max(n - 1, 1)
     # no case, the reference least of all, may look exact by chance, nor beside a huge common offset
     residual = residual.clip(max(0.05 * residual.mean(), 1e-12 * sample.trace()))
     between = sample[~np.eye(n_cases, dtype=bool)].mean().clip(0)
@@ -82,21 +88,42 @@ def covariance_of_one(values: Array) -> Array:
     return np.asarray(weight * sample + (1 - weight) * (np.diag(residual) + between))
 
 
-def _sample_covariance(centred: Array, present: NDArray[np.bool_]) -> Array:
-    """Return variances from all values of a case, correlations from the realisations that two cases share."""
-    if present.all():
-        return np.asarray(centred.T @ centred / max(len(centred) - 1, 1))
+def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
+    """Return the covariance in which each case knows the others only through its closest one (Chow and Liu 1968).
+
+    Slopes come from the realisations that two cases share, so that dear levels with few of them follow cheap ones.
+    """
     there = present.astype(float)
-    shared = (there.T @ there).clip(1)
-    offset = centred.T @ there / shared  # mean of case i over the realisations it shares with j
-    product = centred.T @ centred / shared - offset * offset.T
-    own = (centred**2).T @ there / shared - offset**2
-    scale = np.sqrt(own * own.T)
-    correlation = np.divide(product, scale, out=np.zeros_like(product), where=scale > 0.0).clip(-1, 1)
-    deviation = np.sqrt((centred**2).sum(axis=0) / (present.sum(axis=0) - 1).clip(1))
-    values, vectors = np.linalg.eigh(correlation)  # of different realisations, they need not fit together
-    definite = (vectors * values.clip(1e-6)) @ vectors.T
-    return np.asarray(deviation[:, None] * definite * deviation)
+    counts, shared = there.sum(axis=0), there.T @ there
+    offset = centred.T @ there / shared.clip(1)  # mean of case i over the realisations it shares with j
+    freedom = (shared - 1).clip(1)
+    joint = (centred.T @ centred - shared * offset * offset.T) / freedom
+    variance = (((centred**2).T @ there - shared * offset**2) / freedom).clip(1e-150)  # of case i over those
+    correlation = abs((joint / np.sqrt(variance * variance.T)).clip(-1, 1))
+    order, closest = _spanned(correlation, counts)
+    unexplained = 1 - correlation[order[1:], closest] ** 2
+    unexplained = unexplained.clip(max(0.05 * unexplained.mean(), 1e-12))  # no case may look exact by chance
+    tree = np.diag((centred**2).sum(axis=0) / (counts - 1).clip(1))
+    for position, (case, above) in enumerate(zip(order[1:], closest, strict=True), start=1):
+        slope = joint[case, above] / variance[above, case]
+        earlier = order[:position]
+        tree[case, earlier] = tree[earlier, case] = slope * tree[above, earlier]
+        tree[case, case] = slope**2 * tree[above, above] + unexplained[position - 1] * variance[case, above]
+    return tree
+
+
+def _spanned(correlation: Array, counts: Array) -> tuple[list[int], list[int]]:
+    """Return the cases, those of many realisations first, and the most correlated earlier one of all but the first."""
+    order, closest = [int(counts.argmax())], []
+    left = set(range(len(counts))) - set(order)
+    while left:
+        most = max(counts[case] for case in left)
+        pairs = ((case, above) for case in left if counts[case] == most for above in order)
+        case, above = max(pairs, key=lambda pair: correlation[pair])
+        order.append(case)
+        closest.append(above)
+        left.remove(case)
+    return order, closest
 
 
 def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[Array]]:

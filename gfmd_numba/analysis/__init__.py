@@ -1,12 +1,16 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
+from gfmd_numba.analysis.design import Design, best_design, cheapest_design
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
 from gfmd_numba.analysis.surface_plots import plot_surface
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [
+    "Design",
     "UnusableDataError",
+    "best_design",
+    "cheapest_design",
     "ensemble_mean",
     "fit_tfc",
     "plot_campaign",

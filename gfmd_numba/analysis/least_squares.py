@@ -76,6 +76,11 @@ def covariance_of_one(values: Array) -> Array:
     return _shrunk(centred) if present.all() else _tree(centred, present)
 
 
+def covariance_of_levels(values: Array) -> Array:
+    """Return the covariance (case, case) of one of the complete realisations by which a ragged design is fitted."""
+    return _tree(values - values.mean(axis=0), np.isfinite(values))
+
+
 def _shrunk(centred: Array) -> Array:
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)

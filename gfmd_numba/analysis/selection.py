@@ -25,6 +25,7 @@ class Group:
     """The results of one group of cases, which differ only in discretisation, as a fit takes them."""
 
     parameters: dict[str, float]
+    cases: NDArray[np.intp]  # where its cases stand in the dataset
     values: Array  # (realisation, case)
     complete: NDArray[np.bool_]  # realisations that are good in every case asked of them
     asked: NDArray[np.bool_]  # (realisation, case)
@@ -97,6 +98,7 @@ def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Grou
     """Return the groups, cases that mostly failed left out; UnusableDataError without such a variable."""
     usable = good(dataset, variable)
     dataset = dataset.assign({variable: dataset[variable].where(usable)})
+    dataset = dataset.assign_coords(_position=("case", np.arange(dataset.sizes["case"])))
     return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]
 
 
@@ -132,7 +134,8 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             levels[name] = level
         else:
             notes.append(f"{name} is not varied: kappa_tfc is not extrapolated in it")
-    return Group(parameters, values, complete, asked, levels, reference, mean, error, n_excluded, notes)
+    position = cases["_position"].values[kept]
+    return Group(parameters, position, values, complete, asked, levels, reference, mean, error, n_excluded, notes)
 
 
 def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:

@@ -47,7 +47,7 @@ def fit_tfc(
     """
     if exponents not in ("shared", "free"):
         raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
-    ranges = {limit: _range(limit, value) for limit, value in (fixed or {}).items()}
+    ranges = {limit: exponent_range(limit, value) for limit, value in (fixed or {}).items()}
     members = collect(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
@@ -64,7 +64,8 @@ def fit_tfc(
     )
 
 
-def _range(limit: str, value: float | Sequence[float]) -> tuple[float, float]:
+def exponent_range(limit: str, value: float | Sequence[float]) -> tuple[float, float]:
+    """Return the ends of the range of a fixed exponent; ValueError for another limit or no positive numbers."""
     ends = tuple(value) if isinstance(value, Sequence) else (value, value)
     numbers = len(ends) == 2 and all(isinstance(end, Real) for end in ends)
     if limit not in LIMITS or not numbers or not 0 < ends[0] <= ends[1] < np.inf:

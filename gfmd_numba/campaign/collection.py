@@ -67,6 +67,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "seed": campaign.seed,
         "fit": campaign.fit.model_dump_json(exclude_none=True),
+        **({} if campaign.target is None else {"target": campaign.target}),
         "dropped_effects": dropped_effects(planned.effects),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions()),
@@ -78,7 +79,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "cpu_seconds": sum(float(values[SECONDS].sum()) for values in measured.values()),
         **noted(directory),
     }
-    values = [_in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
+    values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
     dataset = campaign_dataset(coordinates(planned.cases), values, units(campaign.scene), attributes)
     dataset["case_seconds"] = (
         "case",
@@ -89,7 +90,8 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     return dataset
 
 
-def _in_file_units(case: Case, measured: Measures) -> Measures:
+def in_file_units(case: Case, measured: Measures) -> Measures:
+    """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, self_affine(case.scene).rms_gradient)
     return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
 

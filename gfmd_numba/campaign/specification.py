@@ -149,6 +149,9 @@ class Campaign(BaseModel):
     grid: Grid = Field(Grid(), description="Parameters as a full product")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
     fit: Fit = Field(Fit(), description="How the results are fitted")
+    target: float | None = Field(
+        None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
+    )
     case_timeout: float | None = Field(
         None, gt=0, description="Seconds after which a block of realisations of a case is given up; None: never"
     )

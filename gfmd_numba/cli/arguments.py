@@ -54,6 +54,36 @@ conditions_option = click.option(
 )
 
 
+def _target_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:
+    """Return a relative error, given as `2%`, `kappa=2%` or `0.02`."""
+    if option is None:
+        return None
+    number = option.rpartition("=")[2]
+    try:
+        target = float(number.rstrip("%")) / (100.0 if number.endswith("%") else 1.0)
+    except ValueError:
+        target = 0.0
+    if not 0.0 < target < 1.0:
+        raise click.BadParameter(f"given {option!r}; allowed: a relative error like kappa=2% or 0.02")
+    return target
+
+
+def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:
+    """Return a wall time in s, given as `20min`, `2h` or `90s`."""
+    if option is None:
+        return None
+    units = {"s": 1.0, "min": 60.0, "h": 3600.0}
+    number = option.rstrip("sminh ")
+    try:
+        return float(number) * units[option[len(number) :].strip() or "s"]
+    except (ValueError, KeyError):
+        raise click.BadParameter(f"given {option!r}; allowed: a time like 20min, 2h or 90s") from None
+
+
+target_option = click.option("--target", callback=_target_given, metavar="kappa=X%", help="Error of the limit to reach")
+budget_option = click.option("--budget", callback=_budget_given, metavar="TIME", help="Wall time to spend, like 20min")
+
+
 def check_output(output: Path, *inputs: Path) -> None:
     """Raise InputError unless a file can be written that is none of the inputs."""
     import os

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, conditions_option, file_argument
+from gfmd_numba.cli.arguments import LIMITS, budget_option, conditions_option, file_argument, target_option
 from gfmd_numba.cli.fits import draw, fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar
-from gfmd_numba.cli.tables import duration, show_fit, show_means
+from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.plan import Plan
@@ -22,7 +22,12 @@ if TYPE_CHECKING:
 @file_argument
 @click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help="That would run it")
 @click.option("--pilot", default=10.0, show_default=True, type=click.FloatRange(0), help="Seconds to measure with")
-def plan(file: Path, workers: int, pilot: float) -> None:
+@target_option
+@budget_option
+@click.option("--write", type=click.Path(dir_okay=False, path_type=Path), help="Campaign file of that design")
+def plan(
+    file: Path, workers: int, pilot: float, target: float | None, budget: float | None, write: Path | None
+) -> None:
     """Say what the campaign in FILE comes to and costs, without running it."""
     from gfmd_numba.campaign.plan import plan as plan_campaign
 
@@ -37,7 +42,9 @@ def plan(file: Path, workers: int, pilot: float) -> None:
     click.echo(f"largest grid  nx = {max(case.discretisation.nx for case in planned.cases)}")
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
-    if pilot:
+    if target or budget:
+        _show_design(planned, target, budget, workers, write)
+    elif pilot:
         _show_cost(planned, workers, pilot)
     for effect in planned.effects[:_MOST_EFFECTS]:
         click.echo(f"{effect.state:13} {effect.name}: {effect.reason}")
@@ -55,6 +62,36 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
     walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
     click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine")
+
+
+def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
+    from gfmd_numba.analysis import UnusableDataError
+    from gfmd_numba.campaign import accuracy
+    from gfmd_numba.scene import InputError
+
+    found = accuracy.pilot(planned)
+    try:
+        chosen = accuracy.design(planned, found, target, None if budget is None else budget * max(1, workers))
+    except UnusableDataError as error:
+        raise InputError(f"{'--target' if target else '--budget'}: {error}") from None
+    counts = ", ".join(f"{name} {count}" for name, count in accuracy.asked(planned, chosen).items())
+    variable = planned.campaign.fit.variable
+    click.echo(f"realisations  {counts}")
+    parts = f"sampling {chosen.sampling:.2%}, exponents {chosen.exponents:.2%}"
+    click.echo(f"error         {chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}")
+    wall = chosen.seconds / max(1, workers)
+    click.echo(f"CPU time      {duration(chosen.seconds)}, {duration(wall)} with {workers} workers once started")
+    click.echo(f"residual      {accuracy.loosest_residual(planned, chosen.error):g} is enough for the solver")
+    for goal in (0.1, 0.03, 0.01, 0.003):
+        try:
+            price = duration(accuracy.design(planned, found, goal, None).seconds)
+        except UnusableDataError:
+            price = f"not to be had: the exponents alone leave {chosen.exponents:.2%} open"
+        click.echo(f"price         {goal:.1%}: {price}")
+    if write is not None:
+        with open(write, "x", encoding="utf-8") as file:
+            file.write(accuracy.rewritten(planned, chosen, target))
+        click.echo(f"campaign      {write}")
 
 
 @main.command()
@@ -102,6 +139,8 @@ def run(
     elif LIMITS.keys() & set(dataset["limit"].values):
         fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
         show_fit(fitted)
+        if "target" in dataset.attrs:
+            show_target(fitted, dataset.attrs["target"])
         draw(dataset, fitted, results.with_suffix(".png"))
     else:
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))

@@ -52,6 +52,14 @@ def show_fit(fitted: xr.Dataset) -> None:
         click.echo(f"note     {whose}{line}")
 
 
+def show_target(fitted: xr.Dataset, target: float) -> None:
+    """Print the error each group was meant to have, and the one it has."""
+    reached = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).values
+    missed = [f"{error:.2%}" for error in reached if not error <= target]
+    verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
+    click.echo(f"target   {target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
+
+
 def show_means(dataset: xr.Dataset, variable: str) -> None:
     """Print the ensemble mean of every case, for a campaign without limits."""
     from gfmd_numba.analysis import ensemble_mean

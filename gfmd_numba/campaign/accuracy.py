@@ -1,0 +1,124 @@
+"""What a target of accuracy asks of a campaign: a pilot of every case of some groups, and the design it leads to."""
+
+import re
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis import Design, best_design, cheapest_design
+from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.collection import in_file_units
+from gfmd_numba.campaign.execution import compile_kernels
+from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.contact import solve
+from gfmd_numba.dataset import campaign_dataset, units
+from gfmd_numba.observables import measure
+from gfmd_numba.problem import Problem
+from gfmd_numba.scene import InputError
+
+REALISATIONS = 16  # of the pilot
+_GROUPS = 3  # of equal physics, the first, the last and the one in the middle
+_RESIDUALS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
+_RESIDUAL_SHARE = 0.1  # of the target that the solver's residual may use up
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """Results of some realisations of some groups' cases, and the seconds that one of each takes, shared ones once.
+
+    `scale` is the cost of all groups over those of the pilot.
+    """
+
+    results: xr.Dataset
+    seconds: list[float]
+    scale: float
+
+
+def pilot(planned: Plan) -> Pilot:
+    """Solve 16 realisations of every case of up to three groups, in this process."""
+    groups: dict[tuple[float, ...], list[Case]] = {}
+    for case in planned.cases:
+        groups.setdefault(_physics(case), []).append(case)
+    members = list(groups.values())
+    chosen = sorted({0, len(members) // 2, len(members) - 1})
+    cases = [case for index in chosen for case in members[index]]
+    problems = {case.problem.identity: case.problem for case in cases}
+    compile_kernels(problems.values())
+    measured, seconds = {}, {}
+    for identity, problem in problems.items():
+        begun = time.perf_counter()
+        measured[identity] = measure(solve(problem, range(REALISATIONS)))
+        seconds[identity] = (time.perf_counter() - begun) / REALISATIONS
+    values = [in_file_units(case, measured[case.problem.identity]) for case in cases]
+    results = campaign_dataset(coordinates(cases), values, units(planned.campaign.scene), {})
+    results = results.drop_vars("realisations")
+    sharing = {identity: sum(case.problem.identity == identity for case in cases) for identity in problems}
+    each = [seconds[case.problem.identity] / sharing[case.problem.identity] for case in cases]
+    return Pilot(results, each, len(planned.problems) / len(problems))
+
+
+def design(planned: Plan, found: Pilot, target: float | None, budget: float | None) -> Design:
+    """Cheapest design that meets a relative target, or the best for a budget of processor time in s.
+
+    Raises UnusableDataError where there is none.
+    """
+    fit = planned.campaign.fit
+    fixed = {name: value for name, value in fit.fixed if value is not None}
+    if target is not None:
+        chosen = cheapest_design(found.results, found.seconds, target, fit.variable, fixed)
+    else:
+        chosen = best_design(found.results, found.seconds, (budget or 0.0) / found.scale, fit.variable, fixed)
+    return replace(chosen, seconds=chosen.seconds * found.scale)
+
+
+def loosest_residual(planned: Plan, target: float) -> float:
+    """Largest residual of the solver that changes no mean of the fitted quantity by a tenth of the target.
+
+    Measured on the reference case of the first group.
+    """
+    problem = next(case.problem for case in planned.cases if case.limit == "reference")
+    variable = planned.campaign.fit.variable
+    tight = _mean(problem, _RESIDUALS[-1], variable)
+    for residual in _RESIDUALS:
+        if abs(_mean(problem, residual, variable) / tight - 1.0) <= _RESIDUAL_SHARE * target:
+            return residual
+    return _RESIDUALS[-1]
+
+
+def rewritten(planned: Plan, chosen: Design, target: float | None) -> str:
+    """Text of the campaign with the realisations and the target of a design; raises InputError."""
+    mapping = ", ".join(f"{name}: {count}" for name, count in asked(planned, chosen).items())
+    text = planned.document.text
+    text, replaced = re.subn(r"(?m)^realisations:.*$", f"realisations: {{{mapping}}}", text)
+    if replaced != 1:
+        raise InputError(
+            "--write: given a campaign whose `realisations` are not on a line of their own; allowed: "
+            f"one that begins with `realisations:` (put `realisations: {{{mapping}}}` there)"
+        )
+    goal = chosen.error if target is None else target
+    text = re.sub(r"(?m)^target:.*\n?", "", text).rstrip("\n")
+    return f"{text}\ntarget: {goal:.4g}   # relative standard error of the limit; {chosen.error:.2%} is predicted\n"
+
+
+def asked(planned: Plan, chosen: Design) -> dict[str, int]:
+    """Realisations of a design for the reference and the limits that the campaign varies."""
+    varied = {case.limit for case in planned.cases}
+    return {name: count for name, count in chosen.realisations.items() if name in varied}
+
+
+def _mean(problem: Problem, residual: float, variable: str) -> float:
+    looser = replace(problem, numerics=problem.numerics.model_copy(update={"residual": residual}))
+    return float(np.mean(measure(solve(looser, range(REALISATIONS)))[variable]))
+
+
+def _physics(case: Case) -> tuple[float, ...]:
+    problem, roughness = case.problem, case.scene.roughness
+    return (
+        getattr(roughness, "hurst", np.nan),
+        case.scene.body.poissons_ratio,
+        case.scene.body.aspect_ratio,
+        problem.mean_pressure or 0.0,
+        getattr(roughness, "rms_gradient", np.nan),
+    )

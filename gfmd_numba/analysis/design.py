@@ -180,7 +180,7 @@ def _enough(
     ensembles: Sequence[_Ensemble], price: Mapping[str, float], share: Mapping[str, float], target: float
 ) -> Design:
     """Return the least multiple of a design that meets a target in every group."""
-    low, high = 0, _FEWEST
+    low, high = _FEWEST - 1, _FEWEST
     while not _meets(ensembles, _counts(share, high), target):
         low, high = high, 2 * high
     while high - low > max(1, high // 100):

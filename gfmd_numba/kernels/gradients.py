@@ -77,20 +77,20 @@ def cg_update(
 ) -> None:
     """Line search, clipping, overlap correction and load balance (Polonsky & Keer 1999, eqs 8-12)."""
     for i in active:
+        touching = 0
         mean = 0.0
-        if free_mean:
-            touching = 0
-            for j in range(n):
-                if p[i, j] > 0.0:
-                    mean += st[i, j]
-                    touching += 1
-            mean /= touching
+        total = 0.0
         gt = 0.0
         rt = 0.0
         for j in range(n):
             if p[i, j] > 0.0:
+                touching += 1
+                mean += st[i, j]
+                total += t[i, j]
                 gt += gap[i, j] * t[i, j]
-                rt += (st[i, j] - mean) * t[i, j]
+                rt += st[i, j] * t[i, j]
+        if free_mean:  # a uniform displacement does no work on a constant load
+            rt -= mean * total / touching
         if rt > 0.0:  # a single touching node has no direction of its own: it keeps the last step
             step[i] = gt / rt
         overlap = False

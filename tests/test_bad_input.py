@@ -88,7 +88,7 @@ SCENES = {
     "unknown choice": (
         ("solver: auto", "solver: verlett"),
         "bad.yaml:10:20: numerics.solver: given 'verlett'; allowed: one of 'auto', 'verlet', "
-        "'gronbech_jensen', 'fire', 'conjugate_gradients'; did you mean 'verlet'?",
+        "'gronbech_jensen', 'fire', 'conjugate_gradients', 'active_set_newton'; did you mean 'verlet'?",
     ),
     "unknown method": (
         ("method: psd", "method: pds"),
@@ -390,8 +390,8 @@ def test_incompressible_body_under_displacement_with_verlet(tmp_path):
     text = changed(SCENE, "0.33, aspect_ratio: .inf", "0.5, aspect_ratio: 1")
     text = changed(changed(text, "reduced_pressure: 0.007", "displacement: 0.1"), "auto", "verlet")
     assert complaint(tmp_path, load_scene, text).startswith(
-        "bad.yaml:10:20: numerics.solver: given 'verlet'; allowed: 'conjugate_gradients' or 'auto' under "
-        "loading.displacement at poissons_ratio 0.5"
+        "bad.yaml:10:20: numerics.solver: given 'verlet'; allowed: 'active_set_newton', 'conjugate_gradients' or "
+        "'auto' under loading.displacement at poissons_ratio 0.5"
     )
     (tmp_path / "good.yaml").write_text(changed(text, "poissons_ratio: 0.5", "poissons_ratio: 0.499"))
     assert load_scene(tmp_path / "good.yaml").scene.body.poissons_ratio == 0.499

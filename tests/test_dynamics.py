@@ -12,7 +12,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
 
-SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients"]
+SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"]
 
 
 def amplification(k, dt, eta):
@@ -95,10 +95,11 @@ def test_the_certificate_is_recomputed_independently(solver):
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_too_few_iterations_are_not_converged(solver):
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Numerics(solver=solver, max_iterations=13))
+    few = 2 if solver == "active_set_newton" else 13
+    result = equilibrate(punch, body, 0.05, Numerics(solver=solver, max_iterations=few))
     assert (result.status == Status.not_converged).all()
     assert (result.residual > 1e-8).all()
-    assert (result.n_iterations == 13).all()
+    assert (result.n_iterations == few).all()
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -215,12 +215,13 @@ def test_bad_scenes(tmp_path, old, new, message):
     assert str(error.value).startswith(f"{path}:{message}")
 
 
+@pytest.mark.parametrize("solver", ["conjugate_gradients", "active_set_newton"])
 @pytest.mark.parametrize("interface", ["exponential: {work_of_adhesion: 1, range: 1e-6}", "friction: {coefficient: 1}"])
-def test_conjugate_gradients_know_the_hard_wall_only(tmp_path, interface):
+def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, solver):
     path = tmp_path / "scene.yaml"
     text = SCENE.replace("hard_wall: {}", f"hard_wall: {{}}, {interface}")
-    path.write_text(text.replace("solver: auto", "solver: conjugate_gradients"))
-    with pytest.raises(InputError, match=r"numerics.solver: given 'conjugate_gradients'; allowed: "):
+    path.write_text(text.replace("solver: auto", f"solver: {solver}"))
+    with pytest.raises(InputError, match=f"numerics.solver: given '{solver}'; allowed: "):
         gfmd_numba.solve(path)
 
 

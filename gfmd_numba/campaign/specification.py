@@ -22,7 +22,7 @@ from gfmd_numba.scene.quantities import (
     Seed,
     broken_rule,
 )
-from gfmd_numba.scene.records import Discretisation, Numerics, Scene, SelfAffine, check_solver
+from gfmd_numba.scene.records import PRESSURE_SOLVERS, Discretisation, Numerics, Scene, SelfAffine, check_solver
 from gfmd_numba.scene.scene_file import check_discretisation, check_range
 from gfmd_numba.scene.validation import validate
 
@@ -209,7 +209,7 @@ class Campaign(BaseModel):
                     "a finite aspect_ratio, as a half-space has no reference for displacement",
                 )
         for i, value in enumerate(self.grid.poissons_ratio or ()):
-            if controlled and value == 0.5 and self.numerics.solver not in ("auto", "conjugate_gradients"):
+            if controlled and value == 0.5 and self.numerics.solver not in ("auto", *PRESSURE_SOLVERS):
                 raise broken_rule(
                     ("grid", "poissons_ratio", i),
                     f"a number below 0.5 with solver {self.numerics.solver}, as the mean displacement is rigid at 0.5",

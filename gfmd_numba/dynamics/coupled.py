@@ -23,6 +23,8 @@ class CoupledRelaxation:
     touched it before, not-a-number for the others; `sliding` the tangential displacement of the punch.
     """
 
+    check_every = 10
+
     def __init__(
         self,
         punch: Reals,

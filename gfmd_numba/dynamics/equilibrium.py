@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import grid, kernels
+from gfmd_numba.dynamics.active_set_newton import ActiveSetNewton
 from gfmd_numba.dynamics.certificate import Certificate, pressure_scale
 from gfmd_numba.dynamics.conjugate_gradients import ConjugateGradients
 from gfmd_numba.dynamics.coupled import CoupledRelaxation
@@ -24,8 +25,9 @@ Rows = npt.NDArray[np.int64]
 
 HARD_WALL = Interface(hard_wall=True)
 
-_CHECK_EVERY = 10  # iterations between two looks at the certificate
+_NEWTON_STEPS = 50  # usually below 10: with more, conjugate gradients take over
 _BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
+_BATCH_SAMPLES = 2**18  # the same for a solver that finishes one row before the next
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
 
 
@@ -45,6 +47,7 @@ class Status(IntEnum):
 class Solver(Protocol):
     """What `equilibrate` asks of a solver: after `residual`, `restoring` is the traction of `displacement`."""
 
+    check_every: int  # iterations between two looks at the certificate
     field: Convolution
     displacement: Reals
     restoring: Reals
@@ -154,22 +157,26 @@ def equilibrate(
     condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
     scale = pressure_scale(punch, condensed)
     start = Start.at_rest(punch) if start is None else start
-    block = max(1, _BLOCK_SAMPLES // n)
+    block = max(1, (_BATCH_SAMPLES if numerics.solver == "active_set_newton" else _BLOCK_SAMPLES) // n)
     for first in range(0, realisations, block):
-        rows = slice(first, min(first + block, realisations))
+        rows = np.arange(first, min(first + block, realisations))
         started = time.perf_counter()
+        largest = float(scale[rows].max())
         if isinstance(stiffness, CoupledStiffness):
             starts = start.displacement[rows], start.tangential[rows], start.anchor[rows]
-            largest = float(scale[rows].max())
             solver: Solver = _coupled_solver(
                 punch[rows], stiffness, load, numerics, interface, sliding, starts, largest
             )
         else:
-            largest = float(scale[rows].max())
             solver = _solver(punch[rows], stiffness, load, numerics, interface, start.displacement[rows], largest)
-        _iterate(solver, rows, scale[rows] + (load or 0.0), numerics, result)
-        result.n_transforms[rows] = solver.n_transforms
-        share = solver.n_transforms / solver.n_transforms.sum()
+        blown_up = _BLOWN_UP * (scale + (load or 0.0))
+        _iterate(solver, rows, blown_up, numerics, result)
+        stuck = rows[result.status[rows] != Status.ok]
+        if numerics.solver == "active_set_newton" and stuck.size and numerics.max_iterations > _NEWTON_STEPS:
+            other = numerics.model_copy(update={"solver": "conjugate_gradients"})
+            solver = _solver(punch[stuck], condensed, load, other, interface, start.displacement[stuck], largest)
+            _iterate(solver, stuck, blown_up, other, result)
+        share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     if interface.law is not None:
         result.pressure[:] -= interface.law.traction(punch - result.displacement)
@@ -208,8 +215,11 @@ def _solver(
 ) -> Solver:
     if load is not None:  # the mean displacement is free: it follows the load without restoring force
         stiffness = np.concatenate(([0.0], stiffness[1:]))
-    if numerics.solver == "conjugate_gradients":
-        return ConjugateGradients(punch, stiffness, None if load is None else np.full(len(punch), load))
+    if numerics.solver in ("active_set_newton", "conjugate_gradients"):
+        given = None if load is None else np.full(len(punch), load)
+        if numerics.solver == "active_set_newton":
+            return ActiveSetNewton(punch, stiffness, given, numerics.residual)
+        return ConjugateGradients(punch, stiffness, given)
     loads = np.full(len(punch), 0.0 if load is None else load)
     elastic = stiffness[stiffness > 0.0]
     softest, stiffest = float(elastic.min()), float(elastic.max())
@@ -244,26 +254,29 @@ def _coupled_solver(
     )
 
 
-def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, result: Equilibrium) -> None:
+def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, result: Equilibrium) -> None:
     """Advance all rows until each is certified or gives up, and store each as it ends."""
     n = solver.field.n
-    active = np.arange(rows.stop - rows.start)
+    limit = numerics.max_iterations
+    if numerics.solver == "active_set_newton":
+        limit = min(limit, _NEWTON_STEPS)
+    active = np.arange(rows.size)
     iterations = 0
     pressure = np.zeros_like(solver.restoring)
     while active.size:
-        steps = min(_CHECK_EVERY, numerics.max_iterations - iterations)
+        steps = min(solver.check_every, limit - iterations)
         for _ in range(steps):
             solver.advance(active)
         iterations += steps
         residual = solver.residual(active)
         status = np.full(active.size, Status.not_converged, dtype=np.int8)
         status[residual <= numerics.residual] = Status.ok
-        status[solver.certificate.worst[active] > _BLOWN_UP * scale[active]] = Status.unstable
+        status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
-        ended = (status != Status.not_converged) | (iterations >= numerics.max_iterations)
+        ended = (status != Status.not_converged) | (iterations >= limit)
         done = active[ended]
         kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, done, n, pressure)
-        where = rows.start + done
+        where = rows[done]
         result.displacement[where] = solver.displacement[done, :n]
         result.pressure[where] = pressure[done, :n]
         result.touching[where] = pressure[done, :n] > 0.0
@@ -273,5 +286,6 @@ def _iterate(solver: Solver, rows: slice, scale: Reals, numerics: Numerics, resu
             result.tangential.traction[where] = solver.tangential_restoring[done, :n]
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
-        result.n_iterations[where] = iterations
+        result.n_iterations[where] += iterations
         active = active[~ended]
+    result.n_transforms[rows] += solver.n_transforms

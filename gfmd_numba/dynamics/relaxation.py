@@ -28,6 +28,8 @@ class Relaxation:
     to the punch.
     """
 
+    check_every = 10
+
     def __init__(
         self,
         punch: Reals,

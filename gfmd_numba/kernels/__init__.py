@@ -1,9 +1,19 @@
 """Every compiled function, and nothing else."""
 
+from gfmd_numba.kernels.active_sets import (
+    closing_displacement,
+    contact_nodes,
+    newton_direction,
+    newton_error,
+    newton_update,
+    open_gap,
+    revise_contact,
+)
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.prescribed import free_mean, prescribed_step, prescribed_violation
+from gfmd_numba.kernels.semiseparable import decays_factor, decays_solve
 from gfmd_numba.kernels.spectral import couple, multiply
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 
@@ -12,16 +22,25 @@ __all__ = [
     "cg_gap",
     "cg_update",
     "close_gap",
+    "closing_displacement",
+    "contact_nodes",
     "couple",
     "coupled_step",
+    "decays_factor",
+    "decays_solve",
     "exponential_pull",
     "fire_step",
     "free_mean",
     "friction_violation",
     "kkt_violation",
     "multiply",
+    "newton_direction",
+    "newton_error",
+    "newton_update",
+    "open_gap",
     "prescribed_step",
     "prescribed_violation",
+    "revise_contact",
     "verlet_step",
     "wall_pressure",
     "xu_needleman_pull",

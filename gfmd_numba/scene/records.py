@@ -182,7 +182,7 @@ class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
     model_config = RECORD
-    solver: Literal["auto", "verlet", "gronbech_jensen", "fire", "conjugate_gradients"] = Field(
+    solver: Literal["auto", "verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"] = Field(
         "auto", description="Solver"
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
@@ -205,6 +205,9 @@ class Numerics(BaseModel):
     )
 
 
+PRESSURE_SOLVERS = ("active_set_newton", "conjugate_gradients")
+
+
 def check_solver(scene: Scene, numerics: Numerics) -> None:
     """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
     rigid = scene.loading.displacement is not None and scene.body.effective_poissons_ratio == 0.5
@@ -215,15 +218,15 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
             ("scene", "body", "poissons_ratio"),
             "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law",
         )
-    if rigid and numerics.solver not in ("auto", "conjugate_gradients"):
+    if rigid and numerics.solver not in ("auto", *PRESSURE_SOLVERS):
         raise broken_rule(
             ("numerics", "solver"),
-            "'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
+            "'active_set_newton', 'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
             "where the mean displacement is rigid",
         )
     if couples and numerics.solver not in ("auto", "verlet"):
         raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
-    if law and numerics.solver == "conjugate_gradients":
+    if law and numerics.solver in PRESSURE_SOLVERS:
         raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
 
 

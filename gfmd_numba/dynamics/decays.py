@@ -1,0 +1,77 @@
+"""The compliance as a sum of exponential decays, which can be inverted on any set of nodes."""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+_SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
+_STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
+_FAINT = 1e-9  # decay over a period beyond which only neighbours across the cut would feel it
+
+
+class Decays:
+    """Inverse of sum_s weight_s exp(-rate_s |i - j|) + white delta_ij, close to a compliance, on some nodes.
+
+    The bounds of the ratio of two symbols are those of the ratio of their energies, and remain so if both are
+    restricted to some nodes: as a preconditioner of the restricted compliance its quality depends neither on
+    the nodes nor on their number. Fast decays end where the period is cut, in the widest gap between nodes.
+
+    `compliance` is `[n // 2 + 1]`, zero at q = 0 if the mean pressure is prescribed; nodes are n to a period.
+    """
+
+    def __init__(self, compliance: Reals, n: int) -> None:
+        if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
+            compliance = np.concatenate((compliance[1:2] ** 2 / compliance[2:3], compliance[1:]))
+        slowest = np.pi / n
+        terms = int(np.ceil(np.log(_STEEPEST / slowest) / _SPACING)) + 1
+        rates = np.geomspace(slowest, _STEEPEST, terms)
+        weights, self._white = _fit(compliance, n, rates)
+        # all images of a node, one period apart, add up to another decay and one that comes from the other side
+        image = np.exp(-n * rates)
+        weights /= 1.0 - image
+        felt = image > _FAINT
+        self._rates = np.concatenate((rates, -rates[felt]))
+        self._weights = np.concatenate((weights, (image * weights)[felt]))
+        self._floor = 0.1 * float(compliance.min())
+        self._n = n
+        self._decay, self._lower = np.empty((2, 0, self._rates.size))
+        self._diagonal = np.empty(0)
+        self._carried = np.empty((self._rates.size, self._rates.size))
+        self._count = 0
+
+    def factor(self, nodes: Rows, count: int) -> None:
+        """Prepare `solve` for the first `count` of the nodes."""
+        if count > len(self._diagonal):
+            self._decay, self._lower = np.empty((2, count, self._rates.size))
+            self._diagonal = np.empty(count)
+        kernels.decays_factor(
+            nodes, count, self._n, self._rates, self._weights, self._white, self._floor,
+            self._decay, self._lower, self._diagonal, self._carried,
+        )  # fmt: skip
+        self._count = count
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes that causes the displacement there."""
+        kernels.decays_solve(
+            displacement, self._count, self._weights, self._decay, self._lower, self._diagonal, pressure,
+            self._carried[0],
+        )  # fmt: skip
+
+
+def _fit(compliance: Reals, n: int, rates: Reals) -> tuple[Reals, float]:
+    """Weights of the decays and of the node itself, by least squares of the relative error at all scales alike."""
+    half = n // 2
+    spread = np.geomspace(1, half, 4 * int(np.log(n) + 1))
+    index = np.unique(np.concatenate([np.arange(min(9, half + 1)), np.round(spread)]).astype(np.int64))
+    phase = np.pi * index[:, np.newaxis] / n
+    symbols = np.sinh(rates) / (2.0 * (np.sinh(rates / 2.0) ** 2 + np.sin(phase) ** 2))
+    ratios = np.column_stack([symbols, np.ones(len(index))]) / compliance[index, np.newaxis]
+    scale = np.linalg.norm(ratios, axis=0)
+    weights = np.linalg.lstsq(ratios / scale, np.ones(len(index)), rcond=1e-12)[0] / scale
+    # single precision: the last digits may depend on where the arrays lie in memory
+    weights = weights.astype(np.float32).astype(np.float64)
+    return weights[:-1], float(weights[-1])

@@ -1,0 +1,87 @@
+"""Compiled Cholesky factorisation of a sum of exponential decays on scattered nodes, linear in their number.
+
+C_ij = sum_s weight_s exp(-rate_s |x_i - x_j|) + white delta_ij is semiseparable: L D L' = C takes one sweep over the
+ordered nodes (Foreman-Mackey et al., Astron. J. 154:220, 2017), each node some operations for each pair of decays.
+"""
+
+import numpy as np
+
+from gfmd_numba.kernels.compilation import Reals, Rows, jit
+
+
+@jit
+def decays_factor(
+    nodes: Rows,
+    count: int,
+    n: int,
+    rates: Reals,
+    weights: Reals,
+    white: float,
+    floor: float,
+    decay: Reals,
+    lower: Reals,
+    diagonal: Reals,
+    carried: Reals,
+) -> None:
+    """Factor the sum on the first `count` of the nodes, which follow each other around a period of n.
+
+    `decay` and `lower` are `[node, rate]`, `carried` `[rate, rate]` is scratch. Pivots below `floor` are lifted to
+    it: the factors then are those of some positive definite matrix, whatever the weights.
+    """
+    terms = rates.size
+    carried[:] = 0.0
+    for i in range(count):
+        if i > 0:
+            distance = (nodes[i] - nodes[i - 1]) % n
+            if i > 1 and distance == (nodes[i - 1] - nodes[i - 2]) % n:
+                decay[i] = decay[i - 1]
+            else:
+                for s in range(terms):
+                    decay[i, s] = np.exp(-rates[s] * distance)
+            for s in range(terms):
+                pivot = diagonal[i - 1] * lower[i - 1, s]
+                for r in range(s + 1):
+                    carried[s, r] = decay[i, s] * decay[i, r] * (carried[s, r] + pivot * lower[i - 1, r])
+                    carried[r, s] = carried[s, r]
+        pivot = white
+        for s in range(terms):
+            known = 0.0
+            for r in range(terms):
+                known += carried[s, r] * weights[r]
+            lower[i, s] = 1.0 - known
+            pivot += weights[s] * (1.0 - known)
+        diagonal[i] = max(pivot, floor)
+        for s in range(terms):
+            lower[i, s] /= diagonal[i]
+
+
+@jit
+def decays_solve(
+    y: Reals,
+    count: int,
+    weights: Reals,
+    decay: Reals,
+    lower: Reals,
+    diagonal: Reals,
+    z: Reals,
+    carried: Reals,
+) -> None:
+    """Solve L D L' z = y with the factors of `decays_factor`; `carried` `[rate]` is scratch."""
+    terms = weights.size
+    carried[:] = 0.0
+    for i in range(count):
+        value = y[i]
+        if i > 0:
+            for s in range(terms):
+                carried[s] = decay[i, s] * (carried[s] + lower[i - 1, s] * z[i - 1])
+                value -= weights[s] * carried[s]
+        z[i] = value
+    for i in range(count):
+        z[i] /= diagonal[i]
+    carried[:] = 0.0
+    for i in range(count - 2, -1, -1):
+        value = z[i]
+        for s in range(terms):
+            carried[s] = decay[i + 1, s] * (carried[s] + weights[s] * z[i + 1])
+            value -= lower[i, s] * carried[s]
+        z[i] = value

@@ -22,10 +22,7 @@ from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 3  # raised whenever a change of the code changes a number: older shards are then not reused
-# where conjugate gradients need less time than Verlet
-_LIGHT_LOAD = 0.01  # reduced pressure
-_THIN_SLAB = 0.1  # aspect ratio
+RESULTS_VERSION = 4  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @dataclass(frozen=True)
@@ -144,10 +141,8 @@ def reduce(
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
     solver = numerics.solver
     if solver == "auto":
-        light = loading.reduced_pressure is None or loading.reduced_pressure <= _LIGHT_LOAD
-        easy = light or scene.body.aspect_ratio <= _THIN_SLAB
-        gradients = easy and interface.law is None and not interface.couples
-        solver = "conjugate_gradients" if gradients else "verlet"
+        linear = interface.law is None and not interface.couples
+        solver = "active_set_newton" if linear else "verlet"
     numerics = _decided(numerics, solver)
     problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics, tractions)
     return problem, (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))

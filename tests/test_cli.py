@@ -127,7 +127,7 @@ def test_malformed_exponent(results, option):
 
 
 def test_runs_that_do_not_converge_exit_with_3(tmp_path):
-    path = campaign(tmp_path, **{"grid:": "numerics: {max_iterations: 10}\ngrid:"})
+    path = campaign(tmp_path, **{"grid:": "numerics: {max_iterations: 1}\ngrid:"})
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
     assert "60 of 60 simulations are not ok" in done.stderr

@@ -61,5 +61,8 @@ class PressedBody:
         if self._rigid_mean:
             drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
             self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
+        residual = self.certificate.residual(self.load, active)
+        if self._rigid_mean:
             self.certificate.worst[self._impossible] = np.inf
-        return self.certificate.residual(self.load, active)
+            residual[self._impossible[active]] = np.inf
+        return residual

@@ -21,6 +21,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
     """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
     return {
         "1": 1.0,
+        "E*/stiffness": 1.0 / scene.body.stiffness_scale,
         "gradient": rms_gradient,
         "height": rms_gradient * (scene.length or 1.0),
         "pressure": rms_gradient * effective_modulus(scene.body),
@@ -32,6 +33,7 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
     """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
     return {
         "1": "1",
+        "E*/stiffness": "1",
         "gradient": "1",
         "height": "m" if scene.length else "1",
         "pressure": "Pa" if scene.body.youngs_modulus else "1",

@@ -76,11 +76,14 @@ def gap(contact: Contact) -> Reals:
 
 @dataclass(frozen=True)
 class Measure:
-    """A recorded quantity: what it tells of, and the unit that turns it into SI (1, g, g L_x, g E* or seconds)."""
+    """A recorded quantity: what it tells of, and the unit that turns it into SI (1, g, g L_x, g E* or seconds).
+
+    E*/stiffness is 1 but for a scene with a `stiffness_scale`.
+    """
 
     name: str
     of: Literal["contact", "surface", "run"]
-    unit: Literal["1", "gradient", "height", "pressure", "s"]
+    unit: Literal["1", "E*/stiffness", "gradient", "height", "pressure", "s"]
     long_name: str
     function: Callable[[Contact], npt.NDArray[Any]]
 
@@ -89,21 +92,21 @@ MEASURES = (
     Measure(
         "kappa",
         "contact",
-        "1",
+        "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area corrected for segment edges",
         lambda c: contact_area_fraction(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure(
         "kappa_counted",
         "contact",
-        "1",
+        "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
         lambda c: contact_area_fraction_counted(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure(
         "kappa_r",
         "contact",
-        "1",
+        "E*/stiffness",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
         lambda c: contact_area_fraction(c) * rms_gradient_contact(c) / mean_pressure(c),
     ),
@@ -131,14 +134,14 @@ MEASURES = (
     Measure(
         "kappa_edges",
         "contact",
-        "1",
+        "E*/stiffness",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures beside it",
         lambda c: contact_area_fraction_edges(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure(
         "kappa_edges_error",
         "contact",
-        "1",
+        "E*/stiffness",
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
         lambda c: contact_area_fraction_edges_error(c) * rms_gradient(c) / mean_pressure(c),
     ),

@@ -144,15 +144,24 @@ def reduce(
         linear = interface.law is None and not interface.couples
         solver = "active_set_newton" if linear else "verlet"
     numerics = _decided(numerics, solver)
-    problem = Problem(surface, body, interface, loading.reduced_pressure, displacement, numerics, tractions)
-    return problem, (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
+    pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
+    problem = Problem(surface, body, interface, pressure, displacement, numerics, tractions)
+    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
+    if scene.body.stiffness_scale != 1.0:
+        wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
+        effects = (Effect("stiffness scale", "on", wrong), *effects)
+    return problem, effects
 
 
 def effective_modulus(body: Body) -> float:
-    """Contact modulus E* in Pa, E / (1 - nu^2) in plane strain and E in plane stress; 1 without Young's modulus."""
+    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
+
+    E* is E / (1 - nu^2) in plane strain and E in plane stress.
+    """
     if body.youngs_modulus is None:
-        return 1.0
-    return body.youngs_modulus / (1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0)
+        return body.stiffness_scale
+    plane = 1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0
+    return body.stiffness_scale * body.youngs_modulus / plane
 
 
 @lru_cache

@@ -129,9 +129,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "hurst": [self_affine(case.scene).hurst for case in cases],
         "poissons_ratio": [case.scene.body.poissons_ratio for case in cases],
         "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
-        "reduced_pressure": [
-            np.nan if case.problem.mean_pressure is None else case.problem.mean_pressure for case in cases
-        ],
+        "reduced_pressure": [case.scene.loading.reduced_pressure or np.nan for case in cases],
         "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
         "nx": [case.discretisation.nx for case in cases],
     }

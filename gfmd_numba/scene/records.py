@@ -32,6 +32,11 @@ class Body(BaseModel):
     )
     poissons_ratio: PoissonsRatio
     aspect_ratio: AspectRatio = inf
+    stiffness_scale: float = Field(
+        1.0,
+        gt=0,
+        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
+    )
     state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
 
     @property

@@ -41,7 +41,7 @@ def show_fit(fitted: xr.Dataset) -> None:
                 *corrections,
             ]
         )
-    _print_table(title, [*parameters, "reference", "limit", *LIMITS.values()], rows)
+    print_table(title, [*parameters, "reference", "limit", *LIMITS.values()], rows)
     for limit, kind in LIMITS.items():
         if fitted["alpha"].sel(limit=limit).notnull().any():
             click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
@@ -71,7 +71,7 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
         [*map(_number, values), _with_error(mean, error)]
         for *values, mean, error in zip(*columns, *ensemble_mean(shown, variable), strict=True)
     ]
-    _print_table(f"{variable}, mean of the realisations (one standard error)", [*parameters, variable], rows)
+    print_table(f"{variable}, mean of the realisations (one standard error)", [*parameters, variable], rows)
     if dataset.sizes["case"] > _MOST_ROWS:
         click.echo(f"note     {dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
 
@@ -84,7 +84,8 @@ def duration(seconds: float) -> str:
     return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
 
 
-def _print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    """Print rows under headings, all aligned to the right."""
     from rich import box
     from rich.console import Console
     from rich.table import Table

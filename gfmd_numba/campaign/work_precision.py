@@ -1,0 +1,150 @@
+"""Error against seconds, one setting at a time around a campaign's reference case (work-precision studies)."""
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.specification import AXES
+from gfmd_numba.contact import solve
+from gfmd_numba.observables import measure
+from gfmd_numba.problem import ElasticBody, Problem, random_surface
+
+Values = npt.NDArray[np.float64]
+
+_SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
+_RESIDUALS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+_TIGHT = 1e-10
+_TIME_STEPS = (0.25, 0.5, 0.95)
+_DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
+_ESTIMATORS = {"counted": "kappa_counted", "corrected on average": "kappa", "each edge located": "kappa_edges"}
+_FINER = 4  # times as fine as the reference, the level that others are compared with
+_SLABS = (1.0, 0.5, 0.2, 0.1)
+_MOST_NODES = 2**17
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting: its relative error in kappa and the seconds a surface takes; `failed` of the surfaces did not end ok.
+
+    `study` is what is varied, `curve` what else differs, `setting` its value.
+    """
+
+    study: str
+    curve: str
+    setting: float
+    error: float
+    seconds: float
+    transforms: float
+    failed: int
+
+
+def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
+    """Work-precision studies of the first reference case of a campaign, one thread, in this process."""
+    case = next(case for case in planned.cases if case.limit == "reference")
+    yield from _solvers(case.problem, realisations)
+    for axis in AXES:
+        yield from _discretisation(case, axis, planned.campaign.seed, realisations)
+    yield from _sampling(case.problem, 16 * realisations)
+    yield from _effects(case.problem, realisations)
+
+
+def dataset(points: Iterable[Point]) -> xr.Dataset:
+    """Studies as a dataset over (point), for netCDF."""
+    rows = list(points)
+    columns = {name: ("point", [getattr(point, name) for point in rows]) for name in Point.__dataclass_fields__}
+    found = xr.Dataset(columns)
+    found["error"].attrs = {"long_name": "relative error of kappa", "units": "1"}
+    found["seconds"].attrs = {"long_name": "processor time of one surface", "units": "s"}
+    found["transforms"].attrs = {"long_name": "Fourier transforms of one surface", "units": "1"}
+    return found
+
+
+def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
+    """Solver and residual, then time step and damping of the reference solver, against a tight residual."""
+    exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
+    able = _SOLVERS if problem.interface.law is None and not problem.interface.couples else ("verlet",)
+    for solver in able:
+        for residual in _RESIDUALS:
+            if residual > 1e-2 and solver != "verlet":
+                continue
+            values = _run(problem, realisations, solver=solver, residual=min(residual, 1e-2), max_iterations=50_000)
+            yield _point("solver residual", solver.replace("_", " "), min(residual, 1e-2), values, exact)
+    for damping in _DAMPINGS:
+        for step in _TIME_STEPS:
+            values = _run(
+                problem, realisations, solver="verlet", time_step=step, damping=damping, max_iterations=50_000
+            )
+            yield _point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
+
+
+def _discretisation(case: Case, axis: str, seed: int, realisations: int) -> Iterator[Point]:
+    """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""
+    reference = getattr(case.discretisation, axis)
+    levels = []
+    for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
+        discretisation = case.discretisation.model_copy(update={axis: reference * factor})
+        if reference * factor <= 1.0 and discretisation.misfit is None and discretisation.nx <= _MOST_NODES:
+            surface = random_surface(case.scene, discretisation, seed)
+            levels.append((reference * factor, _run(replace(case.problem, surface=surface), realisations)))
+    estimators = _ESTIMATORS if axis == "eps_c" else {"corrected on average": "kappa"}
+    finest = levels[-1][1]["kappa_edges" if axis == "eps_c" else "kappa"]
+    for label, variable in estimators.items():
+        for level, values in levels if axis == "eps_c" else levels[:-1]:
+            yield _point(axis, label, level, values, finest, variable, of_means=True)
+
+
+def _sampling(problem: Problem, most: int) -> Iterator[Point]:
+    """Number of surfaces against the standard error of their mean."""
+    values = _run(problem, most)
+    kappa, seconds = values["kappa"], float(values["seconds"])
+    n = 4
+    while n <= most:
+        error = float(np.nanstd(kappa, ddof=1) / np.sqrt(n) / np.nanmean(kappa))
+        yield Point("surfaces", "reference discretisation", n, error, n * seconds, np.nan, 0)
+        n *= 4
+
+
+def _effects(problem: Problem, realisations: int) -> Iterator[Point]:
+    """What a slab changes and costs over the half-space."""
+    if problem.interface.couples or problem.mean_pressure is None:
+        return
+    nu = 0.33 if problem.body.poissons_ratio is None else problem.body.poissons_ratio
+    half_space = _run(replace(problem, body=ElasticBody(None, None)), realisations)
+    yield _point("effects", "half-space for a slab", np.inf, half_space, half_space["kappa"], of_means=True)
+    for aspect_ratio in _SLABS:
+        slab = _run(replace(problem, body=ElasticBody(nu, aspect_ratio)), realisations)
+        yield _point("effects", "half-space for a slab", aspect_ratio, half_space, slab["kappa"], of_means=True)
+
+
+def _run(problem: Problem, realisations: int, **numerics: object) -> dict[str, Values]:
+    changed = replace(problem, numerics=problem.numerics.model_copy(update=numerics))
+    solve(changed, range(1))  # kernels compiled, plans made
+    begun = time.perf_counter()
+    values = measure(solve(changed, range(realisations)))
+    return values | {"seconds": np.asarray((time.perf_counter() - begun) / realisations)}
+
+
+def _point(
+    study: str,
+    curve: str,
+    setting: float,
+    values: dict[str, Values],
+    exact: Values,
+    variable: str = "kappa",
+    of_means: bool = False,
+) -> Point:
+    """Error of the surfaces that ended ok, rms or, where it is a bias that counts, of their mean."""
+    difference = values[variable] / np.nanmean(exact) - exact / np.nanmean(exact)
+    good = np.isfinite(difference)
+    error = np.nan
+    if good.any():
+        error = float(abs(difference[good].mean()) if of_means else np.sqrt((difference[good] ** 2).mean()))
+    transforms = float(values["n_transforms"].mean())
+    failed = int((values["status"] != 0).sum())
+    return Point(study, curve, float(setting), error, float(values["seconds"]), transforms, failed)

@@ -1,0 +1,62 @@
+"""The command that shows what accuracy costs in time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.group import main
+from gfmd_numba.cli.tables import duration, print_table
+
+
+@main.command()
+@file_argument
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file [NAME-accuracy.nc]")
+@click.option("--realisations", default=16, show_default=True, type=click.IntRange(2), help="Surfaces in each study")
+def accuracy(file: Path, output: Path | None, realisations: int) -> None:
+    """Measure error against seconds around the reference case of the campaign in FILE, on this machine.
+
+    Solver and residual, time step and damping, each discretisation, number of surfaces, slab against half-space; then
+    what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
+    """
+    from gfmd_numba.analysis import UnusableDataError, plot_accuracy
+    from gfmd_numba.campaign import accuracy as targets
+    from gfmd_numba.campaign import work_precision
+    from gfmd_numba.campaign.plan import plan
+
+    planned = plan(file)
+    results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
+    points = []
+    for point in work_precision.studies(planned, realisations):
+        if not points or points[-1].study != point.study:
+            click.echo(f"study    {point.study}", err=True)
+        points.append(point)
+    dataset = work_precision.dataset(points)
+    dataset.to_netcdf(results, engine="netcdf4")
+    picture = results.with_suffix(".png")
+    plot_accuracy(dataset).savefig(picture, dpi=120)
+    rows = [
+        [
+            point.study,
+            point.curve,
+            f"{point.setting:g}",
+            f"{point.error:.2g}",
+            duration(point.seconds),
+            "-" if point.transforms != point.transforms else f"{point.transforms:.0f}",
+            str(point.failed) if point.failed else "",
+        ]
+        for point in points
+    ]
+    print_table("what accuracy costs", ["study", "", "setting", "error", "seconds", "transforms", "failed"], rows)
+    if {case.limit for case in planned.cases} != {"reference"}:
+        found = targets.pilot(planned)
+        for goal in (0.1, 0.03, 0.01, 0.003):
+            try:
+                click.echo(f"price    {goal:.1%}: {duration(targets.design(planned, found, goal, None).seconds)}")
+            except UnusableDataError as error:
+                click.echo(f"price    {goal:.1%}: {error}")
+                break
+    click.echo(f"results  {results}")
+    click.echo(f"picture  {picture}")

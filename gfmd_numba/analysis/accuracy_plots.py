@@ -41,5 +41,6 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("damping over critical damping of the slowest mode" if damping else "processor time / s")
         axes.set_ylabel("processor time / s" if damping else r"relative error of $\kappa$")
         axes.grid(which="major", alpha=0.3)
+        axes.tick_params(which="minor", labelsize=6)
         axes.legend(fontsize=7)
     return figure

@@ -28,7 +28,7 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
-    points = []
+    points: list[work_precision.Point] = []
     for point in work_precision.studies(planned, realisations):
         if not points or points[-1].study != point.study:
             click.echo(f"study    {point.study}", err=True)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import ArrayLike
 
     from gfmd_numba.scene import BoundaryFile, SceneFile
 
-__all__ = ["fit_tfc", "make_surface", "open_campaign", "run", "solve"]
+__all__ = ["body_fields", "fit_tfc", "make_surface", "open_campaign", "run", "solve"]
 
 
 def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> xr.Dataset:
@@ -25,6 +26,16 @@ def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> x
     from gfmd_numba.single import solve_scene
 
     return solve_scene(scene)
+
+
+def body_fields(contact: xr.Dataset, z: ArrayLike | None = None) -> xr.Dataset:
+    """Displacement, strain and stress over (z, x) inside the body of a solved contact; z counts from its surface.
+
+    Without z, 101 levels from the surface to the base. Raises InputError for z outside the body.
+    """
+    from gfmd_numba.body import body_fields as fields_of
+
+    return fields_of(contact, z)
 
 
 def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:

@@ -1,6 +1,7 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
 from gfmd_numba.analysis.accuracy_plots import plot_accuracy
+from gfmd_numba.analysis.body_plots import plot_body
 from gfmd_numba.analysis.design import Design, best_design, cheapest_design
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -15,6 +16,7 @@ __all__ = [
     "ensemble_mean",
     "fit_tfc",
     "plot_accuracy",
+    "plot_body",
     "plot_campaign",
     "plot_contact",
     "plot_surface",

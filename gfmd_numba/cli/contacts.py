@@ -1,4 +1,4 @@
-"""Commands that make one contact or one surface."""
+"""Commands that make one contact, the fields in its body, or one surface."""
 
 from __future__ import annotations
 
@@ -50,14 +50,37 @@ def _ending(step: xr.Dataset) -> str:
 @main.command()
 @file_argument
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+def fields(file: Path, output: Path) -> None:
+    """Write and draw displacement, strain and stress inside the body of the contact in FILE, left by `gfmd solve`."""
+    import gfmd_numba
+    from gfmd_numba.analysis import plot_body
+    from gfmd_numba.campaign.results import read_results
+
+    picture = _picture(output)
+    check_output(output, file)
+    dataset = gfmd_numba.body_fields(read_results(file))
+    dataset.to_netcdf(output, engine="netcdf4")
+    click.echo(f"fields   {output}")
+    plot_body(dataset).savefig(picture, dpi=150)
+    click.echo(f"picture  {picture}")
+
+
+def _picture(output: Path) -> Path:
+    picture = output.with_suffix(".png")
+    if picture == output:
+        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
+    return picture
+
+
+@main.command()
+@file_argument
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_surface
 
-    picture = output.with_suffix(".png")
-    if picture == output:
-        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
+    picture = _picture(output)
     dataset = gfmd_numba.make_surface(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"surface  {output}")

@@ -60,7 +60,9 @@ def frictionless(normal: Reals, mean_pressure: float, body: Elastic) -> Surface:
     return Surface(u1, u3, (0.0, -mean_pressure))
 
 
-def with_friction(tangential: Reals, normal: Reals, mean_traction: float, mean_pressure: float, body: Elastic) -> Surface:
+def with_friction(
+    tangential: Reals, normal: Reals, mean_traction: float, mean_pressure: float, body: Elastic
+) -> Surface:
     """Surface `[nx]` of both displacements."""
     u1, u3 = grid.coefficients(tangential), grid.coefficients(normal)
     if len(normal) % 2 == 0:

@@ -1,8 +1,8 @@
 """Waves inside a body from its surface: the matrix of (2.4), free of overflow and of cancellation.
 
-One wave of the body is u_1 = U_1(z) cos(qx), u_3 = U_3(z) sin(qx). With k = q z_m, y = q (z_m - depth), kappa = 3 - 4 nu,
-S = sinh and C = cosh, (2.4) says U_1 = g_1 A_1 - g_2 A_2 and U_3 = g_2 A_1 + g_3 A_2 with g_1 = kappa S + y C, g_2 = y S,
-g_3 = kappa S - y C. Two conjugate harmonic functions hold all the rest:
+One wave of the body is u_1 = U_1(z) cos(qx), u_3 = U_3(z) sin(qx). With k = q z_m, y = q (z_m - depth),
+kappa = 3 - 4 nu, S = sinh and C = cosh, (2.4) says U_1 = g_1 A_1 - g_2 A_2 and U_3 = g_2 A_1 + g_3 A_2 with
+g_1 = kappa S + y C, g_2 = y S, g_3 = kappa S - y C. Two conjugate harmonic functions hold all the rest:
 
     P = -S A_1 + C A_2 (dilatation 2 (1 - 2 nu) q P),    W = C A_1 - S A_2 (rotation 2 (1 - nu) q W),    P' = -q W,
 

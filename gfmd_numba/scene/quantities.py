@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, ser_json_inf_nan="constants")
 
 PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]
 AspectRatio = Annotated[

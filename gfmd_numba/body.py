@@ -33,8 +33,8 @@ def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None) -> xr.Datas
 
     `z` counts from the undeformed surface, negative inside, in m (L_x without a length); by default 101 levels from
     the surface down to the base or, in a half-space, to L_x, denser near the surface. Stresses are in Pa (E* without
-    a modulus), numbered as Voigt does. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the
-    body and for a dataset that no contact was solved for. Thesis (2.4) to (2.6).
+    a modulus), numbered as Voigt does. What belongs to a run that is not ok is not-a-number. Raises InputError for z
+    outside the body and for a dataset that no contact was solved for. Thesis (2.4) to (2.6).
     """
     if "scene" not in contact.attrs or not {"x", "displacement", "pressure"} <= contact.variables.keys():
         raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")

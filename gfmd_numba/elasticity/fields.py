@@ -77,7 +77,7 @@ def fields(surface: Surface, nx: int, z: Reals, body: Elastic) -> Fields:
     lowest = -np.inf if body.aspect_ratio is None else -body.aspect_ratio
     if not (np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12))).all():
         raise ValueError("z outside the body")
-    rows = [_spectra(surface, max(-float(height), 0.0), nx, body) for height in z]
+    rows = [spectra(surface, max(-float(height), 0.0), nx, body) for height in z]
     return Fields(*(grid.signal(np.array(spectra), nx) for spectra in zip(*rows, strict=True)))
 
 
@@ -93,7 +93,7 @@ def _lead(nx: int, body: Elastic) -> tuple[Reals, Reals]:
     return -a13 / a11, -a13 / a33
 
 
-def _spectra(surface: Surface, depth: float, nx: int, body: Elastic) -> tuple[Spectrum, ...]:
+def spectra(surface: Surface, depth: float, nx: int, body: Elastic) -> tuple[Spectrum, ...]:
     """Coefficients of all fields at one depth, in the order of `Fields`."""
     nu, aspect_ratio = body.poissons_ratio, body.aspect_ratio
     q, shear, kappa = grid.wavenumbers(nx)[1:], float(coupled.c44(nu)), 3.0 - 4.0 * nu

@@ -1,0 +1,169 @@
+"""A body whose stress-free surface is not flat: its response to a pressure, order by order in the topography.
+
+Two-step GFMD (thesis chapter 5) forms the topography h by displacing a flat body by u'' (5.15), and lets the strains
+of a later load superpose. That is order 0 here; its error is of the order of the slope. The higher orders continue the
+field of a flat body to the true surface. With s the traction on the plane z = 0, on which the flat body is known, the
+traction t on the surface z = h(x), per length of x, is
+
+    t_i = s_i - d/dx integral from 0 to h of sigma_i1 dz,
+
+and both that and the displacement at z = h are Taylor series about z = 0. The state (u_1, u_3, sigma_13, sigma_33)
+obeys a linear equation in z whose coefficients hold derivatives along x only, so that every order needs just
+transforms. The terms of an order cancel but for the slope at waves far shorter than h; products are therefore taken
+free of aliasing, and what is beyond their band stays at order 0.
+
+Points inside have labels (x, z), their places in the flat body; u''(x, z) takes them to the stress-free rough one.
+Lengths in L_x, stresses in E*.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import grid
+from gfmd_numba.elasticity import coupled, fields
+from gfmd_numba.elasticity.fields import Elastic, Fields, Surface
+
+Reals = npt.NDArray[np.float64]
+Spectrum = npt.NDArray[np.complex128]
+State = tuple[Spectrum, Spectrum, Spectrum, Spectrum]  # u_1, u_3, sigma_13, sigma_33
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the topography adds to the response of a flat body, and the states at z = 0 it is made of, one an order.
+
+    `u1` and `u3` `[nx]` are displacements of the surface; `last` is the largest part of them that is of the highest
+    order. `heights` are those of the band.
+    """
+
+    states: tuple[State, ...]
+    heights: Reals
+    u1: Reals
+    u3: Reals
+    last: float
+
+
+def forming(heights: Reals, body: Elastic) -> Surface:
+    """Step 1: the surface `[nx]` of a flat body displaced by (0, h), h of zero mean.
+
+    Its stresses are those of the forces +q C11 M u'' that form the topography (5.15).
+    """
+    return fields.with_friction(np.zeros_like(heights), heights, 0.0, 0.0, body)
+
+
+def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Response:
+    """Response to a pressure `[nx]` of a body with topography `[nx]` of zero mean, to an order of 0 or more."""
+    nx = len(heights)
+    banded = grid.signal(_band(grid.coefficients(heights), nx, order), nx)
+    powers = [banded**m / factorial(m) for m in range(order + 1)]
+    compliance = _compliance(nx, body)
+    traction = np.array([np.zeros(nx // 2 + 1), grid.coefficients(-pressure)])
+    towers: list[list[State]] = []
+    for n in range(order + 1):
+        if n > 0:
+            turned = np.zeros((2, nx))
+            for m in range(1, n + 1):
+                state = towers[n - m][m - 1]
+                turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), nx)
+            traction = _along(grid.coefficients(turned))
+        along, normal = _band(traction, nx, order)
+        towers.append(list(_tower(_state(along, normal, compliance), order - n, body)))
+    added = np.zeros((order + 1, 2, nx))
+    for n, tower in enumerate(towers):
+        for m, state in enumerate(tower):
+            added[n + m] += powers[m] * grid.signal(np.array(state[:2]), nx)
+    added[0] = 0.0
+    added = grid.signal(_band(grid.coefficients(added), nx, order), nx)
+    u1, u3 = added.sum(axis=0)
+    return Response(tuple(tower[0] for tower in towers), banded, u1, u3, float(abs(added[-1]).max()))
+
+
+def rough_fields(flat: Surface, response: Response, z: Reals, body: Elastic) -> Fields:
+    """Fields `[z, x]` at the labels (x, z) of a rough body, whose flat body has the surface `flat`."""
+    nx, order = len(response.heights), len(response.states) - 1
+    lowest = fields.fields(flat, nx, z, body)
+    labels = fields.fields(forming(response.heights, body), nx, z, body)
+    added = np.zeros((len(vars(lowest)), len(z), nx))
+    for level, (height, u1, u3) in enumerate(zip(z, labels.u1, labels.u3, strict=True)):
+        for n, at_surface in enumerate(response.states):
+            for m, state in enumerate(_tower(_inside(at_surface, float(height), nx, body), order - n, body)):
+                waves = np.array(_all_fields(state, body))
+                for along in range(order - n - m + 1):
+                    if n + m + along > 0:
+                        weight = u1**along / factorial(along) * u3**m / factorial(m)
+                        added[:, level] += weight * grid.signal(waves, nx)
+                    waves = _along(waves)
+    added = grid.signal(_band(grid.coefficients(added), nx, order), nx)
+    return Fields(*(values + more for values, more in zip(vars(lowest).values(), added, strict=True)))
+
+
+def _band(spectrum: Spectrum, nx: int, order: int) -> Spectrum:
+    """Waves whose products of order + 1 factors are free of aliasing within the same band."""
+    kept = spectrum.copy()
+    kept[..., nx // (order + 2) :] = 0.0
+    return kept
+
+
+def _along(spectrum: Spectrum) -> Spectrum:
+    """Derivative along x."""
+    return 2j * np.pi * np.arange(spectrum.shape[-1]) * spectrum
+
+
+def _compliance(nx: int, body: Elastic) -> tuple[Reals, Reals, Reals]:
+    """Inverse of the stiffness (6.57): elements 11, 13 and 33; of the half-space's mean only the traction is known."""
+    nu, q = body.poissons_ratio, grid.wavenumbers(nx)
+    tangential, normal = np.empty((2, len(q)))
+    lead = np.empty(len(q))
+    if body.aspect_ratio is None:
+        a11, a13, _ = coupled.half_space(nu)
+        tangential[:], normal[:], lead[:] = 0.5 * q, 0.5 * q, a13 / a11
+        tangential[0] = normal[0] = np.inf
+    else:
+        k = q[1:] * body.aspect_ratio
+        a11, a13, _ = coupled.slab(k, nu)
+        tangential[1:], normal[1:] = (q[1:] * over_q for over_q in coupled.condensed(k, nu))
+        lead[1:] = a13 / a11
+        tangential[0], normal[0] = coupled.uniform(nu, body.aspect_ratio)
+    lead[0] = 0.0
+    return 1.0 / tangential, lead / normal, 1.0 / normal
+
+
+def _state(traction1: Spectrum, traction3: Spectrum, compliance: tuple[Reals, Reals, Reals]) -> State:
+    """State at z = 0 of a flat body under tractions on it."""
+    c11, c13, c33 = compliance
+    return c11 * traction1 - 1j * c13 * traction3, c33 * traction3 + 1j * c13 * traction1, traction1, traction3
+
+
+def _inside(state: State, z: float, nx: int, body: Elastic) -> State:
+    """State at a height below z = 0."""
+    means = float(state[2][0].real), float(state[3][0].real)
+    at_depth = fields.spectra(Surface(state[0], state[1], means), -z, nx, body)
+    return at_depth[0], at_depth[1], at_depth[8], at_depth[7]
+
+
+def _tower(state: State, height: int, body: Elastic) -> Iterator[State]:
+    """A state and its derivatives in z, by strains and equilibrium."""
+    yield state
+    for _ in range(height):
+        stress1 = _stress1(state, body)
+        _, _, _, strain3, strain5, *_ = _all_fields(state, body)
+        state = strain5 - _along(state[1]), strain3, -_along(stress1), -_along(state[2])
+        yield state
+
+
+def _stress1(state: State, body: Elastic) -> Spectrum:
+    nu = body.poissons_ratio
+    return nu / (1.0 - nu) * state[3] + _along(state[0])
+
+
+def _all_fields(state: State, body: Elastic) -> tuple[Spectrum, ...]:
+    """Displacements, strains and stresses of a state in plane strain, in the order of `Fields`."""
+    u1, u3, shear, normal = state
+    nu, strain1, stress1 = body.poissons_ratio, _along(u1), _stress1(state, body)
+    strain3 = normal / coupled.c11(nu) - nu / (1.0 - nu) * strain1
+    strain5 = shear / coupled.c44(nu)
+    return u1, u3, strain1, strain3, strain5, stress1, nu * (stress1 + normal), normal, shear

@@ -83,9 +83,9 @@ class Body:
     def _top(self):
         """Vertical degrees of freedom of the highest node of every column of nodes, by x."""
         vertical = np.flatnonzero(self.owned_component == 1)
-        order = vertical[np.lexsort((-self.owned_label[1][vertical], self.owned_label[0][vertical]))]
-        x = np.round(self.owned_label[0][order], 9)
-        return order[np.concatenate(([True], np.diff(x) > 1e-9))]
+        x, z = np.round(self.owned_label[:, vertical], 9)  # x of one column is not always the same to the last bit
+        order = np.lexsort((-z, x))
+        return vertical[order][np.concatenate(([True], np.diff(x[order]) > 0.0))]
 
     @property
     def x(self):

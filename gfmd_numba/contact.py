@@ -9,7 +9,7 @@ from gfmd_numba import grid
 from gfmd_numba.dynamics import Equilibrium, Start, equilibrate
 from gfmd_numba.elasticity import stiffness, surface
 from gfmd_numba.elasticity.surface import CoupledStiffness
-from gfmd_numba.problem import Problem, Profile
+from gfmd_numba.problem import ElasticBody, Problem, Profile
 from gfmd_numba.roughness import self_affine
 
 Reals = npt.NDArray[np.float64]
@@ -30,16 +30,23 @@ class Contact:
     deflected: tuple[Reals, Reals] | None = None
 
 
-def solve(problem: Problem, realisations: range, before: Equilibrium | None = None, sliding: float = 0.0) -> Contact:
+def solve(
+    problem: Problem,
+    realisations: range,
+    before: Equilibrium | None = None,
+    sliding: float = 0.0,
+    raised: Reals | float = 0.0,
+) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
-    `sliding` is the tangential displacement of the punch.
+    `sliding` is the tangential displacement of the punch, `raised` what the surface has moved towards it on its own.
     """
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=1, keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
+    punch -= raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         deflected = _coupled(problem).deflection(problem.tractions.tangential, problem.tractions.normal)
@@ -59,12 +66,23 @@ def _heights(problem: Problem, realisations: range) -> Reals:
 
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
-    nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
     if problem.interface.couples:
         return _coupled(problem)
-    if nu is None or aspect_ratio is None:
-        return stiffness.half_space(grid.wavenumbers(nx))
-    return stiffness.slab(grid.wavenumbers(nx), nu, aspect_ratio)
+    nx = problem.surface.nx
+    own = _condensed(problem.body, nx)
+    if problem.counter is None:
+        return own
+    # under one pressure displacements add up, wave by wave
+    share, other = problem.counter.share, _condensed(problem.counter.body, nx)
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / ((1.0 - share) / own + share / other))
+
+
+def _condensed(body: ElasticBody, nx: int) -> Reals:
+    q = grid.wavenumbers(nx)
+    if body.poissons_ratio is None or body.aspect_ratio is None:
+        return stiffness.half_space(q)
+    return stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
 
 
 def _coupled(problem: Problem) -> CoupledStiffness:

@@ -54,6 +54,14 @@ class ElasticBody:
 
 
 @dataclass(frozen=True)
+class CounterBody:
+    """A second deformable body in place of the rigid punch; `share` is its part of the compliance 1/E*, E*/E_2*."""
+
+    body: ElasticBody
+    share: float
+
+
+@dataclass(frozen=True)
 class Effect:
     """What became of one effect of the scene (on, off, condensed or dropped) and why."""
 
@@ -73,6 +81,7 @@ class Problem:
     displacement: float | None
     numerics: Numerics
     tractions: Tractions | None = None
+    counter: CounterBody | None = None
 
     @cached_property
     def identity(self) -> str:
@@ -90,6 +99,8 @@ class Problem:
         }
         if self.tractions is not None:
             content["tractions"] = self.tractions.digest
+        if self.counter is not None:
+            content["counter"] = asdict(self.counter)
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 
 

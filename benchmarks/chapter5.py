@@ -1,4 +1,4 @@
-"""Cases of thesis chapter 5 and beyond, by two-step GFMD of several orders and by finite elements, on the same labels."""
+"""Cases of thesis chapter 5 and beyond, by two-step GFMD and by finite elements, on the same labels."""
 
 from dataclasses import dataclass
 

@@ -64,7 +64,7 @@ def _checked(scene: Scene, z: Reals) -> Reals:
 
 
 def _one(scene: Scene, contact: xr.Dataset, z: Reals) -> xr.Dataset:
-    length, modulus = scene.length or 1.0, effective_modulus(scene)
+    length, modulus = scene.length or 1.0, effective_modulus(scene.body)
     values = _fields(scene, contact, z / length)
     failed = int(contact["status"]) != 0
     dataset = xr.Dataset(coords={"z": z, "x": contact["x"]})
@@ -84,7 +84,7 @@ def _one(scene: Scene, contact: xr.Dataset, z: Reals) -> xr.Dataset:
 
 def _fields(scene: Scene, contact: xr.Dataset, z: Reals) -> Fields:
     """Fields in L_x and E*."""
-    body, length, modulus = scene.body, scene.length or 1.0, effective_modulus(scene)
+    body, length, modulus = scene.body, scene.length or 1.0, effective_modulus(scene.body)
     elastic = Elastic(body.effective_poissons_ratio, None if np.isinf(body.aspect_ratio) else body.aspect_ratio)
     normal, pressure = contact["displacement"].values / length, contact["pressure"].values / modulus
     if "tangential_displacement" in contact:

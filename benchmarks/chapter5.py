@@ -85,7 +85,7 @@ def two_step(case, order):
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name
     pressure = equilibrium.pressure[0] * gradient
-    flat = fields.frictionless(equilibrium.displacement[0] * gradient, pressure.mean(), case.elastic)
+    flat = fields.loaded(np.zeros(NX), -pressure, case.elastic)
     u1, u3 = (grid.signal(waves, NX) for waves in (flat.u1, flat.u3))
     return Surface(u1 + response.u1, u3 + response.u3, pressure), pressed, flat
 
@@ -168,7 +168,7 @@ def flat_punch(displacement):
     wall = np.where(under, -displacement, 1e3)
     k = stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
     found = equilibrate(wall[np.newaxis], k, None, NUMERICS)
-    flat = fields.frictionless(found.displacement[0], found.pressure[0].mean(), body)
+    flat = fields.loaded(np.zeros(NX), -found.pressure[0], body)
     meshes = []
     for columns in (COARSE, FINE):
         over = NX // (2 * columns)

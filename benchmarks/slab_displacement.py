@@ -6,13 +6,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gfmd_numba import grid
-from gfmd_numba.elasticity.fields import Elastic, fields, with_friction
+from gfmd_numba.elasticity.fields import Elastic, displaced, fields
 
 ASPECT_RATIO, POISSONS_RATIO, AMPLITUDE, NX = 0.25, 0.33, 5e-5, 400  # z_m / L_x, -, u_3 / L_x, -
 
 x, z = np.arange(NX) / NX, np.linspace(-ASPECT_RATIO, 0, 201)
 body = Elastic(POISSONS_RATIO, ASPECT_RATIO)
-given = with_friction(np.zeros(NX), AMPLITUDE * np.sin(2 * np.pi * x), 0.0, 0.0, body)
+given = displaced(np.zeros(NX), AMPLITUDE * np.sin(2 * np.pi * x), body)
 found = fields(given, NX, z, body)
 
 

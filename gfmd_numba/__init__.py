@@ -28,14 +28,14 @@ def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> x
     return solve_scene(scene)
 
 
-def body_fields(contact: xr.Dataset, z: ArrayLike | None = None) -> xr.Dataset:
-    """Displacement, strain and stress over (z, x) inside the body of a solved contact; z counts from its surface.
+def body_fields(contact: xr.Dataset, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:
+    """Displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
 
-    Without z, 101 levels from the surface to the base. Raises InputError for z outside the body.
+    z counts from its surface, negative inside; without z, 101 levels down to the base. Raises InputError for z outside.
     """
     from gfmd_numba.body import body_fields as fields_of
 
-    return fields_of(contact, z)
+    return fields_of(contact, z, body)
 
 
 def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:

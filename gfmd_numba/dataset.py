@@ -11,7 +11,7 @@ from gfmd_numba.contact import Contact
 from gfmd_numba.dynamics import Status
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import MEASURES, gap, measure
-from gfmd_numba.problem import Effect, Problem, effective_modulus
+from gfmd_numba.problem import Effect, Problem, contact_modulus
 from gfmd_numba.scene import LoadedBody, Scene
 
 CONVENTIONS = "CF-1.11"
@@ -24,7 +24,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
         "E*/stiffness": 1.0 / scene.body.stiffness_scale,
         "gradient": rms_gradient,
         "height": rms_gradient * (scene.length or 1.0),
-        "pressure": rms_gradient * effective_modulus(scene.body),
+        "pressure": rms_gradient * contact_modulus(scene),
         "s": 1.0,
     }
 

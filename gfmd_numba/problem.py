@@ -17,7 +17,7 @@ from gfmd_numba.boundary import Tractions
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Body, Discretisation, Numerics, Scene, SelfAffine
+from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
 from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
@@ -107,7 +107,7 @@ class Problem:
 def self_affine(scene: Scene) -> SelfAffine:
     """Roughness of a scene that asks for random surfaces; raises TypeError for any other."""
     if not isinstance(scene.roughness, SelfAffine):
-        raise TypeError(f"a random surface needs roughness.method psd, not {scene.roughness.method}")
+        raise TypeError("a random surface needs roughness.method psd of the punch")
     return scene.roughness
 
 
@@ -146,7 +146,9 @@ def reduce(
     displacement = None
     if loading.displacement is not None:
         displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    interface, interactions = _interface(scene.interface, scene.body, scene.length or 1.0, rms_gradient)
+    length = rms_gradient * (scene.length or 1.0)
+    energy = length * rms_gradient * contact_modulus(scene)
+    interface, interactions = _interface(scene.interface, scene.body, length, energy)
     exact = displacement is not None or interface.law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
@@ -156,7 +158,11 @@ def reduce(
         solver = "active_set_newton" if linear else "verlet"
     numerics = _decided(numerics, solver)
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
-    problem = Problem(surface, body, interface, pressure, displacement, numerics, tractions)
+    counter = None
+    if scene.counter_body is not None:
+        other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
+        counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
+    problem = Problem(surface, body, interface, pressure, displacement, numerics, tractions, counter)
     effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
     if scene.body.stiffness_scale != 1.0:
         wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
@@ -173,6 +179,13 @@ def effective_modulus(body: Body) -> float:
         return body.stiffness_scale
     plane = 1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0
     return body.stiffness_scale * body.youngs_modulus / plane
+
+
+def contact_modulus(scene: Scene | LoadedBody) -> float:
+    """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
+    if isinstance(scene, LoadedBody) or scene.counter_body is None:
+        return effective_modulus(scene.body)
+    return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
 
 
 @lru_cache
@@ -211,12 +224,8 @@ def _body(
 
 
 @lru_cache(maxsize=4096)
-def _interface(
-    asked: Interactions, body: Body, period: float, rms_gradient: float
-) -> tuple[Interface, tuple[Effect, ...]]:
+def _interface(asked: Interactions, body: Body, length: float, energy: float) -> tuple[Interface, tuple[Effect, ...]]:
     wall, exponential, cohesive, friction = asked.hard_wall, asked.exponential, asked.cohesive, asked.friction
-    length = rms_gradient * period
-    energy = length * rms_gradient * effective_modulus(body)
     law = cohesion = None
     if exponential is not None:
         law = Exponential(exponential.work_of_adhesion / energy, exponential.range / length)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba import contact, problem
+from gfmd_numba import contact, problem, rough_bodies, rough_scene
 from gfmd_numba.boundary import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.dataset import contact_dataset, dropped_effects
 from gfmd_numba.roughness.measured import read_profile
@@ -22,8 +22,9 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
+    rough = rough_scene.surfaces(file, scene_document(source)) if scene.follows_topography else None
     try:
-        surface, rms_gradient = _surface(file)
+        surface, rms_gradient = _surface(file) if rough is None else (rough.profile, rough.rms_gradient)
     except ValueError as error:
         raise _unusable_profile(source, scene, error) from None
     check_range(scene_document(source), scene, surface.nx)
@@ -31,6 +32,11 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     steps, before = [], None
     for scene, sliding in _path(file):
         reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics, prescribed)
+        if rough is not None:
+            pressed = rough_bodies.solve(reduced, rough.bodies, rms_gradient, file.numerics.topography_order, before)
+            before = pressed.contact.equilibrium
+            steps.append(rough_scene.dataset(scene, reduced, rough, pressed))
+            continue
         sliding /= (scene.length or 1.0) * rms_gradient
         solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
         before = solved.equilibrium
@@ -39,6 +45,9 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     dataset.attrs["scene"] = file.model_dump_json()
     dataset.attrs["solver"] = reduced.numerics.solver
     dataset.attrs["dropped_effects"] = dropped_effects(effects)
+    if rough is not None:
+        dataset.attrs["validity"] = rough_scene.doubt(rough, dataset)
+        rough_scene.warn(dataset.attrs["validity"])
     return dataset
 
 
@@ -69,6 +78,7 @@ def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, 
     if isinstance(scene.roughness, Measured):
         return problem.profile(read_profile(Path(scene.roughness.file), scene.length) / (scene.length or 1.0))
     assert file.discretisation is not None  # load_scene's promise
+    assert scene.roughness is not None
     return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
 
 

@@ -114,31 +114,28 @@ def test_boundary_conditions(body):
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_frictionless_surface_bears_its_pressure_and_no_shear(body):
-    nx, rng = 128, np.random.default_rng(2)
-    pressure = rng.uniform(size=nx)
-    q = grid.wavenumbers(nx)
-    k = (
-        stiffness.half_space(q)
-        if body.aspect_ratio is None
-        else stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
-    )
-    waves = -grid.coefficients(pressure)
-    u3 = np.divide(waves, k, out=np.zeros_like(waves), where=k > 0)
-    found = fields.frictionless(grid.signal(u3, nx), pressure.mean(), body)
-    result = fields.fields(found, nx, np.array([0.0]), body)
-    np.testing.assert_allclose(result.stress3[0], -pressure, atol=1e-11)
-    assert abs(result.stress5).max() < 1e-11
+@pytest.mark.parametrize("nx", [16, 17])
+def test_a_loaded_surface_bears_its_tractions_up_to_nyquist(body, nx):
+    along, normal = np.random.default_rng(2).standard_normal((2, nx))
+    result = fields.fields(fields.loaded(along, normal, body), nx, np.array([0.0]), body)
+    np.testing.assert_allclose(result.stress5[0], along, atol=1e-11)
+    np.testing.assert_allclose(result.stress3[0], normal, atol=1e-11)
 
 
-def test_sticking_surface_bears_both_tractions_up_to_nyquist():
-    nx, body, rng = 16, Elastic(0.3, 0.2), np.random.default_rng(3)
-    u1, u3 = rng.standard_normal((2, nx))
+def test_normal_displacement_under_pressure_is_that_of_the_condensed_stiffness():
+    pressure, q = np.random.default_rng(4).uniform(size=32), grid.wavenumbers(32)
+    for nu in (0.0, 0.33, 0.5):
+        found = fields.loaded(np.zeros(32), -pressure, Elastic(nu, 0.2))
+        np.testing.assert_allclose(found.u3, -grid.coefficients(pressure) / stiffness.slab(q, nu, 0.2), atol=1e-15)
+
+
+def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
+    nx, body = 16, Elastic(0.3, 0.2)
+    u1, u3 = np.random.default_rng(3).standard_normal((2, nx))
     stiff = surface.slab(nx, 0.3, 0.2)
     v1, v3 = grid.coefficients(u1), grid.coefficients(u3)
     t1, t3 = (grid.signal(t, nx) for t in (stiff.k11 * v1 + 1j * stiff.k13 * v3, stiff.k33 * v3 - 1j * stiff.k13 * v1))
-    found = fields.with_friction(u1, u3, t1.mean(), -t3.mean(), body)
-    result = fields.fields(found, nx, np.array([0.0, -0.2]), body)
+    result = fields.fields(fields.displaced(u1, u3, body), nx, np.array([0.0, -0.2]), body)
     for field, given in ((result.u1, u1), (result.u3, u3), (result.stress5, t1), (result.stress3, t3)):
         np.testing.assert_allclose(field[0], given, atol=1e-11 * abs(given).max())
     assert abs(result.u1[1]).max() + abs(result.u3[1]).max() < 1e-12
@@ -156,7 +153,7 @@ def test_cosine_load_on_the_half_space():
     """p cos(qx) gives sigma_33, sigma_11 = -p (1 +- d) exp(-d) cos(qx), sigma_13 = p d exp(-d) sin(qx), d = q depth."""
     x, q, nu = np.arange(NX) / NX, 2 * np.pi * 3, 0.33
     depth = np.array([0.0, 0.01, 0.1, 0.7])
-    found = fields.frictionless(-2 / q * np.cos(q * x), 0.0, Elastic(nu, None))
+    found = fields.loaded(0 * x, -np.cos(q * x), Elastic(nu, None))
     result = fields.fields(found, NX, -depth, Elastic(nu, None))
     d = (q * depth)[:, np.newaxis]
     np.testing.assert_allclose(result.stress3, -(1 + d) * np.exp(-d) * np.cos(q * x), atol=1e-14)
@@ -170,11 +167,8 @@ def test_a_row_of_line_loads_is_flamant_near_one_of_them():
     nx, depth = 2**14, 0.004
     pressure = np.zeros(nx)
     pressure[nx // 2] = nx
-    body, q = Elastic(0.3, None), grid.wavenumbers(nx)
-    waves = -grid.coefficients(pressure)
-    waves[1:] /= q[1:] / 2
-    waves[0] = 0.0
-    found = fields.fields(fields.frictionless(grid.signal(waves, nx), 1.0, body), nx, np.array([-depth]), body)
+    body = Elastic(0.3, None)
+    found = fields.fields(fields.loaded(0 * pressure, -pressure, body), nx, np.array([-depth]), body)
     x = np.arange(nx) / nx - 0.5
     near = abs(x) < 0.02
     r2 = x[near] ** 2 + depth**2
@@ -195,11 +189,7 @@ def test_nothing_overflows_at_any_wave_number_or_depth():
     pressure = np.ones(nx)
     pressure[::2] = 0.0
     for body in (Elastic(0.5, 4.0), Elastic(0.3, 1e-4), Elastic(0.49999999, 1.0)):
-        q = grid.wavenumbers(nx)
-        waves = -grid.coefficients(pressure)
-        waves[1:] /= stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)[1:]
-        waves[0] = 0.0
-        found = fields.frictionless(grid.signal(waves, nx), 0.5, body)
+        found = fields.loaded(0 * pressure, -pressure, body)
         result = fields.fields(found, nx, -body.aspect_ratio * np.array([0.0, 1e-7, 0.5, 1.0]), body)
         assert all(np.isfinite(field).all() for field in vars(result).values())
         assert abs(result.stress3[2:]).max() <= 1.0

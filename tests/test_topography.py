@@ -20,12 +20,7 @@ BODIES = [Elastic(0.33, 1.0), Elastic(0.0, 0.2), Elastic(0.5, 0.3), Elastic(0.33
 
 def flat(pressure, body):
     """Surface of a flat body under a pressure."""
-    q = grid.wavenumbers(len(pressure))
-    nu, a = body.poissons_ratio, body.aspect_ratio
-    k = stiffness.half_space(q) if a is None else stiffness.slab(q, nu, a)
-    waves = -grid.coefficients(pressure)
-    u3 = np.divide(waves, k, out=np.zeros_like(waves), where=k > 0.0)
-    return fields.frictionless(grid.signal(u3, len(pressure)), pressure.mean(), body)
+    return fields.loaded(0 * pressure, -pressure, body)
 
 
 def orders(errors, steps=(2.0, 2.0)):
@@ -106,7 +101,7 @@ def pressed(heights, body, displacement, order):
         response = topography.respond(found.pressure[0], heights, body, order)
         raised = response.u3
     normal = found.displacement[0] + response.u3
-    under = fields.frictionless(found.displacement[0], found.pressure[0].mean(), body)
+    under = flat(found.pressure[0], body)
     return found.pressure[0], grid.signal(under.u1, nx) + response.u1, normal
 
 

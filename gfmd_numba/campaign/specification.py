@@ -193,6 +193,9 @@ class Campaign(BaseModel):
                 ("scene", "roughness", "method"),
                 "'psd' in a campaign; a measured profile belongs to `gfmd solve`",
             )
+        if self.scene.follows_topography:
+            where = ("counter_body",) if self.scene.body.roughness is None else ("body", "roughness")
+            raise broken_rule(("scene", *where), "nothing in a campaign; it belongs to `gfmd solve`")
         if self.scene.boundary is not None:
             raise broken_rule(("scene", "boundary"), "nothing in a campaign; it belongs to `gfmd solve`")
         for axis in AXES:

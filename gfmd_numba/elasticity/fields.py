@@ -53,23 +53,56 @@ def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, stress5: Reals) ->
     return np.asarray(np.sqrt(0.5 * differences + 3.0 * stress5**2))
 
 
-def frictionless(normal: Reals, mean_pressure: float, body: Elastic) -> Surface:
-    """Surface `[nx]` of normal displacements that is free of shear: the tangential one follows (6.75)."""
-    u3 = grid.coefficients(normal)
-    u1 = 1j * _lead(len(normal), body)[0] * u3
-    return Surface(u1, u3, (0.0, -mean_pressure))
+def loaded(tangential: Reals, normal: Reals, body: Elastic) -> Surface:
+    """Surface `[nx]` under tractions, along x and out of the body; a half-space's displacements have zero mean."""
+    t1, t3 = grid.coefficients(tangential), grid.coefficients(normal)
+    u1, u3 = deflection(t1, t3, compliance(len(normal), body))
+    return Surface(u1, u3, (float(t1[0].real), float(t3[0].real)))
 
 
-def with_friction(
-    tangential: Reals, normal: Reals, mean_traction: float, mean_pressure: float, body: Elastic
-) -> Surface:
-    """Surface `[nx]` of both displacements."""
+def displaced(tangential: Reals, normal: Reals, body: Elastic) -> Surface:
+    """Surface `[nx]` of given displacements; a mean held by no traction, or an infinite one, is taken to need none."""
     u1, u3 = grid.coefficients(tangential), grid.coefficients(normal)
+    yielding = compliance(len(normal), body)
+    traction = tuple(
+        float(mean.real / soft) if soft > 0.0 else 0.0
+        for mean, soft in ((u1[0], yielding[0][0]), (u3[0], yielding[2][0]))
+    )
     if len(normal) % 2 == 0:
         # of the Nyquist wave the nodes know one phase only; what is a quarter wave off follows as if it were free
-        along, across = (lead[-1] for lead in _lead(len(normal), body))
-        u1[-1], u3[-1] = u1[-1] + 1j * along * u3[-1], u3[-1] - 1j * across * u1[-1]
-    return Surface(u1, u3, (mean_traction, -mean_pressure))
+        c11, c13, c33 = (element[-1] for element in yielding)
+        u1[-1], u3[-1] = u1[-1] - 1j * c13 / c33 * u3[-1], u3[-1] + 1j * c13 / c11 * u1[-1]
+    return Surface(u1, u3, (traction[0], traction[1]))
+
+
+def compliance(nx: int, body: Elastic) -> tuple[Reals, Reals, Reals]:
+    """Inverse of the stiffness (6.57), elements 11, 13 and 33 `[nx // 2 + 1]`; a half-space's mean is held."""
+    nu, q = body.poissons_ratio, grid.wavenumbers(nx)
+    tangential, normal, lead = np.empty((3, len(q)))
+    if body.aspect_ratio is None:
+        a11, a13, _ = coupled.half_space(nu)
+        tangential[1:], normal[1:], lead[1:] = 0.5 * q[1:], 0.5 * q[1:], a13 / a11
+        tangential[0] = normal[0] = np.inf
+    else:
+        k = q[1:] * body.aspect_ratio
+        a11, a13, _ = coupled.slab(k, nu)
+        tangential[1:], normal[1:] = (q[1:] * over_q for over_q in coupled.condensed(k, nu))
+        lead[1:] = a13 / a11
+        tangential[0], normal[0] = coupled.uniform(nu, body.aspect_ratio)
+    lead[0] = 0.0
+    return 1.0 / tangential, lead / normal, 1.0 / normal
+
+
+def deflection(t1: Spectrum, t3: Spectrum, yielding: tuple[Reals, Reals, Reals]) -> tuple[Spectrum, Spectrum]:
+    """Coefficients of both displacements under those of both tractions."""
+    c11, c13, c33 = yielding
+    return c11 * t1 - 1j * c13 * t3, c33 * t3 + 1j * c13 * t1
+
+
+def tractions(surface: Surface, nx: int, body: Elastic) -> tuple[Reals, Reals]:
+    """Tractions `[nx]` on a surface, along x and out of the body."""
+    *_, normal, along = (grid.signal(waves, nx) for waves in spectra(surface, 0.0, nx, body))
+    return along, normal
 
 
 def fields(surface: Surface, nx: int, z: Reals, body: Elastic) -> Fields:
@@ -79,18 +112,6 @@ def fields(surface: Surface, nx: int, z: Reals, body: Elastic) -> Fields:
         raise ValueError("z outside the body")
     rows = [spectra(surface, max(-float(height), 0.0), nx, body) for height in z]
     return Fields(*(grid.signal(np.array(spectra), nx) for spectra in zip(*rows, strict=True)))
-
-
-def _lead(nx: int, body: Elastic) -> tuple[Reals, Reals]:
-    """U_1 over U_3 free of shear, and U_3 over U_1 free of normal traction, for waves as in (2.3)."""
-    q = grid.wavenumbers(nx)
-    if body.aspect_ratio is None:
-        a11, a13, a33 = (np.full(len(q), float(element)) for element in coupled.half_space(body.poissons_ratio))
-    else:
-        a11, a13, a33 = np.ones((3, len(q)))
-        a11[1:], a13[1:], a33[1:] = coupled.slab(q[1:] * body.aspect_ratio, body.poissons_ratio)
-    a13[0] = 0.0
-    return -a13 / a11, -a13 / a33
 
 
 def spectra(surface: Surface, depth: float, nx: int, body: Elastic) -> tuple[Spectrum, ...]:

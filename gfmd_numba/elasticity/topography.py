@@ -52,7 +52,7 @@ def forming(heights: Reals, body: Elastic) -> Surface:
 
     Its stresses are those of the forces +q C11 M u'' that form the topography (5.15).
     """
-    return fields.with_friction(np.zeros_like(heights), heights, 0.0, 0.0, body)
+    return fields.displaced(np.zeros_like(heights), heights, body)
 
 
 def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Response:
@@ -60,7 +60,7 @@ def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Respo
     nx = len(heights)
     banded = grid.signal(_band(grid.coefficients(heights), nx, order), nx)
     powers = [banded**m / factorial(m) for m in range(order + 1)]
-    compliance = _compliance(nx, body)
+    compliance = fields.compliance(nx, body)
     traction = np.array([np.zeros(nx // 2 + 1), grid.coefficients(-pressure)])
     towers: list[list[State]] = []
     for n in range(order + 1):
@@ -71,7 +71,8 @@ def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Respo
                 turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), nx)
             traction = _along(grid.coefficients(turned))
         along, normal = _band(traction, nx, order)
-        towers.append(list(_tower(_state(along, normal, compliance), order - n, body)))
+        state = (*fields.deflection(along, normal, compliance), along, normal)
+        towers.append(list(_tower(state, order - n, body)))
     added = np.zeros((order + 1, 2, nx))
     for n, tower in enumerate(towers):
         for m, state in enumerate(tower):
@@ -111,31 +112,6 @@ def _band(spectrum: Spectrum, nx: int, order: int) -> Spectrum:
 def _along(spectrum: Spectrum) -> Spectrum:
     """Derivative along x."""
     return 2j * np.pi * np.arange(spectrum.shape[-1]) * spectrum
-
-
-def _compliance(nx: int, body: Elastic) -> tuple[Reals, Reals, Reals]:
-    """Inverse of the stiffness (6.57): elements 11, 13 and 33; of the half-space's mean only the traction is known."""
-    nu, q = body.poissons_ratio, grid.wavenumbers(nx)
-    tangential, normal = np.empty((2, len(q)))
-    lead = np.empty(len(q))
-    if body.aspect_ratio is None:
-        a11, a13, _ = coupled.half_space(nu)
-        tangential[:], normal[:], lead[:] = 0.5 * q, 0.5 * q, a13 / a11
-        tangential[0] = normal[0] = np.inf
-    else:
-        k = q[1:] * body.aspect_ratio
-        a11, a13, _ = coupled.slab(k, nu)
-        tangential[1:], normal[1:] = (q[1:] * over_q for over_q in coupled.condensed(k, nu))
-        lead[1:] = a13 / a11
-        tangential[0], normal[0] = coupled.uniform(nu, body.aspect_ratio)
-    lead[0] = 0.0
-    return 1.0 / tangential, lead / normal, 1.0 / normal
-
-
-def _state(traction1: Spectrum, traction3: Spectrum, compliance: tuple[Reals, Reals, Reals]) -> State:
-    """State at z = 0 of a flat body under tractions on it."""
-    c11, c13, c33 = compliance
-    return c11 * traction1 - 1j * c13 * traction3, c33 * traction3 + 1j * c13 * traction1, traction1, traction3
 
 
 def _inside(state: State, z: float, nx: int, body: Elastic) -> State:

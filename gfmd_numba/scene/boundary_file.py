@@ -34,6 +34,12 @@ class BoundaryFile(BaseModel):
     points: int | None = Field(None, ge=4, le=2**22, description="Nodes over the period; None: as many as in the files")
 
     @model_validator(mode="after")
+    def _body_is_flat(self) -> Self:
+        if self.scene.body.roughness is not None:
+            raise broken_rule(("scene", "body", "roughness"), "nothing without a punch: the loaded body is flat")
+        return self
+
+    @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         if self.numerics.solver not in ("auto", "verlet"):
             raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
@@ -63,6 +69,7 @@ def input_files(source: str | Path) -> list[Path]:
     """Files that a scene file, with a punch or without, reads besides itself; raises InputError."""
     scene = load_boundary(source)[0].scene if has_no_punch(source) else load_scene(source).scene
     named = [value for _, value in scene.boundary or () if isinstance(value, str)]
-    if isinstance(scene, Scene) and isinstance(scene.roughness, Measured):
-        named.append(scene.roughness.file)
+    if isinstance(scene, Scene):
+        rough = (scene.roughness, *(body.roughness for body in scene.deformable))
+        named += [roughness.file for roughness in rough if isinstance(roughness, Measured)]
     return [Path(name) for name in named]

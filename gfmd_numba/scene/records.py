@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from gfmd_numba.scene.bodies import check_bodies
 from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.quantities import (
@@ -21,29 +22,6 @@ from gfmd_numba.scene.quantities import (
     Seed,
     broken_rule,
 )
-
-
-class Body(BaseModel):
-    """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
-
-    model_config = RECORD
-    youngs_modulus: float | None = Field(
-        None, gt=0, description="Young's modulus in Pa; None: stresses are in units of E*"
-    )
-    poissons_ratio: PoissonsRatio
-    aspect_ratio: AspectRatio = inf
-    stiffness_scale: float = Field(
-        1.0,
-        gt=0,
-        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
-    )
-    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
-
-    @property
-    def effective_poissons_ratio(self) -> float:
-        """Poisson's ratio of the plane strain body that deforms alike (dimensionless)."""
-        nu = self.poissons_ratio
-        return nu if self.state == "plane_strain" else nu / (1.0 + nu)
 
 
 class SelfAffine(BaseModel):
@@ -63,7 +41,33 @@ class Measured(BaseModel):
     file: str = Field(min_length=1, description="Profile, relative to the scene file's folder")
 
 
-Roughness = Annotated[SelfAffine | Measured, Field(discriminator="method", description="The rigid punch's roughness")]
+Roughness = Annotated[SelfAffine | Measured, Field(discriminator="method", description="Roughness of a surface")]
+
+
+class Body(BaseModel):
+    """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
+
+    model_config = RECORD
+    youngs_modulus: float | None = Field(
+        None, gt=0, description="Young's modulus in Pa; None: stresses are in units of E*"
+    )
+    poissons_ratio: PoissonsRatio
+    aspect_ratio: AspectRatio = inf
+    stiffness_scale: float = Field(
+        1.0,
+        gt=0,
+        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
+    )
+    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
+    roughness: Roughness | None = Field(
+        None, description="Topography of the body itself, peaks towards the punch; aspect_ratio is of its mean plane"
+    )
+
+    @property
+    def effective_poissons_ratio(self) -> float:
+        """Poisson's ratio of the plane strain body that deforms alike (dimensionless)."""
+        nu = self.poissons_ratio
+        return nu if self.state == "plane_strain" else nu / (1.0 + nu)
 
 
 class Loading(BaseModel):
@@ -87,11 +91,27 @@ class Scene(BaseModel):
 
     model_config = RECORD
     body: Body = Field(description="Elastic body")
-    roughness: Roughness
+    roughness: Roughness | None = Field(None, description="The rigid punch's roughness; None: flat")
+    counter_body: Body | None = Field(None, description="A second elastic body in place of the rigid punch")
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
     length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+
+    @property
+    def deformable(self) -> tuple[Body, ...]:
+        """The elastic bodies."""
+        return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
+
+    @property
+    def follows_topography(self) -> bool:
+        """Whether a deformable surface is rough, or both bodies deform."""
+        return self.counter_body is not None or self.body.roughness is not None
+
+    @model_validator(mode="after")
+    def _bodies_agree(self) -> Self:
+        check_bodies(self)
+        return self
 
     @model_validator(mode="after")
     def _punch_leaves_tractions_only(self) -> Self:
@@ -190,6 +210,12 @@ class Numerics(BaseModel):
     solver: Literal["auto", "verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"] = Field(
         "auto", description="Solver"
     )
+    topography_order: int = Field(
+        2,
+        ge=0,
+        le=3,
+        description="Order in the slope of a deformable body's own roughness; 0: the two-step GFMD of thesis",
+    )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
     time_step: float = Field(
@@ -215,7 +241,8 @@ PRESSURE_SOLVERS = ("active_set_newton", "conjugate_gradients")
 
 def check_solver(scene: Scene, numerics: Numerics) -> None:
     """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
-    rigid = scene.loading.displacement is not None and scene.body.effective_poissons_ratio == 0.5
+    incompressible = all(body.effective_poissons_ratio == 0.5 for body in scene.deformable)
+    rigid = scene.loading.displacement is not None and incompressible
     law = scene.interface.exponential is not None
     couples = scene.interface.friction is not None or scene.interface.cohesive is not None
     if rigid and (law or couples):
@@ -263,7 +290,8 @@ class SceneFile(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        random = isinstance(self.scene.roughness, SelfAffine)
+        rough = [self.scene.roughness, *(body.roughness for body in self.scene.deformable)]
+        random = any(isinstance(roughness, SelfAffine) for roughness in rough)
         if random and self.discretisation is None:
             raise broken_rule(("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs")
         if not random and self.discretisation is not None:

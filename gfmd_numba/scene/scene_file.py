@@ -8,7 +8,7 @@ from typing import Any
 
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document, Location, read_document
-from gfmd_numba.scene.records import Discretisation, Measured, Scene, SceneFile
+from gfmd_numba.scene.records import Body, Discretisation, Measured, Roughness, Scene, SceneFile
 from gfmd_numba.scene.validation import nearest, validate
 
 ARRAYS_PER_REALISATION = 16
@@ -72,13 +72,23 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
         check_discretisation(document, scene_file.discretisation, {axis: ("discretisation", axis) for axis in axes})
         check_range(document, scene_file.scene, scene_file.discretisation.nx)
     scene = scene_file.scene
-    located: dict[str, object] = {}
-    if isinstance(scene.roughness, Measured):
-        file = existing_file(document, ("scene", "roughness", "file"), scene.roughness.file, PROFILE_SUFFIXES)
-        located["roughness"] = scene.roughness.model_copy(update={"file": file})
+    located: dict[str, object] = {"roughness": _located(document, ("scene", "roughness"), scene.roughness)}
+    for name in ("body", "counter_body"):
+        body: Body | None = getattr(scene, name)
+        if body is not None:
+            profile = _located(document, ("scene", name, "roughness"), body.roughness)
+            located[name] = body.model_copy(update={"roughness": profile})
     if scene.boundary is not None:
         located["boundary"] = located_boundary(document, scene.boundary)
     return scene_file.model_copy(update={"scene": scene.model_copy(update=located)})
+
+
+def _located(document: Document, location: Location, roughness: Roughness | None) -> Roughness | None:
+    """Roughness whose file, if any, exists and has an absolute path; raises InputError."""
+    if not isinstance(roughness, Measured):
+        return roughness
+    file = existing_file(document, (*location, "file"), roughness.file, PROFILE_SUFFIXES)
+    return roughness.model_copy(update={"file": file})
 
 
 def located_boundary(document: Document, boundary: Boundary) -> Boundary:

@@ -22,6 +22,7 @@ from gfmd_numba.scene import Body, Document, InputError, Measured, Roughness, Sc
 Reals = npt.NDArray[np.float64]
 
 NAMES = ("body", "counter_body")
+_ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,11 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
         _body(scene, body, heights.get((name, "roughness"), np.zeros(nx)), document, name)
         for name, body in zip(NAMES, scene.deformable, strict=False)
     )
-    try:
-        profile, rms_gradient = problem.profile(sum(heights.values(), np.zeros(nx)))
-    except ValueError:
+    together = np.sum(list(heights.values()), axis=0)
+    if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in heights.values()):
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
-        raise InputError(document.line(("scene",), "heights that add up to nothing", allowed)) from None
+        raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
+    profile, rms_gradient = problem.profile(together)
     return Surfaces(bodies, profile, rms_gradient)
 
 

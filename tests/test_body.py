@@ -36,7 +36,10 @@ def test_tractions_are_those_of_the_surface_and_the_base_is_held(aspect_ratio, i
     np.testing.assert_allclose(fields.stress_3[0], -contact.pressure, atol=3e-8 * peak)
     shear = contact.get("tangential_traction", xr.zeros_like(contact.pressure))
     np.testing.assert_allclose(fields.stress_5[0], shear, atol=3e-8 * peak)
-    np.testing.assert_allclose(fields.displacement_3[0], contact.displacement, atol=1e-13)
+    # of the pressure the fields follow exactly, of the displacement to the residual
+    np.testing.assert_allclose(
+        fields.displacement_3[0], contact.displacement, atol=1e-7 * abs(contact.displacement).max()
+    )
     np.testing.assert_allclose(fields.stress_3.mean("x"), -contact.pressure.mean(), rtol=1e-9)
     if not np.isinf(aspect_ratio):
         largest = abs(fields.displacement_3).max()
@@ -110,7 +113,10 @@ def test_a_run_that_failed_has_no_fields():
 @pytest.mark.parametrize(
     ("z", "message"),
     [
-        ([0.0, -0.6], "z: given -0.6; allowed: one row of heights in L_x from the surface, -0.5 (the base) to 0"),
+        (
+            [0.0, -0.6],
+            "z: given -0.6; allowed: one row of heights from the surface, in the unit of x, -0.5 (the base) to 0",
+        ),
         (0.1, "z: given 0.1; allowed"),
         ([np.nan], "z: given nan; allowed"),
         ([[-0.1]], "z: given an array of shape (1, 1); allowed"),

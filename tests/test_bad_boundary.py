@@ -86,7 +86,7 @@ LOADS = {
     ),
     "a loading without a punch": (
         ("scene:", "scene:\n  loading: {reduced_pressure: 0.1}"),
-        "bad.yaml:1:1: scene.roughness: given nothing; allowed: ",
+        "bad.yaml:1:1: scene.interface: given nothing; allowed: ",
     ),
 }
 BESIDES = {

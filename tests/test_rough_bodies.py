@@ -4,10 +4,12 @@ import warnings
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from finite_elements import Body, graded
 
 import gfmd_numba
 from gfmd_numba import grid
+from gfmd_numba.cli import main
 from gfmd_numba.scene import InputError
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
@@ -129,6 +131,17 @@ def test_two_equal_bodies_are_one_of_half_the_modulus(aspect_ratio):
     np.testing.assert_allclose(two.tangential_displacement, two.counter_body_tangential_displacement, atol=1e-18)
 
 
+def test_a_rough_body_against_its_mirror_image_is_one_against_a_flat_punch(tmp_path):
+    body = BODY | {"roughness": measured(tmp_path, -0.005 * np.cos(2 * np.pi * X))}
+    two = gfmd_numba.solve(scene(body=body, counter_body=body, loading={"displacement": 4e-3}))
+    one = gfmd_numba.solve(scene(body=body, loading={"displacement": 2e-3}))
+    np.testing.assert_allclose(two.pressure, one.pressure, atol=1e-7 * one.pressure.max().item())
+    for name in ("displacement", "tangential_displacement"):
+        scale = abs(one[name]).max().item()
+        np.testing.assert_allclose(two[name], one[name], atol=1e-7 * scale)
+        np.testing.assert_allclose(two[f"counter_body_{name}"], one[name], atol=1e-7 * scale)
+
+
 def test_a_counter_body_far_stiffer_is_a_rigid_punch():
     stiff = {"youngs_modulus": 1e9, "poissons_ratio": 0.2, "aspect_ratio": 1.0, "roughness": ROUGH}
     two = gfmd_numba.solve(scene(counter_body=stiff, loading={"displacement": 1e-3}))
@@ -163,6 +176,26 @@ def test_steep_topographies_are_doubted():
     with warnings.catch_warnings(action="error"):
         assert gfmd_numba.solve(scene(body=rough(rms_gradient=0.03))).validity == ""
         assert gfmd_numba.solve(scene(roughness=ROUGH | {"rms_gradient": 0.05})).status == 0
+
+
+def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
+    file = tmp_path / "two.yaml"
+    file.write_text(
+        """
+body: {youngs_modulus: 1, poissons_ratio: 0.3, aspect_ratio: 0.2, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.05}}
+counter_body: {youngs_modulus: 2, poissons_ratio: 0.5, roughness: {method: psd, hurst: 0.5, rms_gradient: 0.01}}
+interface: {hard_wall: {}}
+loading: {reduced_pressure: 0.05}
+discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
+"""
+    )
+    solved = CliRunner().invoke(main, ["solve", str(file), "-o", str(tmp_path / "two.nc")])
+    assert solved.exit_code == 0, solved.output
+    assert "gfmd: a deformable surface has an rms gradient of 0.05" in solved.output
+    assert CliRunner().invoke(main, ["plot", str(tmp_path / "two.nc")]).exit_code == 0
+    asked = ["fields", str(tmp_path / "two.nc"), "--body", "counter_body", "-o", str(tmp_path / "fields.nc")]
+    assert CliRunner().invoke(main, asked).exit_code == 0
+    assert (tmp_path / "fields.png").exists()
 
 
 def test_finite_range_laws_act_on_rough_bodies():
@@ -237,7 +270,7 @@ def test_profiles_that_do_not_fit_are_refused(tmp_path):
         gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, heights[::2], "p.npy")))
     with pytest.raises(InputError, match=r"heights that add up to nothing; allowed: surfaces that are not all flat"):
         gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, -heights, "p.npy")))
-    with pytest.raises(InputError, match=r"body.roughness.file: given missing.npy; allowed: an existing file"):
+    with pytest.raises(InputError, match=r"body.roughness.file: given 'missing.npy'; allowed: an existing file"):
         gfmd_numba.solve(scene(body=BODY | {"roughness": {"method": "measured", "file": "missing.npy"}}))
 
 

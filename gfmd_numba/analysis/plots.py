@@ -192,8 +192,10 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-    body = dataset["displacement"]
+    body = dataset["displacement"] + dataset.get("body_height", 0.0)
+    body.attrs = dataset["displacement"].attrs
     punch = body + dataset["gap"]
+    above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
     factor, unit = _prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
@@ -203,7 +205,7 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
         # valleys of the punch rise far above the contact: the view follows the body
         span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
         bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
-        above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label="rigid punch")
+        above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
         above.plot(x, high, color="0.35", lw=1.0)
         above.plot(x, low, color=COLOURS[0], lw=1.2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,8 @@ def solve(file: Path, output: Path) -> None:
     from gfmd_numba.scene import input_files
 
     check_output(output, file, *input_files(file))
-    dataset = gfmd_numba.solve(file)
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # told below, in the words of the file
+        dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"results  {output}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
@@ -32,6 +34,8 @@ def solve(file: Path, output: Path) -> None:
     for name in (name for name in shown if name in dataset):  # a loaded body has but the last
         values = "".join(f"{float(value):<14.6g}" for value in steps[name])
         click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
+    if dataset.attrs.get("validity"):
+        click.echo(f"gfmd: {dataset.attrs['validity']}", err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
         click.echo(f"gfmd: the run is {', '.join(failed)}: those numbers are not to be used", err=True)
@@ -50,15 +54,16 @@ def _ending(step: xr.Dataset) -> str:
 @main.command()
 @file_argument
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
-def fields(file: Path, output: Path) -> None:
-    """Write and draw displacement, strain and stress inside the body of the contact in FILE, left by `gfmd solve`."""
+@click.option("--body", default="body", show_default=True, help="Which of two bodies: body or counter_body")
+def fields(file: Path, output: Path, body: str) -> None:
+    """Write and draw displacement, strain and stress inside a body of the contact in FILE, left by `gfmd solve`."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
 
     picture = _picture(output)
     check_output(output, file)
-    dataset = gfmd_numba.body_fields(read_results(file))
+    dataset = gfmd_numba.body_fields(read_results(file), body=body)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"fields   {output}")
     plot_body(dataset).savefig(picture, dpi=150)

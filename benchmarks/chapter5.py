@@ -62,9 +62,9 @@ def triangle(slope):
     return Case(f"triangle, g = {slope:g}", heights, 3.0e-3)
 
 
-def rough(gradient, hurst=0.8, displacement=1e-3, thickness=1.0, longest=2, shortest=32):
+def rough(gradient, hurst=0.8, thickness=1.0, longest=2, shortest=32):
     heights = gradient * self_affine.profiles(hurst, longest, shortest, NX, 2018, range(1))[0]
-    return Case(f"self-affine, H = {hurst:g}, g = {gradient:g}, a = {thickness:g}", heights, displacement, thickness)
+    return Case(f"self-affine, H = {hurst:g}, g = {gradient:g}, a = {thickness:g}", heights, 0.1 * gradient, thickness)
 
 
 @dataclass(frozen=True)

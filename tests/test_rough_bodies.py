@@ -182,7 +182,7 @@ def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
     file = tmp_path / "two.yaml"
     file.write_text(
         """
-body: {youngs_modulus: 1, poissons_ratio: 0.3, aspect_ratio: 0.2, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.05}}
+body: {youngs_modulus: 1, poissons_ratio: 0.3, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.05}}
 counter_body: {youngs_modulus: 2, poissons_ratio: 0.5, roughness: {method: psd, hurst: 0.5, rms_gradient: 0.01}}
 interface: {hard_wall: {}}
 loading: {reduced_pressure: 0.05}

@@ -32,7 +32,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             siblings = list(_at(schema, fault["loc"][:-1])[1]["properties"])
             if document.flat and len(location) == 2:
                 siblings += [key for key in schema["properties"] if key != "scene"]
-            hint = _belongs(schema, str(location[-1])) or nearest(location[-1], siblings)
+            hint = _belongs(schema, location) or nearest(location[-1], siblings)
             return document.key_line(location, "an unknown key", _listed(siblings), hint)
         case "union_tag_invalid" | "union_tag_not_found":
             location += (node["discriminator"]["propertyName"],)
@@ -114,8 +114,10 @@ def nearest(given: object, names: Iterable[str]) -> str:
     return f"did you mean {matches[0]!r}?" if matches else ""
 
 
-def _belongs(schema: dict[str, Any], key: str) -> str:
+def _belongs(schema: dict[str, Any], location: Location) -> str:
+    key, here = str(location[-1]), ".".join(map(str, location[:-1]))
     homes = [home for home, name in _keys(schema, schema, "") if name == key]
+    homes = [home for home in homes if home.startswith(f"{here} with ")] or homes  # another kind of the same mapping
     return f"'{key}' belongs to {' or '.join(home or 'the top level' for home in homes)}" if homes else ""
 
 

@@ -10,7 +10,7 @@ traction t on the surface z = h(x), per length of x, is
 and both that and the displacement at z = h are Taylor series about z = 0. The state (u_1, u_3, sigma_13, sigma_33)
 obeys a linear equation in z whose coefficients hold derivatives along x only, so that every order needs just
 transforms. The terms of an order cancel but for the slope at waves far shorter than h; products are therefore taken
-free of aliasing, and what is beyond their band stays at order 0.
+on a finer grid, free of aliasing. The Nyquist wave stays at order 0.
 
 Points inside have labels (x, z), their places in the flat body; u''(x, z) takes them to the stress-free rough one.
 Lengths in L_x, stresses in E*.
@@ -37,7 +37,7 @@ class Response:
     """What the topography adds to the response of a flat body, and the states at z = 0 it is made of, one an order.
 
     `u1` and `u3` `[nx]` are displacements of the surface; `last` is the largest part of them that is of the highest
-    order. `heights` are those of the band.
+    order. `heights` `[nx]` are without the Nyquist wave.
     """
 
     states: tuple[State, ...]
@@ -58,54 +58,64 @@ def forming(heights: Reals, body: Elastic) -> Surface:
 def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Response:
     """Response to a pressure `[nx]` of a body with topography `[nx]` of zero mean, to an order of 0 or more."""
     nx = len(heights)
-    banded = grid.signal(_band(grid.coefficients(heights), nx, order), nx)
-    powers = [banded**m / factorial(m) for m in range(order + 1)]
+    fine = _fine(nx, order)
+    topography = _band(heights, nx)
+    powers = [grid.signal(topography, fine) ** m / factorial(m) for m in range(order + 1)]
     compliance = fields.compliance(nx, body)
-    traction = np.array([np.zeros(nx // 2 + 1), grid.coefficients(-pressure)])
+    traction = _band(np.array([np.zeros(nx), -pressure]), nx)
     towers: list[list[State]] = []
     for n in range(order + 1):
         if n > 0:
-            turned = np.zeros((2, nx))
+            turned = np.zeros((2, fine))
             for m in range(1, n + 1):
                 state = towers[n - m][m - 1]
-                turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), nx)
-            traction = _along(grid.coefficients(turned))
-        along, normal = _band(traction, nx, order)
+                turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), fine)
+            traction = _along(_band(turned, nx))
+        along, normal = traction
         state = (*fields.deflection(along, normal, compliance), along, normal)
         towers.append(list(_tower(state, order - n, body)))
-    added = np.zeros((order + 1, 2, nx))
+    added = np.zeros((order + 1, 2, fine))
     for n, tower in enumerate(towers):
         for m, state in enumerate(tower):
-            added[n + m] += powers[m] * grid.signal(np.array(state[:2]), nx)
+            added[n + m] += powers[m] * grid.signal(np.array(state[:2]), fine)
     added[0] = 0.0
-    added = grid.signal(_band(grid.coefficients(added), nx, order), nx)
+    added = grid.signal(_band(added, nx), nx)
     u1, u3 = added.sum(axis=0)
-    return Response(tuple(tower[0] for tower in towers), banded, u1, u3, float(abs(added[-1]).max()))
+    states = tuple(tower[0] for tower in towers)
+    return Response(states, grid.signal(topography, nx), u1, u3, float(abs(added[-1]).max()))
 
 
 def rough_fields(flat: Surface, response: Response, z: Reals, body: Elastic) -> Fields:
     """Fields `[z, x]` at the labels (x, z) of a rough body, whose flat body has the surface `flat`."""
     nx, order = len(response.heights), len(response.states) - 1
+    fine = _fine(nx, order)
     lowest = fields.fields(flat, nx, z, body)
-    labels = fields.fields(forming(response.heights, body), nx, z, body)
-    added = np.zeros((len(vars(lowest)), len(z), nx))
-    for level, (height, u1, u3) in enumerate(zip(z, labels.u1, labels.u3, strict=True)):
+    added = np.zeros((len(vars(lowest)), len(z), fine))
+    formed = forming(response.heights, body)
+    for level, height in enumerate(z):
+        u1, u3, *_ = (grid.signal(waves, fine) for waves in fields.spectra(formed, -float(height), nx, body))
         for n, at_surface in enumerate(response.states):
             for m, state in enumerate(_tower(_inside(at_surface, float(height), nx, body), order - n, body)):
                 waves = np.array(_all_fields(state, body))
                 for along in range(order - n - m + 1):
                     if n + m + along > 0:
                         weight = u1**along / factorial(along) * u3**m / factorial(m)
-                        added[:, level] += weight * grid.signal(waves, nx)
+                        added[:, level] += weight * grid.signal(waves, fine)
                     waves = _along(waves)
-    added = grid.signal(_band(grid.coefficients(added), nx, order), nx)
-    return Fields(*(values + more for values, more in zip(vars(lowest).values(), added, strict=True)))
+    more = grid.signal(_band(added, nx), nx)
+    return Fields(*(values + part for values, part in zip(vars(lowest).values(), more, strict=True)))
 
 
-def _band(spectrum: Spectrum, nx: int, order: int) -> Spectrum:
-    """Waves whose products of order + 1 factors are free of aliasing within the same band."""
-    kept = spectrum.copy()
-    kept[..., nx // (order + 2) :] = 0.0
+def _fine(nx: int, order: int) -> int:
+    """Points on which products of order + 1 factors are free of aliasing within the waves of nx points."""
+    return -(-(order + 2) * nx // 2)
+
+
+def _band(samples: Reals, nx: int) -> Spectrum:
+    """Coefficients `[..., nx // 2 + 1]` of the waves of nx points, without the Nyquist wave."""
+    kept = grid.coefficients(samples)[..., : nx // 2 + 1].copy()
+    if nx % 2 == 0:
+        kept[..., -1] = 0.0
     return kept
 
 

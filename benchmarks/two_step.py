@@ -149,7 +149,8 @@ def draw_surface(case, fine, orders, path):
         for order in orders:
             axis.plot(X, getattr(two_step(case, order)[0], name), lw=1, label=f"two-step GFMD, order {order}")
         axis.set(xlabel="$x/L_x$", title=name)
-    axis.legend(fontsize=8, frameon=False)
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(f"{case.name}: lengths in $L_x$, stresses in $E^*$")
     figure.savefig(path, dpi=80)
 

@@ -95,7 +95,7 @@ class Problem:
             "interface": asdict(self.interface),
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
-            "numerics": self.numerics.model_dump(),
+            "numerics": self.numerics.model_dump(exclude={"topography_order"}),  # of rough bodies, after this
         }
         if self.tractions is not None:
             content["tractions"] = self.tractions.digest

@@ -147,3 +147,24 @@ def test_fields_on_the_command_line(tmp_path):
     same = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "contact.nc")])
     assert same.exit_code == 2
     assert "which is an input" in same.output
+
+
+def test_a_loaded_body_has_fields_too(tmp_path):
+    x = np.arange(64) / 64
+    np.savetxt(tmp_path / "wave.csv", 0.01 * np.cos(2 * np.pi * x))
+    body = {"poissons_ratio": 0.33, "aspect_ratio": 0.5}
+    boundary = {"tangential_traction": str(tmp_path / "wave.csv"), "normal_displacement": 1e-3}
+    loaded = gfmd_numba.solve({"scene": {"body": body, "boundary": boundary}})
+    fields = gfmd_numba.body_fields(loaded, [0.0, -0.5])
+    np.testing.assert_allclose(fields.stress_5[0], loaded.tangential_traction, atol=1e-10)
+    np.testing.assert_allclose(fields.stress_3[0], loaded.normal_traction, atol=1e-10)
+    np.testing.assert_allclose(fields.displacement_3[0], 1e-3, atol=1e-10)
+    np.testing.assert_allclose(fields.displacement_1[0], loaded.tangential_displacement, atol=1e-10)
+    assert abs(fields.displacement_1[1]).max() + abs(fields.displacement_3[1]).max() < 1e-10
+    plot_body(fields)
+
+
+def test_tractions_beside_a_punch_are_not_in_the_fields():
+    contact = gfmd_numba.solve(scene(boundary={"tangential_traction": 1e-4}))
+    with pytest.raises(InputError, match=r"contact: given one with a boundary; allowed: a contact without"):
+        gfmd_numba.body_fields(contact)

@@ -123,7 +123,8 @@ def doubt(given: Surfaces, found: xr.Dataset) -> str:
     if steepest <= STEEPEST:
         return ""
     error, unit = float(found["expected_error"].max()), found["expected_error"].units
-    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / float(abs(found['displacement']).max()):.1e}"
+    largest = float(abs(found["displacement"]).max()) or 1.0
+    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.1e}"
     return (
         f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
         f"displacements are expected to be off by {off} of the largest"

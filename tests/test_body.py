@@ -107,7 +107,16 @@ def test_every_step_of_a_path_has_its_fields():
 
 def test_a_run_that_failed_has_no_fields():
     contact = gfmd_numba.solve(scene() | {"numerics": {"max_iterations": 1}})
-    assert np.isnan(gfmd_numba.body_fields(contact).von_mises).all()
+    fields = gfmd_numba.body_fields(contact)
+    assert np.isnan(fields.von_mises).all()
+    with pytest.raises(UnusableDataError, match="a run that is not ok"):
+        plot_body(fields)
+
+
+def test_a_body_that_is_just_touched_is_drawn():
+    fields = gfmd_numba.body_fields(gfmd_numba.solve(scene(loading={"displacement": 0.0})))
+    assert not fields.von_mises.any()
+    plot_body(fields)
 
 
 @pytest.mark.parametrize(

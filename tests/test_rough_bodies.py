@@ -180,6 +180,13 @@ def test_steep_topographies_are_doubted():
         assert gfmd_numba.solve(scene(roughness=ROUGH | {"rms_gradient": 0.05})).status == 0
 
 
+def test_steep_bodies_that_just_touch_are_at_rest():
+    with pytest.warns(UserWarning, match=r"off by 0\.0e\+00 L_x"):
+        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))
+    assert contact.status == 0
+    assert not contact.displacement.any()
+
+
 def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
     file = tmp_path / "two.yaml"
     file.write_text(

@@ -16,6 +16,8 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     if not {"x", "z", "von_mises", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no fields inside a body; allowed: what `gfmd fields` leaves")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    if not np.isfinite(dataset["von_mises"]).all():
+        raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
     period = float(dataset["x"][-1] + dataset["x"][1])
     dataset = dataset.isel(z=dataset["z"].values >= -_DEEPEST * period)
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
@@ -30,7 +32,7 @@ def plot_body(dataset: xr.Dataset) -> Figure:
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
         above.set(ylabel=pressure_label)
         # stresses at the edges of contacts are far above all others: the colours follow the rest
-        levels = np.linspace(0.0, np.nanquantile(mises, 0.998), 25)
+        levels = np.linspace(0.0, np.quantile(mises, 0.998) or 1.0, 25)
         drawn = below.contourf(x, z, mises, levels, cmap="cividis", extend="max")
         below.set(xlabel=x_label, ylabel=x_label.replace("Position $x$", "Height $z$"), xlim=(x[0], x[-1]))
         figure.colorbar(drawn, ax=below, label=mises_label, format="%.3g", ticks=levels[::6])

@@ -60,13 +60,15 @@ def fields(file: Path, output: Path, body: str) -> None:
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.cli.fits import naming
 
     picture = _picture(output)
     check_output(output, file)
     dataset = gfmd_numba.body_fields(read_results(file), body=body)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"fields   {output}")
-    plot_body(dataset).savefig(picture, dpi=150)
+    with naming(file):
+        plot_body(dataset).savefig(picture, dpi=150)
     click.echo(f"picture  {picture}")
 
 

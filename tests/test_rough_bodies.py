@@ -243,6 +243,10 @@ BAD = {
         {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}},
         "scene.interface.friction: given {.*}; allowed: nothing that drags",
     ),
+    "stiffness scale": (
+        {"body": COUNTER | {"stiffness_scale": 2.0}},
+        "scene.body.stiffness_scale: given 2.0; allowed: 1 where a deformable body is rough",
+    ),
     "prescribed tractions": (
         {"body": COUNTER, "boundary": {"tangential_traction": 0.1}},
         "scene.boundary: given {.*}; allowed: nothing where a deformable body is rough",

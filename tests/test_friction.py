@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from test_kernels import both
 
 import gfmd_numba
 from gfmd_numba import grid, kernels
@@ -38,7 +39,7 @@ def rough(nx=NX):
     return heights.max(axis=1, keepdims=True) - heights
 
 
-@pytest.mark.parametrize("kernel", [kernels.couple, kernels.couple.py_func])
+@pytest.mark.parametrize("kernel", both(kernels.couple))
 def test_couple(kernel):
     rng = np.random.default_rng(0)
     spectrum = rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9))
@@ -52,7 +53,7 @@ def test_couple(kernel):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, np.inf])
-@pytest.mark.parametrize("kernel", [kernels.coupled_step, kernels.coupled_step.py_func])
+@pytest.mark.parametrize("kernel", both(kernels.coupled_step))
 def test_coupled_step(kernel, friction):
     rng = np.random.default_rng(1)
     u1, old1, k1, u3, old3, k3, anchor = rng.normal(size=(7, 3, 16))
@@ -78,7 +79,7 @@ def test_coupled_step(kernel, friction):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("kernel", [kernels.friction_violation, kernels.friction_violation.py_func])
+@pytest.mark.parametrize("kernel", both(kernels.friction_violation))
 def test_friction_violation(kernel, friction):
     rng = np.random.default_rng(2)
     u1, k1, u3, k3 = rng.normal(size=(4, 3, 16))

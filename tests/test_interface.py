@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.special import lambertw
+from test_kernels import both
 
 import gfmd_numba
 from gfmd_numba import grid, kernels
@@ -24,7 +25,7 @@ def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
     assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
 
 
-@pytest.mark.parametrize("kernel", [kernels.exponential_pull, kernels.exponential_pull.py_func])
+@pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
 def test_the_kernel_is_the_law(kernel):
     u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))
     law, expected = Exponential(0.3, 0.7), ku.copy()
@@ -255,7 +256,7 @@ def test_the_stiffness_of_the_cohesive_law_is_bounded(pressure):
     assert largest > 0.4 * law.stiffest(pressure, hard_wall=False)
 
 
-@pytest.mark.parametrize("kernel", [kernels.xu_needleman_pull, kernels.xu_needleman_pull.py_func])
+@pytest.mark.parametrize("kernel", both(kernels.xu_needleman_pull))
 def test_the_cohesive_kernel_is_the_law(kernel):
     u1, k1, u3, k3, punch = np.random.default_rng(0).normal(size=(5, 3, 16))
     expected1, expected3, rows = k1.copy(), k3.copy(), [0, 2]

@@ -125,12 +125,18 @@ def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> R
 def profile(heights: Reals) -> tuple[Profile, float]:
     """Profile of unit rms gradient and the rms gradient of the heights (in L_x) it was made from.
 
-    Raises ValueError for a flat profile: without roughness there is no contact area to speak of.
+    Raises ValueError for a flat profile, without roughness to speak of, or one too large for its gradient.
     """
-    gradient = float(statistics.rms_gradient(heights))
-    if gradient == 0.0:
-        raise ValueError("an rms gradient of 0: it is flat")
-    unit = heights / gradient
+    largest = np.abs(heights).max()
+    scale = math.ldexp(1.0, math.frexp(largest)[1] - 1)  # a power of two: it rounds nothing, and squares stay finite
+    slope = float(statistics.rms_gradient(heights / scale))
+    rounding = len(heights) * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
+    gradient = slope * scale
+    if largest == 0.0 or slope <= 100.0 * rounding:
+        raise ValueError(f"an rms gradient of {gradient:.2g} in heights of up to {largest:.3g}: it is flat but for rounding")
+    if math.isinf(gradient):
+        raise ValueError("an rms gradient beyond the range of numbers")
+    unit = heights / scale / slope
     return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), gradient
 
 
@@ -253,7 +259,7 @@ def _as_asked(name: str, record: object) -> Effect:
 
 def stiffening(poissons_ratio: float, aspect_ratio: float) -> float:
     """Largest relative stiffening of any wave by the rigid base, that of the longest wave."""
-    k = 2.0 * np.pi * aspect_ratio
+    k = min(2.0 * np.pi * aspect_ratio, 1e3)  # far beyond any effect, and its square is a number
     ratio = stiffness.slab_factor(np.array([k]), poissons_ratio)[0] - 1.0
     # below rounding the exact ratio is out of reach; its leading term is not
     kappa = 3.0 - 4.0 * poissons_ratio

@@ -30,7 +30,7 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     check_range(scene_document(source), scene, surface.nx)
     prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None
-    for scene, sliding in _path(file):
+    for i, (scene, sliding) in enumerate(_path(file)):
         reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics, prescribed)
         if rough is not None:
             pressed = rough_bodies.solve(reduced, rough.bodies, rms_gradient, file.numerics.topography_order, before)
@@ -39,6 +39,15 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
             continue
         sliding /= (scene.length or 1.0) * rms_gradient
         solved = contact.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
+        if reduced.displacement is not None and reduced.body.poissons_ratio == 0.5 and solved.punch.mean() < 0.0:
+            place = ("path", i - 1, "displacement") if i else ("scene", "loading", "displacement")
+            most = reduced.displacement + float(solved.punch.mean())
+            raise scene_document(source).error(
+                place,
+                scene.loading.displacement,
+                f"at most {most * rms_gradient * (scene.length or 1.0):.6g}, where this punch has no more room "
+                "for an incompressible body",
+            )
         before = solved.equilibrium
         steps.append(contact_dataset(scene, reduced, rms_gradient, solved))
     dataset = steps[0] if not file.path else _joined(steps, list(_path(file)))

@@ -16,6 +16,7 @@ from gfmd_numba.campaign.cases import Case, blocks
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
+from gfmd_numba.campaign.results import seal
 from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
@@ -32,6 +33,7 @@ def collect(planned: Plan, directory: Path) -> Path:
     temporary = directory / f"{path.name}.{uuid4().hex}.tmp"
     try:
         _assemble(planned, directory).to_netcdf(temporary, engine="netcdf4")
+        seal(temporary)
         with open(temporary, "rb+") as file:
             os.fsync(file.fileno())
         os.replace(temporary, path)

@@ -1,10 +1,22 @@
 """The netCDF files of campaigns and contacts: which one a path means, and whether it can be read."""
 
+import hashlib
 from pathlib import Path
 
 import xarray as xr
 
 from gfmd_numba.scene.document import InputError, read_document
+
+
+_SEAL = b"gfmd seal 1\n"
+_DIGEST_BYTES = hashlib.sha256().digest_size
+
+
+def seal(file: Path) -> None:
+    """Append a digest of its content to a file, which netCDF readers do not look at."""
+    digest = hashlib.sha256(file.read_bytes()).digest()
+    with open(file, "ab") as end:
+        end.write(digest + _SEAL)
 
 
 def results_file(path: Path) -> Path:
@@ -37,8 +49,19 @@ def read_results(path: Path) -> xr.Dataset:
     """Dataset of a path as in `results_file`; raises InputError."""
     file = results_file(path)
     try:
+        if not _unaltered(file):  # the HDF5 library would find wrong numbers in it, or no end
+            raise ValueError
         with xr.open_dataset(file, engine="netcdf4") as dataset:
             return dataset.load()
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RuntimeError) as error:
         given = "no file" if isinstance(error, FileNotFoundError) else "a file that is not netCDF or is damaged"
         raise InputError(f"{file}: given {given}; allowed: a netCDF file that gfmd has written") from None
+
+
+def _unaltered(file: Path) -> bool:
+    """Whether a file is as it was sealed; one without a seal passes."""
+    content = file.read_bytes()
+    if not content.endswith(_SEAL):
+        return True
+    end = len(content) - _DIGEST_BYTES - len(_SEAL)
+    return hashlib.sha256(content[:end]).digest() == content[end : -len(_SEAL)]

@@ -33,9 +33,11 @@ Value = TypeVar("Value")
 
 
 def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    seen = set()
     for i, value in enumerate(values):
-        if value in values[:i]:
+        if value in seen:
             raise broken_rule((i,), "each value once")
+        seen.add(value)
     return values
 
 

@@ -65,8 +65,8 @@ def _read_netcdf(path: Path, length: float | None) -> npt.NDArray[Any]:
             height = dataset["height" if "height" in names else names[0]].load()
             positions = {"x", *height.coords} & {str(name) for name in dataset.variables}
             along = [dataset[name].load() for name in positions if dataset[name].dims == height.dims]
-    except OSError:
-        raise ValueError("no netCDF file") from None
+    except (OSError, RuntimeError):
+        raise ValueError("no netCDF file, or a damaged one") from None
     _check_units(height, length)
     for position in along if height.ndim == 1 else []:
         _check_units(position, length)

@@ -11,10 +11,10 @@ PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's rat
 AspectRatio = Annotated[
     float,
     Field(
-        gt=0,
+        ge=1e-12,  # far below, stiffnesses grow beyond the range of numbers
         allow_inf_nan=True,
         description="Thickness over period, z_m/L_x (dimensionless); inf: a half-space",
-        json_schema_extra={"allowed": "a number above 0, or .inf for a half-space"},
+        json_schema_extra={"allowed": "a number of at least 1e-12, or .inf for a half-space"},
     ),
 ]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]

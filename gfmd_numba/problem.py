@@ -133,7 +133,8 @@ def profile(heights: Reals) -> tuple[Profile, float]:
     rounding = len(heights) * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
     gradient = slope * scale
     if largest == 0.0 or slope <= 100.0 * rounding:
-        raise ValueError(f"an rms gradient of {gradient:.2g} in heights of up to {largest:.3g}: it is flat but for rounding")
+        size = f"an rms gradient of {gradient:.2g} in heights of up to {largest:.3g}"
+        raise ValueError(f"{size}: it is flat but for rounding")
     if math.isinf(gradient):
         raise ValueError("an rms gradient beyond the range of numbers")
     unit = heights / scale / slope

@@ -149,15 +149,15 @@ SCENES = {
     ),
     "aspect ratio of 0": (
         ("aspect_ratio: .inf", "aspect_ratio: 0"),
-        "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: a number of at least 1e-12, or .inf for a half-space",
+        "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: at least 1e-12, or .inf for a half-space",
     ),
     "aspect ratio too large for a float": (
         ("aspect_ratio: .inf", "aspect_ratio: 1e400"),
-        "bad.yaml:2:46: scene.body.aspect_ratio: given '1e400'; allowed: a number of at least 1e-12, or .inf for a half-space",
+        "bad.yaml:2:46: scene.body.aspect_ratio: given '1e400'; allowed: at least 1e-12, or .inf for a half-space",
     ),
     "aspect ratio of nan": (
         ("aspect_ratio: .inf", "aspect_ratio: .nan"),
-        "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: a number of at least 1e-12, or .inf for a half-space",
+        "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: at least 1e-12, or .inf for a half-space",
     ),
     "Young's modulus of 0": (
         ("poissons_ratio: 0.33", "poissons_ratio: 0.33, youngs_modulus: 0"),

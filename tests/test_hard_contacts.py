@@ -31,6 +31,7 @@ def bodies(draw):
     return draw(st.sampled_from([-0.99, 0.0, 0.33, 0.499999, 0.5])), draw(st.sampled_from([0.01, 0.1, 1.0, 1e4]))
 
 
+solvers = st.sampled_from(["verlet", "conjugate_gradients"])
 loads = st.floats(-3, 1.5).map(lambda exponent: 10**exponent)
 
 
@@ -44,7 +45,7 @@ def energy(u, body, load):
     return (np.abs(grid.coefficients(u)) ** 2 * weight).sum(axis=-1) - load * u.mean(axis=-1)
 
 
-@given(heights=punches(), kind=bodies(), load=loads, shift=st.integers(1, 1000), solver=st.sampled_from(["verlet", "conjugate_gradients"]))  # fmt: skip
+@given(heights=punches(), kind=bodies(), load=loads, shift=st.integers(1, 1000), solver=solvers)
 @quick
 def test_a_contact_moves_and_turns_with_its_punch(heights, kind, load, shift, solver):
     body = body_of(kind, heights.shape[1])
@@ -153,7 +154,8 @@ def test_from_a_single_node_to_full_contact(tmp_path, shape):
         np.testing.assert_array_equal(one["pressure"] > 0, other["pressure"] > 0)
         if pressure == 100.0:
             assert (one["pressure"].values > 0).all()
-            exact = pressure * gradient + grid.signal(np.pi * np.arange(nx // 2 + 1) * grid.coefficients(one["height"].values), nx)  # fmt: skip
+            waves = np.pi * np.arange(nx // 2 + 1) * grid.coefficients(one["height"].values)
+            exact = pressure * gradient + grid.signal(waves, nx)
             np.testing.assert_allclose(one["pressure"], exact, rtol=1e-6)
 
 
@@ -219,7 +221,7 @@ def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
 
 def test_a_slab_without_a_height_is_refused():
     """Stiffnesses beyond the range of numbers used to be left out: full contact, and certified."""
-    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: a number of at least 1e-12"):
+    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: at least 1e-12"):
         gfmd_numba.solve(scene_file(body={"poissons_ratio": 0.5, "aspect_ratio": 1e-300}))
 
 
@@ -260,7 +262,7 @@ def test_a_shorter_range_of_the_same_work_pulls_in_more():
     assert area[0] < 0.2 < area[-1]
     for each in found:
         assert float(each["mean_pressure"]) == pytest.approx(0.05 * 0.02, rel=1e-6)
-    with pytest.raises(InputError, match="range: given .*at least the grid spacing"):
+    with pytest.raises(InputError, match=r"range: given .*at least the grid spacing"):
         gfmd_numba.solve(adhesive(1e-4, 0.9 / 256))
 
 
@@ -295,5 +297,6 @@ def test_a_million_nodes(nx):
     heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
     result = press(heights, 0.05, residual=1e-7)
     assert result.pressure.mean() == pytest.approx(0.05, rel=1e-6)
-    coarse = press(self_affine.profiles(0.8, 2, nx // 64, nx // 2 if nx % 2 == 0 else nx // 3, 1, range(1)), 0.05, residual=1e-7)  # fmt: skip
+    coarser = self_affine.profiles(0.8, 2, nx // 64, nx // (2 if nx % 2 == 0 else 3), 1, range(1))
+    coarse = press(coarser, 0.05, residual=1e-7)
     assert result.touching.mean() == pytest.approx(coarse.touching.mean(), rel=0.1)

@@ -7,7 +7,6 @@ import xarray as xr
 
 from gfmd_numba.scene.document import InputError, read_document
 
-
 _SEAL = b"gfmd seal 1\n"
 _DIGEST_BYTES = hashlib.sha256().digest_size
 

@@ -14,7 +14,7 @@ AspectRatio = Annotated[
         ge=1e-12,  # far below, stiffnesses grow beyond the range of numbers
         allow_inf_nan=True,
         description="Thickness over period, z_m/L_x (dimensionless); inf: a half-space",
-        json_schema_extra={"allowed": "a number of at least 1e-12, or .inf for a half-space"},
+        json_schema_extra={"allowed": "at least 1e-12, or .inf for a half-space"},
     ),
 ]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]

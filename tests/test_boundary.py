@@ -218,6 +218,8 @@ def test_kernels(compiled):
     step(u, old, ku, traction, free, excess, n, 0.8, 0.1)
     np.testing.assert_allclose(u, new)
     np.testing.assert_array_equal(old, kept)
+    balanced = np.where(free, ku + excess[:, None], traction)
+    assert violation(ku, balanced, free, excess, n) == (0.0, pytest.approx(abs(ku + excess[:, None])[:, :n].max()))
     ku[1, 3] = np.nan
     assert np.isnan(violation(ku, traction, free, excess, n)[0])
 

@@ -97,6 +97,31 @@ def test_friction_violation(kernel, friction):
     assert np.isnan(worst[2])
 
 
+@pytest.mark.parametrize(
+    ("slid", "touches", "k1", "k3", "friction", "violation"),
+    [
+        (0.0, False, -0.7, 0.2, 0.3, 0.7),  # free, and dragged
+        (0.0, True, 0.7, 1.0, 0.3, 0.7),  # touching without pressure
+        (0.0, True, 0.7, 1.2, 0.3, 0.7),  # in tension
+        (0.0, True, 0.7, 0.2, 0.0, 0.7),  # frictionless
+        (0.0, True, 0.2, 0.2, 0.3, 0.0),  # sticking: 0.3 (1 - 0.2) = 0.24 holds it
+        (0.0, True, -0.7, 0.2, 0.3, 0.46),  # sticking more than friction can
+        (0.5, True, -0.24, 0.2, 0.3, 0.0),  # sliding one way, held back
+        (0.5, True, 0.1, 0.2, 0.3, 0.34),
+        (-0.5, True, 0.24, 0.2, 0.3, 0.0),  # and the other way
+        (-0.5, True, 0.1, 0.2, 0.3, 0.14),
+        (0.0, True, 9.0, 0.2, np.inf, 0.0),  # stuck for good
+    ],
+)
+@pytest.mark.parametrize("kernel", both(kernels.friction_violation))
+def test_what_friction_does_not_balance_at_one_node(kernel, slid, touches, k1, k3, friction, violation):
+    u1, u3, worst, one = np.array([[0.1]]), np.array([[0.4]]), np.zeros(1), np.ones(1)
+    wall = u3 if touches else u3 + 1e-3
+    anchor = np.array([[0.1 - slid]])
+    kernel(u1, anchor, np.array([[k1]]), u3, np.array([[k3]]), wall, one, friction, np.array([0]), 1, worst)
+    assert worst[0] == pytest.approx(violation, abs=1e-15)
+
+
 @pytest.mark.parametrize("body", COUPLED.values(), ids=COUPLED)
 def test_tractions_are_the_gradient_of_the_energy(body):
     rng = np.random.default_rng(3)

@@ -90,6 +90,19 @@ def test_fire_step(kernel, downhill, rng):
     assert dt[2] == 0.05
 
 
+@pytest.mark.parametrize("kernel", both(kernels.fire_step))
+def test_fire_goes_downhill_by_the_power_of_all_nodes(kernel):
+    """Also with some nodes moving uphill, and one at rest on the wall."""
+    u, ku, load = np.zeros((1, 3)), np.array([[-2.0, -1.0, -1.0]]), np.zeros(1)
+    v, punch = np.array([[1.0, -0.1, 5.0]]), np.array([[9.0, 9.0, 0.0]])
+    dt, mixing, steps = np.full(1, 0.1), np.full(1, 0.08), np.zeros(1, dtype=np.int64)
+    row = fired(u[0], v[0], -ku[0], punch[0], 0.1, 0.08, 0, 0.2)
+    kernel(u, v, ku, punch, load, dt, mixing, steps, np.array([0]), 3, 0.2)
+    np.testing.assert_allclose(u[0], row[0], rtol=1e-12)
+    np.testing.assert_allclose(v[0, :2], row[1][:2], rtol=1e-12)
+    assert (v[0, 2], steps[0]) == (0.0, 1)
+
+
 @pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
 def test_kkt_violation(kernel, rng):
     punch, ku = rng.normal(size=(2, ROWS, PADDED))

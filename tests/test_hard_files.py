@@ -59,8 +59,8 @@ points: 512
 KINDS = {"campaign": (load_campaign, CAMPAIGN), "scene": (load_scene, SCENE), "surface": (load_surface, SURFACE)}
 WORDS = """
 NaN .nan .inf -.inf inf 1e400 -1e400 1e-400 0 -0.0 1/0 0/0 1e308 5e-324 '0.5' "1" true no ~ [] {} [[1]] {a:1} &a *a
-<<:{} !!python/object:os.system !!int ../../etc/passwd /dev/null 名前 \u202e 0x10 0o17 1_000 12:30:00 2001-01-01 - ? : # --- ...
-| > ` @ ' " \t 1e3.5 1/1e3 +.5 1. 0.1e-1000000000 None null [.inf] [0.5,0.5] {method:psd} {method:[psd]}
+<<:{} !!python/object:os.system !!int ../../etc/passwd /dev/null 名前 \u202e 0x10 0o17 1_000 12:30:00 2001-01-01 - ? :
+# --- ... | > ` @ ' " \t 1e3.5 1/1e3 +.5 1. 0.1e-1000000000 None null [.inf] [0.5,0.5] {method:psd} {method:[psd]}
 """
 ODD = WORDS.split()
 ODD += ["1" * 400, "9" * 299 + "/" + "9" * 299, "é" * 50, "[" * 200, "{a: " * 200, "1e-3 " * 1000]

@@ -31,7 +31,7 @@ def bodies(draw):
     return draw(st.sampled_from([-0.99, 0.0, 0.33, 0.499999, 0.5])), draw(st.sampled_from([0.01, 0.1, 1.0, 1e4]))
 
 
-solvers = st.sampled_from(["verlet", "conjugate_gradients"])
+solvers = st.sampled_from(["verlet", "conjugate_gradients", "active_set_newton"])
 loads = st.floats(-3, 1.5).map(lambda exponent: 10**exponent)
 
 
@@ -132,12 +132,12 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_from_a_single_node_to_full_contact(tmp_path, shape):
-    """At every pressure both solvers end with the same contact, which carries its load."""
+    """At every pressure all solvers end with the same contact, which carries its load."""
     np.save(tmp_path / "profile.npy", SHAPES[shape])
     nx = len(SHAPES[shape])
     for pressure in (1e-6, 1e-3, 0.05, 1.0, 100.0):
         found = []
-        for solver in ("verlet", "conjugate_gradients"):
+        for solver in ("verlet", "conjugate_gradients", "active_set_newton"):
             scene = scene_file(
                 roughness={"method": "measured", "file": str(tmp_path / "profile.npy")},
                 loading={"reduced_pressure": pressure},
@@ -145,13 +145,14 @@ def test_from_a_single_node_to_full_contact(tmp_path, shape):
             )
             del scene["discretisation"]
             found.append(gfmd_numba.solve(scene | {"numerics": {"solver": solver}}))
-        one, other = found
-        assert [int(each["status"]) for each in found] == [Status.ok, Status.ok]
+        one, *others = found
+        assert [int(each["status"]) for each in found] == [Status.ok] * 3
         gradient = float(one["rms_gradient"])
         for each in found:
             assert float(each["mean_pressure"]) == pytest.approx(pressure * gradient, rel=1e-7)
             assert float(each["gap"].min()) == 0.0
-        np.testing.assert_array_equal(one["pressure"] > 0, other["pressure"] > 0)
+        for other in others:
+            np.testing.assert_array_equal(one["pressure"] > 0, other["pressure"] > 0)
         if pressure == 100.0:
             assert (one["pressure"].values > 0).all()
             waves = np.pi * np.arange(nx // 2 + 1) * grid.coefficients(one["height"].values)
@@ -201,7 +202,7 @@ def test_a_member_without_room_does_not_take_the_others_along():
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
     body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
     result = equilibrate(punch, body, None, Numerics(solver="conjugate_gradients"))
-    assert result.status.tolist() == [Status.nonfinite, Status.ok, Status.nonfinite, Status.ok]
+    assert result.status.tolist() == [Status.unstable, Status.ok, Status.unstable, Status.ok]
     volume = result.displacement[1::2].mean(axis=1)
     np.testing.assert_allclose(volume, 0.0, atol=1e-9 * np.ptp(punch))
 
@@ -295,8 +296,8 @@ def test_a_million_steps_do_not_move_the_state():
 @pytest.mark.parametrize("nx", [2**20, 3**12])
 def test_a_million_nodes(nx):
     heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
-    result = press(heights, 0.05, residual=1e-7)
+    result = press(heights, 0.05, "active_set_newton", residual=1e-7)
     assert result.pressure.mean() == pytest.approx(0.05, rel=1e-6)
     coarser = self_affine.profiles(0.8, 2, nx // 64, nx // (2 if nx % 2 == 0 else 3), 1, range(1))
-    coarse = press(coarser, 0.05, residual=1e-7)
+    coarse = press(coarser, 0.05, "active_set_newton", residual=1e-7)
     assert result.touching.mean() == pytest.approx(coarse.touching.mean(), rel=0.1)

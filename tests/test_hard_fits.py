@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from test_tfc import REFERENCE, TFC, campaign, noisy
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.least_squares import covariance_of_one
 
 quick = settings(derandomize=True, deadline=None, max_examples=10)
 FIXED = {"eps_c": 1.0, "eps_f": (0.5, 1.0), "eps_t": 1.0}
@@ -114,3 +115,29 @@ def test_constant_results_have_no_corrections():
     fit = fitted(dataset)
     assert float(fit["kappa_tfc"]) == pytest.approx(TFC[0.8], rel=1e-12)
     np.testing.assert_allclose(fit["correction"], 0.0, atol=1e-12)
+
+
+def test_the_covariance_is_shrunk_towards_a_common_offset_beside_independent_residuals():
+    """With the weight of twice as many realisations as cases; no residual below a twentieth of their mean."""
+    n, cases = 12, 5
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=(n, 1)) + np.array([1e-3, 0.2, 0.3, 1.0, 2.0]) * rng.normal(size=(n, cases))
+    sample = np.cov(values, rowvar=False)
+    about = values - values.mean(axis=1, keepdims=True)
+    residual = about.var(axis=0, ddof=1)
+    residual = np.maximum(residual, residual.mean() / 20)
+    between = (sample.sum() - np.trace(sample)) / (cases * (cases - 1))
+    expected = n / (n + 10) * sample + 10 / (n + 10) * (np.diag(residual) + max(between, 0.0))
+    np.testing.assert_allclose(covariance_of_one(values), expected, rtol=1e-12)
+
+
+def test_the_covariance_of_cases_asked_of_fewer_realisations():
+    """Variances come from all values of a case."""
+    values = np.random.default_rng(4).normal(size=(400, 3)) @ [[1.0, 0.9, 0.5], [0.0, 0.3, 0.5], [0.0, 0.0, 2.0]]
+    whole = covariance_of_one(values)
+    values[100:, 2] = np.nan
+    ragged, n = covariance_of_one(values), 100
+    variance = np.nanvar(values, axis=0, ddof=1)
+    floor = np.nanvar(values - np.nanmean(values, axis=0), axis=0)  # of the order of the residuals it is mixed with
+    assert (abs(np.diag(ragged) - variance) < 6 / (n + 6) * 2 * floor.max()).all()
+    np.testing.assert_allclose(ragged, whole, atol=0.25 * np.sqrt(np.outer(variance, variance)))

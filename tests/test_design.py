@@ -13,7 +13,7 @@ LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048]
 CAMPAIGN = {"levels": LEVELS}
 
 
-def pilot(seed=0, n=16):
+def pilot(seed=0, n=24):
     dataset = noisy(campaign(realisations=n, **CAMPAIGN), np.random.default_rng(seed))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     return dataset, seconds
@@ -71,7 +71,7 @@ def test_what_cannot_be_reached_is_told():
         cheapest_design(dataset, seconds, target=0.001, fixed=ranges)
     with pytest.raises(UnusableDataError, match=r"given a budget of 0.001 s; allowed: at least"):
         best_design(dataset, seconds, budget=0.001, fixed=ranges)
-    with pytest.raises(UnusableDataError, match=r"given a pilot of 4 good realisations; allowed: at least 12"):
+    with pytest.raises(UnusableDataError, match=r"given a pilot of 4 good realisations; allowed: at least 20"):
         cheapest_design(dataset.isel(realisation=slice(4)), seconds, target=0.1, fixed=ranges)
 
 

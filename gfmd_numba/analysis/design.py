@@ -14,7 +14,7 @@ from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataErro
 from gfmd_numba.analysis.tfc import exponent_range
 
 _SHARES = (1.0, 1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)  # realisations of a limit over those of the reference
-_FEWEST = 12  # realisations: fewer do not tell their own error to a quarter
+_FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.9  # that the target is met, as the pilot knows the scatter only roughly
 _DRAWS = 100
 
@@ -171,9 +171,12 @@ def _sampling(ensemble: _Ensemble, counts: Mapping[str, int]) -> float:
         there = np.flatnonzero(asked >= count)
         information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
         before = count
+    fewest, controlled = asked.min(), (asked == asked.min()).sum() if asked.min() < asked.max() else 0
+    # how a dear level goes with the cheap ones is told by the fewest surfaces (Lavenberg and Welch 1981)
+    loss = (fewest - 2) / max(1, fewest - controlled - 2)
     x = ensemble.columns
     variance = np.linalg.pinv(x.T @ information @ x)[0, 0]
-    return float(np.sqrt(ensemble.doubt * variance) / abs(ensemble.kappa))
+    return float(np.sqrt(ensemble.doubt * loss * variance) / abs(ensemble.kappa))
 
 
 def _enough(

@@ -19,24 +19,29 @@ CONVENTIONS = "CF-1.11"
 
 def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
     """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
+    height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
     return {
         "1": 1.0,
         "E*/stiffness": 1.0 / scene.body.stiffness_scale,
         "gradient": rms_gradient,
-        "height": rms_gradient * (scene.length or 1.0),
-        "pressure": rms_gradient * contact_modulus(scene),
+        "height": height,
+        "pressure": pressure,
+        "energy": pressure * height,
         "s": 1.0,
     }
 
 
 def units(scene: Scene | LoadedBody) -> dict[str, str]:
     """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
+    height, pressure = "m" if scene.length else "1", "Pa" if scene.body.youngs_modulus else "1"
+    named = [unit for unit in (pressure, height) if unit != "1"]
     return {
         "1": "1",
         "E*/stiffness": "1",
         "gradient": "1",
-        "height": "m" if scene.length else "1",
-        "pressure": "Pa" if scene.body.youngs_modulus else "1",
+        "height": height,
+        "pressure": pressure,
+        "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
         "s": "s",
     }
 

@@ -77,16 +77,36 @@ def gap(contact: Contact) -> Reals:
     return contact.punch - contact.equilibrium.displacement
 
 
+def mean_segment_length(contact: Contact) -> Reals:
+    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1."""
+    area, segments = contact_area_fraction(contact), n_segments(contact)
+    return np.asarray(np.where(area == 1.0, 1.0, area / segments))
+
+
+def elastic_energy(contact: Contact) -> Reals:
+    """Elastic energy per nominal area of what the punch adds to the deformation, in g^2 E* L_x `[realisation]`.
+
+    That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of the tangential ones.
+    """
+    along = tuple(range(1, contact.heights.ndim))
+    u, tangential = contact.equilibrium.displacement, contact.equilibrium.tangential
+    work = -contact.equilibrium.pressure * (u - u.mean(axis=along, keepdims=True))
+    if tangential is not None:
+        v = tangential.displacement
+        work = work + tangential.traction * (v - v.mean(axis=along, keepdims=True))
+    return np.asarray(0.5 * work.mean(axis=along))
+
+
 @dataclass(frozen=True)
 class Measure:
-    """A recorded quantity: what it tells of, and the unit that turns it into SI (1, g, g L_x, g E* or seconds).
+    """A recorded quantity: what it tells of, and the unit that turns it into SI.
 
-    E*/stiffness is 1 but for a scene with a `stiffness_scale`.
+    Those are 1, g, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a `stiffness_scale`.
     """
 
     name: str
     of: Literal["contact", "surface", "run"]
-    unit: Literal["1", "E*/stiffness", "gradient", "height", "pressure", "s"]
+    unit: Literal["1", "E*/stiffness", "gradient", "height", "pressure", "energy", "s"]
     long_name: str
     function: Callable[[Contact], npt.NDArray[Any]]
 
@@ -149,6 +169,20 @@ MEASURES = (
         lambda c: contact_area_fraction_edges_error(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure("n_segments", "contact", "1", "number of separate stretches of contact", n_segments),
+    Measure(
+        "mean_segment_length",
+        "contact",
+        "1",
+        "mean length of a stretch of contact over L_x, corrected for its edges",
+        mean_segment_length,
+    ),
+    Measure(
+        "elastic_energy",
+        "contact",
+        "energy",
+        "elastic energy per nominal area of the deformation by the punch, beyond uniform compression",
+        elastic_energy,
+    ),
     Measure("mean_pressure", "contact", "pressure", "mean contact pressure", mean_pressure),
     Measure("mean_gap", "contact", "height", "mean gap between the surfaces", lambda c: gap(c).mean(axis=1)),
     Measure("rms_gradient", "surface", "gradient", "rms gradient of the punch", rms_gradient),
@@ -165,6 +199,13 @@ MEASURES = (
         "1",
         "Nayak's parameter m0 m4 / m2^2 of the punch",
         lambda c: statistics.nayak(c.heights),
+    ),
+    Measure(
+        "full_contact_pressure",
+        "surface",
+        "pressure",
+        "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)",
+        lambda c: c.equilibrium.full_contact_pressure,
     ),
     Measure("status", "run", "1", "how the run ended", lambda c: c.equilibrium.status),
     Measure(

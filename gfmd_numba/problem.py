@@ -22,7 +22,7 @@ from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 5  # raised whenever a change of the code changes a number: older shards are then not reused
+RESULTS_VERSION = 6  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ def contact(touching, heights=None, status=Status.ok):
         counts,
         counts,
         counts * 1.0,
+        counts * 0.5,
     )
     return Contact(heights, np.ones((rows, n)), equilibrium)
 

@@ -81,7 +81,8 @@ class Equilibrium:
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
     largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law at
-    zero gap), or the load imbalance over the load, whichever is larger. `growing_wave` is the index of the wave that
+    zero gap), or the load imbalance over the load, whichever is larger. `full_contact_pressure` is the rms fluctuation
+    of the pressure were the punch in full contact. `growing_wave` is the index of the wave that
     grew most in each unstable realisation, -1 in the others; None unless there is one.
     """
 
@@ -94,6 +95,7 @@ class Equilibrium:
     n_iterations: npt.NDArray[np.int64]
     n_transforms: npt.NDArray[np.int64]
     wall_time: Reals
+    full_contact_pressure: Reals
     growing_wave: Rows | None = None
 
 
@@ -143,6 +145,8 @@ def equilibrate(
     counts); `sliding` the tangential displacement of the punch.
     """
     realisations, n = punch.shape
+    condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
+    scale = pressure_scale(punch, condensed)
     result = Equilibrium(
         displacement=np.empty((realisations, n)),
         pressure=np.empty((realisations, n)),
@@ -153,9 +157,8 @@ def equilibrate(
         n_iterations=np.zeros(realisations, dtype=np.int64),
         n_transforms=np.zeros(realisations, dtype=np.int64),
         wall_time=np.zeros(realisations),
+        full_contact_pressure=scale,
     )
-    condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
-    scale = pressure_scale(punch, condensed)
     start = Start.at_rest(punch) if start is None else start
     block = max(1, (_BATCH_SAMPLES if numerics.solver == "active_set_newton" else _BLOCK_SAMPLES) // n)
     for first in range(0, realisations, block):

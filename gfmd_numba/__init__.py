@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.scene import BoundaryFile, SceneFile
 
-__all__ = ["body_fields", "fit_tfc", "make_surface", "open_campaign", "run", "solve"]
+__all__ = ["body_fields", "contact_statistics", "fit_tfc", "make_surface", "open_campaign", "run", "solve"]
 
 
 def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> xr.Dataset:
@@ -69,3 +69,10 @@ def fit_tfc(dataset: xr.Dataset, **options: Any) -> xr.Dataset:
     from gfmd_numba.analysis import fit_tfc as fit
 
     return fit(dataset, **options)
+
+
+def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
+    """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory."""
+    from gfmd_numba.analysis import contact_statistics as statistics
+
+    return statistics(dataset)

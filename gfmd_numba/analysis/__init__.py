@@ -2,6 +2,7 @@
 
 from gfmd_numba.analysis.accuracy_plots import plot_accuracy
 from gfmd_numba.analysis.body_plots import plot_body
+from gfmd_numba.analysis.contact_statistics import contact_statistics, plot_statistics
 from gfmd_numba.analysis.design import Design, best_design, cheapest_design
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -13,12 +14,14 @@ __all__ = [
     "UnusableDataError",
     "best_design",
     "cheapest_design",
+    "contact_statistics",
     "ensemble_mean",
     "fit_tfc",
     "plot_accuracy",
     "plot_body",
     "plot_campaign",
     "plot_contact",
+    "plot_statistics",
     "plot_surface",
     "select_limit",
 ]

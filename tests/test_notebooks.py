@@ -1,0 +1,74 @@
+"""The notebooks beside the campaigns run on shrunk data; the committed ones are executed, small and name no machine."""
+
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+from click.testing import CliRunner
+from nbclient import NotebookClient
+
+from gfmd_numba.cli import main
+
+CAMPAIGNS = Path(__file__).parent.parent / "campaigns"
+
+QUICKSTART = (
+    ("realisations: 30", "realisations: 6"),
+    ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
+    ("[1/256, 1/512, 1/1024, 1/2048]", "[1/16, 1/32, 1/64, 1/128]"),
+)
+# notebook: campaign, what is shrunk in it, and the commands its first cell names beside `gfmd run`
+NOTEBOOKS = {
+    "01-first-campaign": ("quickstart", QUICKSTART, ()),
+    "02-tfc-limit": (
+        "quickstart",
+        QUICKSTART,
+        (
+            "fit quickstart -o quickstart/fit.nc",
+            "fit quickstart --variable kappa_r -o quickstart/fit_r.nc",
+        ),
+    ),
+}
+
+
+def test_every_notebook_is_tested():
+    assert sorted(NOTEBOOKS) == sorted(path.stem for path in CAMPAIGNS.glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_notebook_runs(name, tmp_path, monkeypatch):
+    campaign, replacements, commands = NOTEBOOKS[name]
+    text = (CAMPAIGNS / f"{campaign}.yaml").read_text()
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / f"{campaign}.yaml").write_text(text)
+    notebook = nbformat.read(CAMPAIGNS / f"{name}.ipynb", as_version=4)
+    monkeypatch.chdir(tmp_path)
+    commands = (f"run {campaign}.yaml", *commands)
+    for command in commands:
+        assert f"gfmd {command}" in notebook.cells[0].source
+        arguments = [*command.split(), "--workers", "0"] if command.startswith("run") else command.split()
+        result = CliRunner().invoke(main, arguments)
+        assert result.exit_code == 0, result.output
+    for folder in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
+        monkeypatch.setenv(folder, str(tmp_path / folder))
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    errors = [output for cell in notebook.cells for output in cell.get("outputs", []) if output.get("name") == "stderr"]
+    assert not errors
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_committed_notebook(name):
+    path = CAMPAIGNS / f"{name}.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
+    outputs = [output for cell in cells for output in cell.outputs]
+    assert not [output for output in outputs if output.output_type == "error" or output.get("name") == "stderr"]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    assert path.stat().st_size < 200_000
+    assert not re.search(r"/(home|root|tmp|Users|usr|work)/|[A-Z]:\\\\", path.read_text())
+    imported = re.findall(r"^(?:import|from) (\w+)", "\n".join(cell.source for cell in cells), flags=re.MULTILINE)
+    assert set(imported) <= {"matplotlib", "numpy", "xarray", "math"}

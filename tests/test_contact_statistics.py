@@ -7,7 +7,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba import contact, grid, observables
 from gfmd_numba.analysis import UnusableDataError, plot_statistics
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import stiffness, surface
 from gfmd_numba.interface import Interface
 from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
 from gfmd_numba.scene import Numerics
@@ -42,6 +42,22 @@ def test_elastic_energy_is_that_of_its_waves(body, load):
     shape = -result.heights if load == 100.0 else result.equilibrium.displacement
     waves = grid.multiplicity(1024)[1:] * k[1:] * abs(grid.coefficients(shape)[:, 1:]) ** 2
     np.testing.assert_allclose(observables.elastic_energy(result), 0.5 * waves.sum(axis=1), rtol=1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.2, np.inf])
+def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
+    """Parseval on both components: (K11 |v|^2 + K33 |u|^2 + 2 K13 Im(v u*)) / 2."""
+    numerics = Numerics(solver="verlet", residual=1e-9)
+    body, wall = ElasticBody(0.2, None), Interface(True, friction=friction)
+    result = contact.solve(Problem(RandomSurface(0.8, 2, 32, 256, 5), body, wall, 0.05, None, numerics), range(2))
+    assert (result.equilibrium.status == 0).all()
+    u = grid.coefficients(result.equilibrium.displacement)
+    v = grid.coefficients(result.equilibrium.tangential.displacement)
+    k = surface.half_space(256, 0.2)
+    waves = k.k11 * abs(v) ** 2 + k.k33 * abs(u) ** 2 + 2 * k.k13 * (v * u.conj()).imag
+    energy = 0.5 * (grid.multiplicity(256) * waves)[:, 1:].sum(axis=1)
+    np.testing.assert_allclose(observables.elastic_energy(result), energy, rtol=1e-5)
+    assert (abs(v) ** 2).sum() > 1e-3 * (abs(u[:, 1:]) ** 2).sum()
 
 
 def scene(**changes):

@@ -17,7 +17,7 @@ Reals = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Contact:
-    """Heights `[realisation, x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
+    """Heights `[realisation, (y,) x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
@@ -43,7 +43,7 @@ def solve(
     """
     heights = _heights(problem, realisations)
     body = _stiffness(problem)
-    punch = heights.max(axis=1, keepdims=True) - heights
+    punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
     punch -= raised
@@ -60,26 +60,24 @@ def _heights(problem: Problem, realisations: range) -> Reals:
     asked = problem.surface
     if isinstance(asked, Profile):
         return asked.heights[np.newaxis]
-    return self_affine.profiles(
-        asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations
-    )
+    surfaces = self_affine.profiles if asked.dimension == 1 else self_affine.maps
+    return surfaces(asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations)
 
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
     if problem.interface.couples:
         return _coupled(problem)
-    nx = problem.surface.nx
-    own = _condensed(problem.body, nx)
+    q = grid.magnitudes(problem.surface.shape)
+    own = _condensed(problem.body, q)
     if problem.counter is None:
         return own
     # under one pressure displacements add up, wave by wave
-    share, other = problem.counter.share, _condensed(problem.counter.body, nx)
+    share, other = problem.counter.share, _condensed(problem.counter.body, q)
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / ((1.0 - share) / own + share / other))
 
 
-def _condensed(body: ElasticBody, nx: int) -> Reals:
-    q = grid.wavenumbers(nx)
+def _condensed(body: ElasticBody, q: Reals) -> Reals:
     if body.poissons_ratio is None or body.aspect_ratio is None:
         return stiffness.half_space(q)
     return stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)

@@ -1,7 +1,10 @@
 """Where a contact ends between two nodes of the grid.
 
-For the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the edge of a
-half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with
+On maps, counted nodes over-estimate the area in proportion to the contact's perimeter, by geometry alone (Yastrebov,
+Anciaux & Molinari, J. Mech. Phys. Solids 107:469, 2017).
+
+On profiles, for the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the
+edge of a half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with
 sum a_m z^m = (1-z)^(-3/2) / g+(z) and log g+(z) = sum_k s_k z^k / k, s_k = Si(k pi)/pi - 1/2. The true edge then lies
 3/4 + c + b node spacings beyond the last touching node, c = sum_k s_k. It is never farther than 3/4 + c, and one
 spacing less brings the next node out of contact.
@@ -17,6 +20,8 @@ Flags = npt.NDArray[np.bool_]
 # A touching stretch of N nodes is shorter than N dx: on average over its position by this many dx at each of its two
 # ends, 1/4 - c.
 EDGE_BIAS = 0.1900092859259187
+# A contact on a map is smaller than its counted nodes by this share of a node for each pair of neighbours in and out.
+PERIMETER_BIAS = (np.pi - 1.0 + np.log(2.0)) / 24.0
 _FARTHEST = 1.0 - EDGE_BIAS  # 3/4 + c
 _A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
 # below that many nodes a stretch is no half-infinite contact: its edges are then taken at their mean position

@@ -61,13 +61,12 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
 
 
 def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
-    """Fields over x and scalars of the first realisation of a contact.
+    """Fields over x, or (y, x), and scalars of the first realisation of a contact.
 
     Displacements count from the unloaded body on a slab, and from their own mean on a half-space, whose mean
     displacement has no reference.
     """
     scale, unit = scales(scene, rms_gradient), units(scene)
-    nx = contact.heights.shape[1]
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None:
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
@@ -87,10 +86,14 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
             "tangential_displacement": ("height", "tangential displacement of the body", sideways),
             "tangential_traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
         }
-    dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})
-    dataset["x"].attrs = {"long_name": "position along the interface", "units": unit["height"]}
+    dims = ("x",) if scene.dimension == 1 else ("y", "x")
+    along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
+    dataset = xr.Dataset()
+    for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
+        attributes = {"long_name": f"position {along[dim]}", "units": unit["height"]}
+        dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
     for name, (kind, long_name, values) in fields.items():
-        dataset[name] = ("x", values * scale[kind], {"long_name": long_name, "units": unit[kind]})
+        dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
     values = measure(contact)
     for m in MEASURES:
         attributes = measure_attributes(m.name, unit[m.unit], m.long_name)

@@ -1,5 +1,7 @@
 """Planned transforms with owned buffers: the solvers' only way into Fourier space."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 import pyfftw
@@ -19,27 +21,41 @@ def aligned_rows(rows: int, n: int, dtype: type = np.float64) -> npt.NDArray[np.
 class Convolution:
     """Product with a symbol of q on a batch: `result = inverse(symbol * forward(source))`, one plan a row.
 
+    `shape` is (nx,) or (ny, nx); every row of a buffer is one profile or one map, flat.
+
     Each of the `sources` is a buffer of its own; spectrum and result are shared.
 
     Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
     ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
     """
 
-    def __init__(self, rows: int, n: int, sources: int = 1) -> None:
-        self.n = n
+    def __init__(self, rows: int, *shape: int, sources: int = 1) -> None:
+        self.n = n = math.prod(shape)
+        self.shape = shape
+        axes = tuple(range(len(shape)))
+        waves = (*shape[:-1], shape[-1] // 2 + 1)
+        half = math.prod(waves)
         self.sources = [aligned_rows(rows, n) for _ in range(sources)]
         self.result = aligned_rows(rows, n)
-        self.spectrum = aligned_rows(rows, n // 2 + 1, np.complex128)
+        self.spectrum = aligned_rows(rows, half, np.complex128)
         self.n_transforms = np.zeros(rows, dtype=np.int64)
-        half = n // 2 + 1
         self._forward = [
-            [pyfftw.FFTW(source[i, :n], self.spectrum[i, :half], flags=("FFTW_ESTIMATE",)) for i in range(rows)]
+            [
+                pyfftw.FFTW(
+                    source[i, :n].reshape(shape),
+                    self.spectrum[i, :half].reshape(waves),
+                    axes=axes,
+                    flags=("FFTW_ESTIMATE",),
+                )
+                for i in range(rows)
+            ]
             for source in self.sources
         ]
         self._inverse = [
             pyfftw.FFTW(
-                self.spectrum[i, :half],
-                self.result[i, :n],
+                self.spectrum[i, :half].reshape(waves),
+                self.result[i, :n].reshape(shape),
+                axes=axes,
                 direction="FFTW_BACKWARD",
                 flags=("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT"),
             )
@@ -47,8 +63,8 @@ class Convolution:
         ]
 
     def symbol(self, values: Reals) -> Reals:
-        """Symbol `[n // 2 + 1]` ready for `apply`, with the forward transform's 1/n folded in."""
-        return values / self.n
+        """Symbol `[nx // 2 + 1]` or `[ny, nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
+        return values.ravel() / self.n
 
     def apply(self, symbol: Reals, active: npt.NDArray[np.int64], source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""

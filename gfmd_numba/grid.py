@@ -27,6 +27,11 @@ def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Rea
     return along_y[:, np.newaxis], along_x[np.newaxis]
 
 
+def magnitudes(shape: tuple[int, ...]) -> Reals:
+    """Magnitudes q = |q| `[nx // 2 + 1]` or `[ny, nx // 2 + 1]` of the wave vectors, in 1/L_x of a square period."""
+    return wavenumbers(shape[0]) if len(shape) == 1 else np.hypot(*wavevectors(shape, (1.0,) * len(shape)))
+
+
 def multiplicity(nx: int) -> Reals:
     """Weight of each kept coefficient in a sum over all wave numbers: 1 for q = 0 and Nyquist, otherwise 2."""
     weight = np.full(nx // 2 + 1, 2.0)
@@ -36,9 +41,9 @@ def multiplicity(nx: int) -> Reals:
     return weight
 
 
-def coefficients(signal: Reals) -> npt.NDArray[np.complex128]:
-    """Fourier coefficients `[..., nx // 2 + 1]` of real signals `[..., nx]`."""
-    return np.fft.rfft(signal, norm="forward")
+def coefficients(signal: Reals, dimension: int = 1) -> npt.NDArray[np.complex128]:
+    """Fourier coefficients `[..., nx // 2 + 1]` of real signals `[..., nx]`, or of both last axes."""
+    return np.fft.rfftn(signal, axes=tuple(range(-dimension, 0)), norm="forward")
 
 
 def signal(spectrum: npt.NDArray[np.complex128], nx: int) -> Reals:

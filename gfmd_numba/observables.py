@@ -6,9 +6,10 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import label
 
 from gfmd_numba.contact import Contact
-from gfmd_numba.contact_edges import EDGE_BIAS, contact_length
+from gfmd_numba.contact_edges import EDGE_BIAS, PERIMETER_BIAS, contact_length
 from gfmd_numba.dynamics import Status
 from gfmd_numba.roughness import statistics
 
@@ -16,69 +17,103 @@ Reals = npt.NDArray[np.float64]
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
-    """Nodes in contact `[realisation, x]`: those on which the hard wall presses."""
+    """Nodes in contact `[realisation, (y,) x]`: those on which the hard wall presses."""
     return contact.equilibrium.touching
 
 
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
-    """Number of separate stretches of contact `[realisation]`; 0 in full contact, which has no edge."""
+    """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
     now = touching(contact)
+    if now.ndim == 3:
+        return np.array([0 if each.all() else _clusters(each) for each in now])
     return np.asarray(np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1))
+
+
+def _clusters(flags: npt.NDArray[np.bool_]) -> int:
+    """Clusters of flags `[y, x]` on a torus that touch with a side of a node."""
+    labels, count = label(flags)
+    joined = np.arange(count + 1)
+    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
+        for a, b in {(int(a), int(b)) for a, b in zip(one, other, strict=True) if a and b}:
+            joined[joined == joined[a]] = joined[b]
+    return len(set(joined[1:].tolist()))
+
+
+def perimeter(contact: Contact) -> npt.NDArray[np.int64]:
+    """Number of neighbouring nodes of a map of which one is in contact and the other is not `[realisation]`."""
+    now = touching(contact)
+    return np.asarray(sum(np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (1, 2)))
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
     """Touching nodes over all nodes `[realisation]`."""
-    return np.asarray(touching(contact).mean(axis=1))
+    return np.asarray(_mean(touching(contact)))
 
 
 def contact_area_fraction(contact: Contact) -> Reals:
-    """Contact length over L_x with the mean correction for the two edges of each segment `[realisation]`."""
+    """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
+    if contact.heights.ndim == 3:
+        edges = PERIMETER_BIAS * perimeter(contact) / contact.heights[0].size
+        return np.asarray(contact_area_fraction_counted(contact) - edges)
     nx = contact.heights.shape[1]
     return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
 
 
 def contact_area_fraction_error(contact: Contact) -> Reals:
     """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
     return np.asarray(np.sqrt(2.0 * n_segments(contact) / 12.0) / contact.heights.shape[1])
 
 
 def contact_area_fraction_edges(contact: Contact) -> Reals:
     """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
     return contact_length(contact.equilibrium.pressure, touching(contact))[0]
 
 
 def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
     return contact_length(contact.equilibrium.pressure, touching(contact))[1]
 
 
 def mean_pressure(contact: Contact) -> Reals:
     """Mean contact pressure in g E* `[realisation]`."""
-    return np.asarray(contact.equilibrium.pressure.mean(axis=1))
+    return _mean(contact.equilibrium.pressure)
 
 
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
-    return statistics.rms_gradient(contact.heights)
+    return statistics.rms_gradient(contact.heights, _periods(contact))
 
 
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)
+    bias = EDGE_BIAS if now.ndim == 2 else PERIMETER_BIAS
+    axes = tuple(range(1, now.ndim))
     share = now.astype(float)
-    for side in (1, -1):
-        share -= EDGE_BIAS * (now & ~np.roll(now, side, axis=1))
-    squares = (share * statistics.gradient(contact.heights) ** 2).sum(axis=1)
-    return np.asarray(np.sqrt(squares / share.sum(axis=1)))
+    for axis in axes:
+        for side in (1, -1):
+            share -= bias * (now & ~np.roll(now, side, axis=axis))
+    square = statistics.gradient(contact.heights) ** 2
+    if now.ndim == 3:
+        square += statistics.gradient(contact.heights.swapaxes(1, 2)).swapaxes(1, 2) ** 2
+    return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
 
 
 def gap(contact: Contact) -> Reals:
-    """Distance between the surfaces in g L_x `[realisation, x]`; exactly 0 where they touch."""
+    """Distance between the surfaces in g L_x `[realisation, (y,) x]`; exactly 0 where they touch."""
     return contact.punch - contact.equilibrium.displacement
 
 
 def mean_segment_length(contact: Contact) -> Reals:
-    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1."""
+    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
+    if contact.heights.ndim > 2:
+        return _unknown(contact)
     area, segments = contact_area_fraction(contact), n_segments(contact)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
@@ -95,6 +130,19 @@ def elastic_energy(contact: Contact) -> Reals:
         v = tangential.displacement
         work = work + tangential.traction * (v - v.mean(axis=along, keepdims=True))
     return np.asarray(0.5 * work.mean(axis=along))
+
+
+def _mean(field: npt.NDArray[Any]) -> Reals:
+    return np.asarray(field.mean(axis=tuple(range(1, field.ndim))))
+
+
+def _periods(contact: Contact) -> tuple[float, ...]:
+    return (1.0,) * (contact.heights.ndim - 1)
+
+
+def _unknown(contact: Contact) -> Reals:
+    """Of what is known of profiles only."""
+    return np.full(len(contact.heights), np.nan)
 
 
 @dataclass(frozen=True)
@@ -116,7 +164,7 @@ MEASURES = (
         "kappa",
         "contact",
         "E*/stiffness",
-        "area-load coefficient a_r g E* / p, contact area corrected for segment edges",
+        "area-load coefficient a_r g E* / p, contact area corrected for its edges",
         lambda c: contact_area_fraction(c) * rms_gradient(c) / mean_pressure(c),
     ),
     Measure(
@@ -137,7 +185,7 @@ MEASURES = (
         "contact_area_fraction",
         "contact",
         "1",
-        "contact length over L_x, corrected for segment edges",
+        "contact length over L_x, or area over L_x^2, corrected for its edges",
         contact_area_fraction,
     ),
     Measure(
@@ -151,7 +199,7 @@ MEASURES = (
         "contact_area_fraction_error",
         "contact",
         "1",
-        "standard deviation of contact_area_fraction by edges between the nodes",
+        "standard deviation of contact_area_fraction by edges between the nodes of profiles",
         contact_area_fraction_error,
     ),
     Measure(
@@ -168,7 +216,7 @@ MEASURES = (
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
         lambda c: contact_area_fraction_edges_error(c) * rms_gradient(c) / mean_pressure(c),
     ),
-    Measure("n_segments", "contact", "1", "number of separate stretches of contact", n_segments),
+    Measure("n_segments", "contact", "1", "number of separate stretches of contact, or clusters of a map", n_segments),
     Measure(
         "mean_segment_length",
         "contact",
@@ -184,7 +232,7 @@ MEASURES = (
         elastic_energy,
     ),
     Measure("mean_pressure", "contact", "pressure", "mean contact pressure", mean_pressure),
-    Measure("mean_gap", "contact", "height", "mean gap between the surfaces", lambda c: gap(c).mean(axis=1)),
+    Measure("mean_gap", "contact", "height", "mean gap between the surfaces", lambda c: _mean(gap(c))),
     Measure("rms_gradient", "surface", "gradient", "rms gradient of the punch", rms_gradient),
     Measure(
         "rms_gradient_contact",
@@ -198,7 +246,7 @@ MEASURES = (
         "surface",
         "1",
         "Nayak's parameter m0 m4 / m2^2 of the punch",
-        lambda c: statistics.nayak(c.heights),
+        lambda c: statistics.nayak(c.heights, _periods(c)),
     ),
     Measure(
         "full_contact_pressure",

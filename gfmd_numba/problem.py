@@ -27,13 +27,24 @@ RESULTS_VERSION = 6  # raised whenever a change of the code changes a number: ol
 
 @dataclass(frozen=True)
 class RandomSurface:
-    """An ensemble of self-affine profiles; wave indices count periods in L_x."""
+    """An ensemble of self-affine profiles `[nx]` or maps `[nx, nx]`; wave indices count periods in L_x."""
 
     hurst: float
     cut_on_index: int
     cut_off_index: int
     nx: int
     seed: int
+    dimension: int = 1
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface, (nx,) or (ny, nx)."""
+        return (self.nx,) * self.dimension
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return math.prod(self.shape)
 
 
 @dataclass(frozen=True)
@@ -43,6 +54,16 @@ class Profile:
     nx: int
     digest: str
     heights: Reals = field(repr=False, compare=False)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface."""
+        return (self.nx,)
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return self.nx
 
 
 @dataclass(frozen=True)
@@ -88,6 +109,8 @@ class Problem:
         """Hash of everything that decides the numbers: equal problems are solved once."""
         surface = asdict(self.surface)
         surface.pop("heights", None)
+        if surface.get("dimension") == 1:  # what profiles were called before there were maps
+            del surface["dimension"]
         content = {
             "results_version": RESULTS_VERSION,
             "surface": surface,
@@ -119,6 +142,7 @@ def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> R
         cut_off_index=discretisation.cut_off_index,
         nx=discretisation.nx,
         seed=seed,
+        dimension=scene.dimension,
     )
 
 

@@ -184,13 +184,15 @@ def _draw_extrapolated(
 
 
 def plot_contact(dataset: xr.Dataset) -> Figure:
-    """Draw one contact over x in the dataset's units: punch and deformed body above, pressure below.
+    """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps of gap and pressure.
 
     Of a path of loadings the last one is drawn; UnusableDataError for a dataset without these fields.
     """
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    if "y" in dataset.dims:
+        return _plot_map(dataset)
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
@@ -218,6 +220,24 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
             below.set_ylim(bottom=0)
         handles = [*above.get_legend_handles_labels()[0], *below.get_legend_handles_labels()[0]]
         figure.legend(handles=handles, loc="outside upper right", ncols=3)
+    return figure
+
+
+def _plot_map(dataset: xr.Dataset) -> Figure:
+    """Gap and pressure over the interface, as far as most of either goes."""
+    (x, x_label), (y, y_label) = (scaled(dataset[dim], f"Position ${dim}$", "L_x") for dim in ("x", "y"))
+    with mpl.rc_context(STYLE):
+        figure = Figure((9.6, 4.4), dpi=150, layout="constrained")
+        drawn = (("gap", "Gap", "L_x", "Blues_r"), ("pressure", "Pressure $p$", "E^*", "inferno"))
+        for axis, (name, text, natural, colours) in zip(figure.subplots(1, 2, sharey=True), drawn, strict=True):
+            values, label = scaled(dataset[name], text, natural)
+            most = float(np.quantile(values[values > 0.0], 0.98)) if (values > 0.0).any() else None
+            mesh = axis.imshow(
+                values, colours, origin="lower", vmin=0.0, vmax=most, extent=(0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
+            )
+            axis.set(xlabel=x_label)
+            figure.colorbar(mesh, ax=axis, label=label, extend="max", shrink=0.9)
+        figure.axes[0].set(ylabel=y_label)
     return figure
 
 

@@ -11,7 +11,7 @@ from gfmd_numba.campaign.specification import AXES, Campaign
 from gfmd_numba.problem import Effect, Problem, random_surface, reduce, self_affine
 from gfmd_numba.scene import Discretisation, Scene
 
-_BLOCK_SAMPLES = 2**18  # realisations times nx in one block: a second of work, tens of megabytes
+_BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
 _PARTS = {
     "hurst": "roughness",
     "rms_gradient": "roughness",
@@ -67,7 +67,7 @@ def expand(campaign: Campaign) -> list[Case]:
 def distinct(cases: Iterable[Case]) -> list[Problem]:
     """Distinct problems among the cases, the largest grids first."""
     problems = {case.problem.identity: case.problem for case in cases}
-    return sorted(problems.values(), key=lambda problem: -problem.surface.nx)
+    return sorted(problems.values(), key=lambda problem: -problem.surface.nodes)
 
 
 def demand(cases: Iterable[Case]) -> dict[str, int]:
@@ -81,7 +81,7 @@ def demand(cases: Iterable[Case]) -> dict[str, int]:
 
 def blocks(problem: Problem, realisations: int) -> Iterator[Block]:
     """Blocks that together hold the realisations of one problem."""
-    size = max(1, _BLOCK_SAMPLES // problem.surface.nx)
+    size = max(1, _BLOCK_SAMPLES // problem.surface.nodes)
     for first in range(0, realisations, size):
         yield Block(problem, first, min(first + size, realisations))
 

@@ -107,7 +107,7 @@ def _features(problems: list[Problem]) -> Reals:
             stiffening[slab] = np.log(ratio)
         row = [
             1.0,
-            np.log(surface.nx / 8192),
+            np.log(surface.nodes / 8192),
             np.log(surface.nx / surface.cut_off_index / 4),
             np.log(surface.cut_off_index / surface.cut_on_index / 1024),
             surface.hurst - 0.5,

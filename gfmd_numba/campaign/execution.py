@@ -95,7 +95,7 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         (problem.numerics.solver, problem.interface, problem.mean_pressure is None): problem for problem in problems
     }
     for problem in kinds.values():
-        tiny = replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0))
+        tiny = replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0, len(problem.surface.shape)))
         measure(solve(replace(tiny, numerics=problem.numerics.model_copy(update={"max_iterations": 100})), range(1)))
 
 

@@ -65,7 +65,7 @@ class Plan:
     @property
     def worker_bytes(self) -> int:
         """Largest memory a block asks of its worker."""
-        return max(_ARRAYS * 8 * (block.stop - block.first) * block.problem.surface.nx for block in self.blocks)
+        return max(_ARRAYS * 8 * (block.stop - block.first) * block.problem.surface.nodes for block in self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:

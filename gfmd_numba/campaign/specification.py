@@ -231,6 +231,6 @@ def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
     for discretisation, locations, limit in campaign.discretisations():
-        check_discretisation(document, discretisation, locations, limit)
+        check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
         check_range(document, campaign.scene, discretisation.nx)
     return campaign, document

@@ -89,8 +89,8 @@ def verify(directory: Path) -> Verdict:
 
 
 def _work(block: Block) -> float:
-    nx = block.problem.surface.nx
-    return (block.stop - block.first) * nx * log(nx)
+    nodes = block.problem.surface.nodes
+    return (block.stop - block.first) * nodes * log(nodes)
 
 
 def _retry(directory: Path, block: Block) -> str:

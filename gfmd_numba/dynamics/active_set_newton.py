@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.dynamics.decays import Decays
+from gfmd_numba.dynamics.neighbours import Neighbours
 from gfmd_numba.dynamics.pressed import PressedBody
 from gfmd_numba.roughness.resampling import resample
 
@@ -12,7 +13,7 @@ Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 # others take more transforms, but not many: chosen for half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8
-_COARSENING = 4  # nodes of a grid over those of the grid its contact is guessed on
+_COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of the grid its contact is guessed on
 _COARSEST = 256  # nodes up to which all begin in contact
 _COARSE_STEPS = 6  # on a coarser grid, whose contact
 _SETTLED = 0.02  # may still change by this share
@@ -34,14 +35,19 @@ class ActiveSetNewton(PressedBody):
 
     def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None, residual: float) -> None:
         super().__init__(punch, stiffness, load)
-        rows, n = punch.shape
+        rows, n = len(punch), self.field.n
         self.changed = np.full(rows, n)  # nodes by the last step, out of
         self.touching = np.full(rows, n)
         self._coarse_transforms = np.zeros(rows, dtype=np.int64)
         if n > _COARSEST:
             self._guess(punch, stiffness, load)
         self._contact = self.pressure > 0.0
-        self._decays = Decays(self.compliance * n, n)
+        self._inverse: Decays | Neighbours
+        self._follows_changes = len(self.field.shape) == 2
+        if len(self.field.shape) == 1:
+            self._inverse = Decays(self.compliance * n, n)
+        else:
+            self._inverse = Neighbours(stiffness, self.field.shape)
         self._target = 0.2 * residual  # the certificate's measure is a slightly different one
         self._tolerance = np.full(rows, _LOOSE)
         self._nodes = np.empty(n, dtype=np.int64)
@@ -64,6 +70,8 @@ class ActiveSetNewton(PressedBody):
                 self.rounding[i], self.free_mean,
             )  # fmt: skip
             tighter = _TIGHTEN * self._tolerance[i]
+            if self._follows_changes and changed:
+                tighter = min(self._tolerance[i], _TIGHTEN * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
 
@@ -75,20 +83,20 @@ class ActiveSetNewton(PressedBody):
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
         field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
         p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
-        r, z, uniform, decays = self._closing, self._pressure_change, self._uniform, self._decays
+        r, z, uniform, inverse = self._closing, self._pressure_change, self._uniform, self._inverse
         if self.changed[i]:
             field.apply(self.compliance, row, source=0)
             kernels.open_gap(field.result[i], self.wall[i], n, gap)
         if count == 0:
             return
         kernels.closing_displacement(gap, nodes, count, r, self.free_mean)
-        decays.factor(nodes, count)
+        inverse.factor(nodes, count)
         if self.free_mean:
             z[:count] = 1.0
-            decays.solve(z, uniform)
+            inverse.solve(z, uniform)
         last = 0.0
         for _ in range(_INNER_ITERATIONS):
-            decays.solve(r, z)
+            inverse.solve(r, z)
             energy, error = kernels.newton_error(r, z, uniform, p, nodes, count, self.rounding[i], self.free_mean)
             if not error > self._tolerance[i]:
                 break
@@ -99,18 +107,39 @@ class ActiveSetNewton(PressedBody):
 
     def _guess(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""
-        rows, n = punch.shape
-        m = -(-n // _COARSENING)
-        smooth = np.concatenate([resample(row[np.newaxis], (m,)) for row in punch])  # bits of a row alone
-        coarse = ActiveSetNewton(smooth, stiffness[: m // 2 + 1], load, _SETTLED)
-        active = np.arange(rows)
+        n, fine_shape = self.field.n, self.field.shape
+        shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
+        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in punch])  # bits of a row alone
+        coarse = ActiveSetNewton(smooth, _of_coarser(stiffness, shape), load, _SETTLED)
+        active = np.arange(len(punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)
             active = active[coarse.changed[active] > _SETTLED * coarse.touching[active]]
-        x = np.arange(n) * (m / n)
+        m = coarse.field.n
         for fine, p in zip(self.pressure, coarse.pressure, strict=True):
-            fine[:n] = np.interp(x, np.arange(m + 1), np.append(p[:m], p[0]))
+            fine[:n] = _interpolated(p[:m].reshape(shape), fine_shape).ravel()
         if load is not None:
             self.pressure[:, :n] *= (load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
         cost = m * np.log(m) / (n * np.log(n))
         self._coarse_transforms = np.ceil(coarse.n_transforms * cost).astype(np.int64)
+
+
+def _of_coarser(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
+    """Stiffness of the waves that a coarser grid holds."""
+    along_x = np.arange(shape[-1] // 2 + 1)
+    if len(shape) == 1:
+        return stiffness[along_x]
+    along_y = np.fft.fftfreq(shape[0], 1.0 / shape[0]).astype(np.int64)
+    return stiffness[np.ix_(along_y, along_x)]
+
+
+def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
+    """Periodic values between their nodes, linearly in each direction."""
+    for axis, n in enumerate(shape):
+        x = np.arange(n) * (values.shape[axis] / n)
+        values = np.apply_along_axis(_interpolated_along, axis, values, x)
+    return values
+
+
+def _interpolated_along(p: Reals, x: Reals) -> Reals:
+    return np.asarray(np.interp(x, np.arange(p.size + 1), np.append(p, p[0])))

@@ -38,5 +38,6 @@ class Certificate:
 
 def pressure_scale(punch: Reals, stiffness: Reals) -> Reals:
     """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*."""
-    weight = grid.multiplicity(punch.shape[-1])[1:] * stiffness[1:] ** 2
-    return np.asarray(np.sqrt((np.abs(grid.coefficients(punch)[..., 1:]) ** 2 * weight).sum(axis=-1)))
+    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
+    waves = grid.coefficients(punch, stiffness.ndim).reshape(len(punch), -1)[:, 1:]
+    return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))

@@ -138,19 +138,19 @@ def equilibrate(
     start: Start | None = None,
     sliding: float = 0.0,
 ) -> Equilibrium:
-    """Press elastic bodies against rigid punches `[realisation, x]` (L_x, the wall u <= punch).
+    """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
-    `stiffness` is K(q) `[nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
+    `stiffness` is K(q) `[(ny,) nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
     counts); `sliding` the tangential displacement of the punch.
     """
-    realisations, n = punch.shape
+    realisations, n = len(punch), punch[0].size
     condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
     scale = pressure_scale(punch, condensed)
     result = Equilibrium(
-        displacement=np.empty((realisations, n)),
-        pressure=np.empty((realisations, n)),
-        touching=np.empty((realisations, n), dtype=np.bool_),
+        displacement=np.empty_like(punch),
+        pressure=np.empty_like(punch),
+        touching=np.empty(punch.shape, dtype=np.bool_),
         tangential=None if not interface.couples else Tangential(np.zeros_like(punch), np.zeros_like(punch), sliding),
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
@@ -193,17 +193,18 @@ def equilibrate(
 
 
 def _growing_wave(result: Equilibrium, stiffness: Reals | CoupledStiffness, free_mean: bool) -> Rows:
-    """Wave whose restoring tractions are largest where a run ended unstable: those blew up from next to nothing."""
+    """Index of the wave of the largest restoring tractions where a run ended unstable: it blew up from nothing."""
     unstable = result.status == Status.unstable
     normal = stiffness.k33 if isinstance(stiffness, CoupledStiffness) else stiffness
-    tractions = np.abs(grid.coefficients(result.displacement[unstable])) * normal
+    tractions = np.abs(grid.coefficients(result.displacement[unstable], normal.ndim)) * normal
     if free_mean:
-        tractions[:, 0] = 0.0
+        tractions.reshape(len(tractions), -1)[:, 0] = 0.0
     if isinstance(stiffness, CoupledStiffness) and result.tangential is not None:
         sideways = np.abs(grid.coefficients(result.tangential.displacement[unstable])) * stiffness.k11
         tractions = np.maximum(tractions, sideways)
     growing = np.full(len(unstable), -1, dtype=np.int64)
-    growing[unstable] = tractions.argmax(axis=1)
+    index = grid.magnitudes(result.displacement.shape[1:]).ravel() / (2.0 * np.pi)
+    growing[unstable] = np.round(index[tractions.reshape(len(tractions), -1).argmax(axis=1)])
     return growing
 
 
@@ -217,7 +218,8 @@ def _solver(
     scale: float,
 ) -> Solver:
     if load is not None:  # the mean displacement is free: it follows the load without restoring force
-        stiffness = np.concatenate(([0.0], stiffness[1:]))
+        stiffness = stiffness.copy()
+        stiffness.flat[0] = 0.0
     if numerics.solver in ("active_set_newton", "conjugate_gradients"):
         given = None if load is None else np.full(len(punch), load)
         if numerics.solver == "active_set_newton":
@@ -280,9 +282,10 @@ def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, re
         done = active[ended]
         kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, done, n, pressure)
         where = rows[done]
-        result.displacement[where] = solver.displacement[done, :n]
-        result.pressure[where] = pressure[done, :n]
-        result.touching[where] = pressure[done, :n] > 0.0
+        shape = (len(done), *solver.field.shape)
+        result.displacement[where] = solver.displacement[done, :n].reshape(shape)
+        result.pressure[where] = pressure[done, :n].reshape(shape)
+        result.touching[where] = result.pressure[where] > 0.0
         if result.tangential is not None:
             assert isinstance(solver, CoupledRelaxation)
             result.tangential.displacement[where] = solver.tangential[done, :n]

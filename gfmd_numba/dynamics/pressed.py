@@ -1,4 +1,4 @@
-"""A batch of bodies under a pressure, as the solvers that iterate on the pressure see it."""
+"""A batch of bodies under a pressure, as the solvers that iterate on the pressure see it: profiles or maps, flat."""
 
 import numpy as np
 import numpy.typing as npt
@@ -19,12 +19,14 @@ class PressedBody:
     """
 
     def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
-        rows, n = punch.shape
+        rows, shape = len(punch), punch.shape[1:]
+        punch, stiffness = punch.reshape(rows, -1), stiffness.ravel()
         self.free_mean = load is not None
         self._rigid_mean = not np.isfinite(stiffness[0])
         # an incompressible slab keeps its volume: below the mean of the punch there is no room for it
         self._impossible = punch.mean(axis=1) < 0.0
-        self.field = Convolution(rows, n, sources=3)
+        self.field = Convolution(rows, *shape, sources=3)
+        n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
         self.restoring = self.field.result
         self.wall = aligned_rows(rows, n)

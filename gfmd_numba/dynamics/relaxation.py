@@ -39,9 +39,11 @@ class Relaxation:
         start: Reals,
         integrator: Callable[[Reals], Integrator],
     ) -> None:
-        rows, n = punch.shape
+        rows, shape = len(punch), punch.shape[1:]
+        punch, start = punch.reshape(rows, -1), start.reshape(rows, -1)
         self.load = load
-        self.field = Convolution(rows, n)
+        self.field = Convolution(rows, *shape)
+        n = self.field.n
         self._punch = aligned_rows(rows, n)
         self._punch[:, :n] = punch
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)

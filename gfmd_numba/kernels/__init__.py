@@ -12,6 +12,7 @@ from gfmd_numba.kernels.active_sets import (
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.neighbours import neighbours_pressure
 from gfmd_numba.kernels.prescribed import free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.semiseparable import decays_factor, decays_solve
 from gfmd_numba.kernels.spectral import couple, multiply
@@ -34,6 +35,7 @@ __all__ = [
     "friction_violation",
     "kkt_violation",
     "multiply",
+    "neighbours_pressure",
     "newton_direction",
     "newton_error",
     "newton_update",

@@ -1,10 +1,10 @@
-"""Periodic self-affine profiles by the power spectral density method (thesis 3.5.2.1)."""
+"""Periodic self-affine profiles and maps by the power spectral density method (thesis 3.5.2.1)."""
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import grid
-from gfmd_numba.roughness.amplitudes import complex_gaussian
+from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
 
 Reals = npt.NDArray[np.float64]
 
@@ -20,9 +20,32 @@ def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed:
     envelope = np.maximum(index, cut_on_index) ** -(0.5 + hurst)
     spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
     for row, realisation in zip(spectrum, realisations, strict=True):
-        waves = envelope * complex_gaussian(seed, realisation, cut_off_index)
-        waves /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * np.abs(waves) ** 2))
-        row[index] = waves
+        amplitudes = envelope * complex_gaussian(seed, realisation, cut_off_index)
+        amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * np.abs(amplitudes) ** 2))
+        row[index] = amplitudes
     if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
         spectrum[:, -1] = 2.0 * spectrum[:, -1].real
     return grid.signal(spectrum, nx)
+
+
+def maps(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
+    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, isotropic, in L_x.
+
+    As `profiles`, with amplitudes that fall as |q|^-(1 + H) and random numbers of (seed, realisation, wave vector).
+    """
+    smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
+    index = grid.magnitudes(smallest) / (2.0 * np.pi)
+    kept = (index > 0.0) & (index <= cut_off_index * (1.0 + 1e-12))
+    envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
+    weight = grid.multiplicity(smallest[1]) * (2.0 * np.pi * index) ** 2
+    along_y = np.fft.fftfreq(smallest[0], 1.0 / smallest[0]).astype(np.int64) % nx
+    heights = np.empty((len(realisations), nx, nx))
+    for row, realisation in zip(heights, realisations, strict=True):
+        amplitudes = envelope * waves(seed, realisation, smallest, cut_off_index)
+        amplitudes /= np.sqrt((weight * np.abs(amplitudes) ** 2).sum())
+        spectrum = np.zeros((nx, nx // 2 + 1), dtype=np.complex128)
+        np.add.at(spectrum, (along_y[:, np.newaxis], np.arange(cut_off_index + 1)), amplitudes)
+        if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient; along y they add up
+            spectrum[:, -1] = 2.0 * spectrum[:, -1].real
+        row[...] = np.fft.irfft2(spectrum, (nx, nx), norm="forward")
+    return heights

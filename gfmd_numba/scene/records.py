@@ -97,6 +97,22 @@ class Scene(BaseModel):
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
     length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+    dimension: Literal[1, 2] = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
+
+    @model_validator(mode="after")
+    def _maps_are_frictionless(self) -> Self:
+        if self.dimension == 1:
+            return self
+        if isinstance(self.roughness, Measured):
+            raise broken_rule(("roughness", "method"), "'psd' with dimension 2; a measured profile has dimension 1")
+        for name in ("exponential", "cohesive", "friction"):
+            if getattr(self.interface, name) is not None:
+                raise broken_rule(("interface", name), f"hard_wall alone with dimension 2; {name} needs dimension 1")
+        if self.boundary is not None:
+            raise broken_rule(("boundary",), "nothing with dimension 2; a boundary needs dimension 1")
+        if self.body.state == "plane_stress":
+            raise broken_rule(("body", "state"), "'plane_strain' with dimension 2, where nothing is plane")
+        return self
 
     @property
     def deformable(self) -> tuple[Body, ...]:
@@ -255,6 +271,10 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
             ("numerics", "solver"),
             "'active_set_newton', 'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
             "where the mean displacement is rigid",
+        )
+    if scene.dimension == 2 and numerics.solver not in ("auto", *PRESSURE_SOLVERS):
+        raise broken_rule(
+            ("numerics", "solver"), "'active_set_newton', 'conjugate_gradients' or 'auto' with dimension 2"
         )
     if couples and numerics.solver not in ("auto", "verlet"):
         raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")

@@ -22,13 +22,14 @@ def check_discretisation(
     discretisation: Discretisation,
     locations: Mapping[str, Location],
     varied: str | None = None,
+    dimension: int = 1,
 ) -> None:
     """Raise InputError, at the varied value if any, unless waves are whole and the grid fits in memory."""
     import psutil
 
     eps = discretisation.model_dump()
     nx = discretisation.waves["eps_c"]
-    needed, available = 8 * nx * ARRAYS_PER_REALISATION / 1e9, psutil.virtual_memory().total / 1e9
+    needed, available = 8 * nx**dimension * ARRAYS_PER_REALISATION / 1e9, psutil.virtual_memory().total / 1e9
     if needed > available:
         axis = varied or min(eps, key=eps.__getitem__)
         raise document.error(
@@ -69,7 +70,8 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
     scene_file = source if isinstance(source, SceneFile) else validate(document, SceneFile)
     if scene_file.discretisation is not None:
         axes = Discretisation.model_fields
-        check_discretisation(document, scene_file.discretisation, {axis: ("discretisation", axis) for axis in axes})
+        locations = {axis: ("discretisation", axis) for axis in axes}
+        check_discretisation(document, scene_file.discretisation, locations, dimension=scene_file.scene.dimension)
         check_range(document, scene_file.scene, scene_file.discretisation.nx)
     scene = scene_file.scene
     located: dict[str, object] = {"roughness": _located(document, ("scene", "roughness"), scene.roughness)}

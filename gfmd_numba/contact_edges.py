@@ -1,7 +1,7 @@
 """Where a contact ends between two nodes of the grid.
 
 On maps, counted nodes over-estimate the area in proportion to the contact's perimeter, by geometry alone (Yastrebov,
-Anciaux & Molinari, J. Mech. Phys. Solids 107:469, 2017).
+Anciaux & Molinari, Tribol. Int. 114:161, 2017).
 
 On profiles, for the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the
 edge of a half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with

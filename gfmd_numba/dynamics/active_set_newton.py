@@ -17,8 +17,10 @@ _COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of th
 _COARSEST = 256  # nodes up to which all begin in contact
 _COARSE_STEPS = 6  # on a coarser grid, whose contact
 _SETTLED = 0.02  # may still change by this share
-_LOOSE = 0.03  # relative error of the first pressure on a contact, and
-_TIGHTEN = 0.1  # of the next one over that of the last
+_LOOSE, _LOOSE_MAP = 0.03, 0.1  # relative error of the first pressure on a contact, and
+_TIGHTEN = 0.1  # of the next one over that of the last,
+_TIGHTEN_MAP = 0.5  # at least, and at most
+_AHEAD = 0.3  # of the share of nodes that changed
 _INNER_ITERATIONS = 40
 
 
@@ -43,13 +45,13 @@ class ActiveSetNewton(PressedBody):
             self._guess(punch, stiffness, load)
         self._contact = self.pressure > 0.0
         self._inverse: Decays | Neighbours
-        self._follows_changes = len(self.field.shape) == 2
-        if len(self.field.shape) == 1:
-            self._inverse = Decays(self.compliance * n, n)
-        else:
+        self._is_map = len(self.field.shape) == 2
+        if self._is_map:
             self._inverse = Neighbours(stiffness, self.field.shape)
+        else:
+            self._inverse = Decays(self.compliance * n, n)
         self._target = 0.2 * residual  # the certificate's measure is a slightly different one
-        self._tolerance = np.full(rows, _LOOSE)
+        self._tolerance = np.full(rows, _LOOSE_MAP if self._is_map else _LOOSE)
         self._nodes = np.empty(n, dtype=np.int64)
         self._closing, self._pressure_change, self._uniform = np.empty((3, n))
 
@@ -70,8 +72,8 @@ class ActiveSetNewton(PressedBody):
                 self.rounding[i], self.free_mean,
             )  # fmt: skip
             tighter = _TIGHTEN * self._tolerance[i]
-            if self._follows_changes and changed:
-                tighter = min(self._tolerance[i], _TIGHTEN * changed / max(count, 1))
+            if self._is_map and changed:  # its inner iterations converge slower: no digit before the contact has it
+                tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
 

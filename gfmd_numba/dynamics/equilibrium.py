@@ -113,7 +113,7 @@ class Start:
     @classmethod
     def at_rest(cls, punch: Reals) -> "Start":
         """The undeformed body, pushed back where the punch penetrates it."""
-        return cls(np.minimum(punch, 0.0), np.zeros_like(punch), np.full_like(punch, np.nan))
+        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, punch.shape), np.broadcast_to(np.nan, punch.shape))
 
     @classmethod
     def after(cls, before: Equilibrium, punch: Reals, sliding: float) -> "Start":
@@ -163,15 +163,16 @@ def equilibrate(
     block = max(1, (_BATCH_SAMPLES if numerics.solver == "active_set_newton" else _BLOCK_SAMPLES) // n)
     for first in range(0, realisations, block):
         rows = np.arange(first, min(first + block, realisations))
+        some = slice(first, first + block)
         started = time.perf_counter()
         largest = float(scale[rows].max())
         if isinstance(stiffness, CoupledStiffness):
-            starts = start.displacement[rows], start.tangential[rows], start.anchor[rows]
+            starts = start.displacement[some], start.tangential[some], start.anchor[some]
             solver: Solver = _coupled_solver(
-                punch[rows], stiffness, load, numerics, interface, sliding, starts, largest
+                punch[some], stiffness, load, numerics, interface, sliding, starts, largest
             )
         else:
-            solver = _solver(punch[rows], stiffness, load, numerics, interface, start.displacement[rows], largest)
+            solver = _solver(punch[some], stiffness, load, numerics, interface, start.displacement[some], largest)
         blown_up = _BLOWN_UP * (scale + (load or 0.0))
         _iterate(solver, rows, blown_up, numerics, result)
         stuck = rows[result.status[rows] != Status.ok]
@@ -267,7 +268,6 @@ def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, re
         limit = min(limit, _NEWTON_STEPS)
     active = np.arange(rows.size)
     iterations = 0
-    pressure = np.zeros_like(solver.restoring)
     while active.size:
         steps = min(solver.check_every, limit - iterations)
         for _ in range(steps):
@@ -280,7 +280,8 @@ def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, re
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= limit)
         done = active[ended]
-        kernels.wall_pressure(solver.displacement, solver.restoring, solver.wall, solver.load, done, n, pressure)
+        pressure = solver.restoring  # of rows that have ended, which need it no more
+        kernels.wall_pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
         where = rows[done]
         shape = (len(done), *solver.field.shape)
         result.displacement[where] = solver.displacement[done, :n].reshape(shape)

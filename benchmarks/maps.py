@@ -1,0 +1,108 @@
+"""Maps: kappa beside the literature, time, memory and transforms up to 4096^2, and Tamaas beside it at 1024^2.
+
+`python benchmarks/maps.py` prints kappa and the ratio to Tamaas (pip install tamaas; skipped without it);
+`python benchmarks/maps.py 2048` solves one map of that size, for its time and memory. One thread each.
+"""
+
+import resource
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+from gfmd_numba import contact, grid
+from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.interface import Interface
+from gfmd_numba.observables import measure
+from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import Numerics
+
+SURFACES, RESIDUAL = 6, 1e-8
+
+
+def problem(hurst, cut_off, nx, load):
+    surface = RandomSurface(hurst, 2, cut_off, nx, 2018, dimension=2)
+    numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
+    return Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
+
+
+def kappa_beside_the_literature():
+    print(f"kappa of {SURFACES} isotropic maps, L_x/lambda_l = 2, lambda_l/lambda_s = 32, the same on each grid;")
+    print("Prodanov, Dapp & Mueser (2014) in the TFC limit: 1.93 to 2.16; theory: Persson 1.60, Bush et al. 2.51")
+    print("   H      p*  1/eps_c     kappa (error)   counted   kappa_r    area   Nayak   clusters")
+    for hurst in (0.3, 0.5, 0.8):
+        for load in (0.007, 0.02, 0.05):
+            for nx in (256, 512, 1024):
+                found = measure(contact.solve(problem(hurst, 64, nx, load), range(SURFACES)))
+                assert (found["status"] == Status.ok).all()
+                mean = {name: values.mean() for name, values in found.items()}
+                error = found["kappa"].std(ddof=1) / np.sqrt(SURFACES)
+                print(
+                    f"{hurst:4} {load:7} {nx // 128:8} {mean['kappa']:9.3f} ({error:.3f}) {mean['kappa_counted']:9.3f} "
+                    f"{mean['kappa_r']:9.3f} {mean['contact_area_fraction']:7.4f} {mean['nayak']:7.1f} "
+                    f"{mean['n_segments']:9.0f}",
+                    flush=True,
+                )
+
+
+def one_map(nx):
+    """Time and memory of one map, in a process that has compiled its kernels."""
+    contact.solve(problem(0.8, 4, 32, 0.007), range(1))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for hurst in (0.8, 0.3):
+        begun = time.perf_counter()
+        made = contact.solve(problem(hurst, nx // 4, nx, 0.007), range(1))
+        seconds, solved = time.perf_counter() - begun, made.equilibrium
+        after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        print(
+            f"{nx}^2, H = {hurst}, p* = 0.007: {seconds:.2f} s, {solved.wall_time[0]:.2f} s of them in the solver, "
+            f"{solved.n_transforms[0]} transforms, {solved.n_iterations[0]} Newton steps, residual "
+            f"{solved.residual[0]:.0e}, {Status(solved.status[0]).name}; at most {(after - before) / 1024:.0f} MB, "
+            f"{(after - before) * 1024 / nx**2:.0f} B a node",
+            flush=True,
+        )
+
+
+def beside_tamaas(nx=1024, load=0.007, repetitions=3):
+    try:
+        import tamaas
+    except ImportError as missing:
+        print(f"Tamaas: skipped, {missing}")
+        return
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    body = stiffness.half_space(grid.magnitudes((nx, nx)))
+    for hurst in (0.8, 0.3):
+        ratios, different = [], 0
+        for surface in range(repetitions):
+            heights = self_affine.maps(hurst, 2, nx // 4, nx, 2018, range(surface, surface + 1))
+            punch = heights.max() - heights
+            numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
+            begun = time.perf_counter()
+            found = equilibrate(punch, body, load, numerics)
+            here = time.perf_counter() - begun
+            model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [nx, nx])
+            model.E, model.nu = 1.0, 0.0
+            peer = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-punch[0]), 1e-8)
+            begun = time.perf_counter()
+            peer.solve(load)
+            there = time.perf_counter() - begun
+            ratios.append(there / here)
+            different += np.count_nonzero((np.asarray(model.traction).reshape(nx, nx) > 0.0) != found.touching[0])
+        print(
+            f"{nx}^2, H = {hurst}, p* = {load}: Tamaas takes {np.median(ratios):.1f} times as long "
+            f"({min(ratios):.1f} to {max(ratios):.1f}, {repetitions} surfaces; the last {there:.1f} and {here:.1f} s), "
+            f"{different} nodes differ",
+            flush=True,
+        )
+
+
+if len(sys.argv) > 1:
+    one_map(int(sys.argv[1]))
+else:
+    for size in (512, 1024, 2048):
+        subprocess.run([sys.executable, __file__, str(size)], check=True)
+    beside_tamaas()
+    kappa_beside_the_literature()

@@ -65,6 +65,8 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         file = SceneFile.model_validate_json(contact.attrs["scene"])
         if file.scene.boundary is not None:
             raise InputError("contact: given one with a boundary; allowed: a contact without, or a loaded body")
+        if file.scene.dimension == 2:
+            raise InputError("contact: given one of dimension 2; allowed: a contact of dimension 1, over x alone")
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
         scene, order = file.scene, file.numerics.topography_order
     if body not in names:

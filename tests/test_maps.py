@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba import contact, grid, observables, run, single
+from gfmd_numba import body_fields, contact, grid, observables, run, single
 from gfmd_numba.analysis.plots import plot_contact
 from gfmd_numba.dynamics import Status, equilibrate
 from gfmd_numba.elasticity import stiffness
@@ -197,6 +197,8 @@ def test_file_of_a_map(tmp_path):
         assert np.isnan(dataset["kappa_edges"])
         assert float(dataset["rms_gradient"]) == pytest.approx(0.01)
         figure = plot_contact(dataset)
+        with pytest.raises(InputError, match="dimension 2"):
+            body_fields(dataset)
     assert len(figure.axes) == 4  # two maps and their colour bars
 
 
@@ -211,6 +213,14 @@ def test_file_of_a_map(tmp_path):
             "hard_wall alone",
         ),
         ("method: psd, hurst: 0.8, rms_gradient: 0.01", "method: measured, file: a.npy", "roughness.method", "'psd'"),
+        ("roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}\n", "", "roughness.method", "'psd'"),
+        (
+            "0.33,",
+            "0.33, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01},",
+            "body.roughness",
+            "nothing with dimension 2",
+        ),
+        ("length: 1e-4", "counter_body: {poissons_ratio: 0.3}", "counter_body", "nothing with dimension 2"),
         ("length: 1e-4", "boundary: {normal_traction: 1.0}", "boundary", "nothing with dimension 2"),
         ("length: 1e-4", "numerics: {solver: verlet}", "numerics.solver", "'active_set_newton', 'conjugate_gradients'"),
         ("0.33,", "0.33, state: plane_stress,", "body.state", "'plane_strain'"),

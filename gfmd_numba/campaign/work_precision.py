@@ -46,7 +46,12 @@ class Point:
 
 
 def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
-    """Work-precision studies of the first reference case of a campaign, one thread, in this process."""
+    """Work-precision studies of the first reference case of a campaign, one thread, in this process.
+
+    Raises InputError for a campaign of maps.
+    """
+    if planned.campaign.scene.dimension == 2:
+        raise planned.document.error(("scene", "dimension"), 2, "dimension 1 for `gfmd accuracy`")
     case = next(case for case in planned.cases if case.limit == "reference")
     yield from _solvers(case.problem, realisations)
     for axis in AXES:

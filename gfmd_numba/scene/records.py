@@ -9,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_va
 from gfmd_numba.scene.bodies import check_bodies
 from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.interface_records import Interface
+from gfmd_numba.scene.maps import check_map
 from gfmd_numba.scene.quantities import (
     RECORD,
     AspectRatio,
@@ -99,21 +100,6 @@ class Scene(BaseModel):
     length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
     dimension: Literal[1, 2] = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
 
-    @model_validator(mode="after")
-    def _maps_are_frictionless(self) -> Self:
-        if self.dimension == 1:
-            return self
-        if isinstance(self.roughness, Measured):
-            raise broken_rule(("roughness", "method"), "'psd' with dimension 2; a measured profile has dimension 1")
-        for name in ("exponential", "cohesive", "friction"):
-            if getattr(self.interface, name) is not None:
-                raise broken_rule(("interface", name), f"hard_wall alone with dimension 2; {name} needs dimension 1")
-        if self.boundary is not None:
-            raise broken_rule(("boundary",), "nothing with dimension 2; a boundary needs dimension 1")
-        if self.body.state == "plane_stress":
-            raise broken_rule(("body", "state"), "'plane_strain' with dimension 2, where nothing is plane")
-        return self
-
     @property
     def deformable(self) -> tuple[Body, ...]:
         """The elastic bodies."""
@@ -126,6 +112,8 @@ class Scene(BaseModel):
 
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
+        if self.dimension == 2:
+            check_map(self)
         check_bodies(self)
         return self
 

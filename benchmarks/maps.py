@@ -70,11 +70,12 @@ def one_map(nx):
         seconds, solved = time.perf_counter() - begun, made.equilibrium
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         floor = solved.n_transforms[0] * one_transform(nx)
+        memory = after - before
         print(
             f"{nx}^2, H = {hurst}, p* = 0.007: {seconds:.2f} s, {solved.wall_time[0]:.2f} s of them in the solver, "
-            f"{solved.wall_time[0] / floor:.2f} times its {solved.n_transforms[0]} transforms, {solved.n_iterations[0]} Newton steps, residual "
-            f"{solved.residual[0]:.0e}, {Status(solved.status[0]).name}; at most {(after - before) / 1024:.0f} MB, "
-            f"{(after - before) * 1024 / nx**2:.0f} B a node",
+            f"{solved.wall_time[0] / floor:.2f} times its {solved.n_transforms[0]} transforms, "
+            f"{solved.n_iterations[0]} Newton steps, residual {solved.residual[0]:.0e}, "
+            f"{Status(solved.status[0]).name}; at most {memory / 1024:.0f} MB, {memory * 1024 / nx**2:.0f} B a node",
             flush=True,
         )
 

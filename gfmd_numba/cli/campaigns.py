@@ -39,7 +39,8 @@ def plan(
         whose = " and ".join(differing) or "nothing"
         click.echo(f"shared        {count} cases differ from another one in {whose} alone, which changes no number")
     click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
-    click.echo(f"largest grid  nx = {max(case.discretisation.nx for case in planned.cases)}")
+    largest = max(case.discretisation.nx for case in planned.cases)
+    click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
     if target or budget:

@@ -7,6 +7,7 @@ import xarray as xr
 from gfmd_numba import body_fields, contact, grid, observables, run, single
 from gfmd_numba.analysis.plots import plot_contact
 from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.dynamics.neighbours import Neighbours
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface import Interface
 from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
@@ -147,6 +148,31 @@ def test_rms_gradient_over_the_contact_is_that_of_the_surface_in_full_contact():
     assert observables.rms_gradient_contact(made) == pytest.approx(observables.rms_gradient(made), rel=1e-12)
     assert observables.contact_area_fraction(made) == 1.0
     assert observables.n_segments(made) == 0
+
+
+def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
+    shape, rng = (12, 16), np.random.default_rng(0)
+    nodes = np.flatnonzero(rng.random(shape) < 0.5)
+    for slab in (None, (0.5, 0.01), (0.3, 0.001)):
+        symbol = body(shape, slab)
+        inverse = Neighbours(symbol, shape)
+        inverse.factor(nodes, len(nodes))
+        matrix = np.empty((len(nodes), len(nodes)))
+        for column, unit in zip(matrix, np.eye(len(nodes)), strict=True):
+            inverse.solve(unit, column)
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * matrix.max())
+        assert np.linalg.eigvalsh(matrix).min() > 0.0
+    symbol = body(shape)
+    symbol[0, 0] = symbol[0, 1]
+    near = np.fft.irfft2(symbol, shape)
+    near[2:-1], near[:, 2:-1] = 0.0, 0.0
+    inverse = Neighbours(body(shape), shape)
+    inverse.factor(nodes, len(nodes))
+    given, pressure = np.zeros(shape), np.empty(len(nodes))
+    given.flat[nodes] = u = rng.normal(size=len(nodes))
+    inverse.solve(u, pressure)
+    expected = np.fft.irfft2(np.fft.rfft2(given) * np.fft.rfft2(near), shape).ravel()[nodes]
+    np.testing.assert_allclose(pressure, expected, atol=1e-12)
 
 
 def test_newton_takes_few_transforms():

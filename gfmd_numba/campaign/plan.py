@@ -17,10 +17,10 @@ from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, Problem, self_affine
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
+from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
-_ARRAYS = 16  # of the size of a block that its solver holds
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ class Plan:
     @property
     def worker_bytes(self) -> int:
         """Largest memory a block asks of its worker."""
-        return max(_ARRAYS * 8 * (block.stop - block.first) * block.problem.surface.nodes for block in self.blocks)
+        arrays = ARRAYS_PER_REALISATION[self.campaign.scene.dimension]
+        return max(arrays * 8 * (block.stop - block.first) * block.problem.surface.nodes for block in self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:

@@ -11,7 +11,7 @@ from gfmd_numba.scene.document import Document, Location, read_document
 from gfmd_numba.scene.records import Body, Discretisation, Measured, Roughness, Scene, SceneFile
 from gfmd_numba.scene.validation import nearest, validate
 
-ARRAYS_PER_REALISATION = 16
+ARRAYS_PER_REALISATION = {1: 16, 2: 24}  # of its size, for a profile and a map
 PROFILE_SUFFIXES = (".npy", ".csv", ".nc")
 BOUNDARY_SUFFIXES = (".npy", ".csv")
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
@@ -29,7 +29,7 @@ def check_discretisation(
 
     eps = discretisation.model_dump()
     nx = discretisation.waves["eps_c"]
-    needed, available = 8 * nx**dimension * ARRAYS_PER_REALISATION / 1e9, psutil.virtual_memory().total / 1e9
+    needed, available = 8 * nx**dimension * ARRAYS_PER_REALISATION[dimension] / 1e9, psutil.virtual_memory().total / 1e9
     if needed > available:
         axis = varied or min(eps, key=eps.__getitem__)
         raise document.error(

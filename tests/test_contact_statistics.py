@@ -136,6 +136,11 @@ def test_no_contact_no_statistics():
         gfmd_numba.contact_statistics(xr.Dataset({"x": [0.0]}))
 
 
+def test_a_map_is_no_line_contact(path):
+    with pytest.raises(UnusableDataError, match="no results of a line contact"):
+        gfmd_numba.contact_statistics(path.rename(step="y"))
+
+
 def test_a_failed_run_has_no_statistics(path):
     path = path.assign(status=("step", [0, 1, 0]))
     with pytest.raises(UnusableDataError, match="a run that is not ok"):

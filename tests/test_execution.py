@@ -30,6 +30,7 @@ class Poison:
 
     kind: str
     nx: int = 64
+    dimension: int = 1
 
     @property
     def hurst(self):

@@ -17,6 +17,11 @@ QUICKSTART = (
     ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
     ("[1/256, 1/512, 1/1024, 1/2048]", "[1/16, 1/32, 1/64, 1/128]"),
 )
+CHAPTER_4 = (
+    ("realisations: 30", "realisations: 4"),
+    ("eps_f: 1/1024, eps_t: 1/2}", "eps_f: 1/32, eps_t: 1/2}"),
+    ("[1/512, 1/1024, 1/2048, 1/4096]", "[1/16, 1/32, 1/64, 1/128]"),
+)
 # notebook: campaign, what is shrunk in it, and the commands its first cell names beside `gfmd run`
 NOTEBOOKS = {
     "01-first-campaign": ("quickstart", QUICKSTART, ()),
@@ -27,6 +32,12 @@ NOTEBOOKS = {
             "fit quickstart -o quickstart/fit.nc",
             "fit quickstart --variable kappa_r -o quickstart/fit_r.nc",
         ),
+    ),
+    "03-thesis-revisited": ("thesis-chapter4", CHAPTER_4, ()),
+    "04-what-accuracy-costs": (
+        "quickstart",
+        QUICKSTART,
+        ("accuracy quickstart.yaml -o quickstart/accuracy.nc --realisations 8",),
     ),
 }
 

@@ -51,7 +51,7 @@ def spread(values):
 
 
 def two_workers_against_one(folder):
-    path = campaign(folder, 128, "1/512", 20, 10)
+    path = campaign(folder, 64, "1/512", 20, 10)
     timed(path, folder / "warm", 2)
     ratios = []
     for i in range(REPEATS):
@@ -65,7 +65,7 @@ def two_workers_against_one(folder):
 
 
 def overhead(folder):
-    path = campaign(folder, 128, "1/4096", 4, 2)
+    path = campaign(folder, 64, "1/4096", 4, 2)
     shares = []
     for i in range(REPEATS):
         _, attributes = timed(path, folder / f"overhead{i}", 1)

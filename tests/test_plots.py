@@ -255,3 +255,17 @@ def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
     box = figure.legends[0].get_window_extent()
     assert box.x0 >= 0
     assert box.x1 <= figure.bbox.width
+
+
+def test_many_groups_leave_the_panels_their_height(campaign):
+    """A legend of dozens of lines above panels of no height would be a warning, and no picture."""
+    n = campaign.sizes["case"]
+    copies = [
+        campaign.assign_coords(
+            reduced_pressure=("case", np.full(n, load)), case_id=("case", [f"{load}-{case}" for case in range(n)])
+        )
+        for load in np.geomspace(0.001, 1.0, 24)
+    ]
+    figure = plot_campaign(xr.concat(copies, "case"))
+    figure.canvas.draw()
+    assert figure.axes[0].get_position().height * figure.get_figheight() > 2.0

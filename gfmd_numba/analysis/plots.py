@@ -54,6 +54,7 @@ _PREFIXES = (
 )
 
 _Look = dict[str, Any]
+_LINE = 0.22  # inches of a line of the legend
 
 
 def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: str = "kappa") -> Figure:
@@ -91,6 +92,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         longest = max(len(str(handle.get_label()).replace("\\", "")) for handle in handles)
         fitting = max(1, int(figure.get_figwidth() / (0.6 + 0.085 * longest)))  # inches of a column of the legend
         rows = -(-len(handles) // fitting)
+        figure.set_figheight(4.6 + _LINE * max(0, rows - 3))  # the panels keep their height
         figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
     return figure
 

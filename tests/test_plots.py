@@ -257,7 +257,7 @@ def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
     assert box.x1 <= figure.bbox.width
 
 
-def test_many_groups_leave_the_panels_their_height(campaign):
+def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
     """A legend of dozens of lines above panels of no height would be a warning, and no picture."""
     n = campaign.sizes["case"]
     copies = [
@@ -267,5 +267,5 @@ def test_many_groups_leave_the_panels_their_height(campaign):
         for load in np.geomspace(0.001, 1.0, 24)
     ]
     figure = plot_campaign(xr.concat(copies, "case"))
-    figure.canvas.draw()
-    assert figure.axes[0].get_position().height * figure.get_figheight() > 2.0
+    figure.savefig(tmp_path / "many.png", dpi=50)
+    assert figure.axes[0].get_position().height * figure.get_figheight() > 2.5

@@ -54,7 +54,7 @@ _PREFIXES = (
 )
 
 _Look = dict[str, Any]
-_LINE = 0.22  # inches of a line of the legend
+_LINE = 0.34  # inches of a line of the legend
 
 
 def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: str = "kappa") -> Figure:

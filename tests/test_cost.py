@@ -1,5 +1,7 @@
 """The predicted cost of a campaign, and the tasks it is cut into."""
 
+import time
+
 import numpy as np
 import pytest
 from test_campaign import campaign
@@ -20,7 +22,7 @@ def unmeasured(tmp_path, monkeypatch):
     (tmp_path / "cache").mkdir()
     asked = []
 
-    def law(problem):
+    def law(problem, timeout):
         asked.append(problem.identity)
         noise = np.random.default_rng(int(problem.identity, 16)).normal(0.0, 0.1)
         return true_seconds(problem) * np.exp(noise)
@@ -86,3 +88,25 @@ def test_tasks_are_of_about_equal_time_and_hold_every_block_once(tmp_path, unmea
     longest = max(seconds((block,)) for block in blocks)
     assert planned.wall_time(found, total, 2) == pytest.approx(total / 2)
     assert planned.wall_time(found, total, 10**6) == pytest.approx(longest)
+
+
+def test_a_problem_that_fails_in_the_pilot_is_predicted_as_the_others(tmp_path, monkeypatch):
+    """And one that takes too long; what is wrong with it is for the run to say."""
+    monkeypatch.setattr("gfmd_numba.cache.directory", lambda: tmp_path / "cache")
+    (tmp_path / "cache").mkdir()
+    planned = plan(campaign(tmp_path))
+    broken, slow = planned.problems[:2]
+    solve = cost.solve
+
+    def poisoned(problem, realisations):
+        if problem == broken:
+            raise ZeroDivisionError("poison")
+        if problem == slow:
+            time.sleep(60)
+        return solve(problem, realisations)
+
+    monkeypatch.setattr(cost, "solve", poisoned)
+    wanted = [1000] * len(planned.problems)
+    found = cost.predict(planned.problems, wanted, 20.0, lambda problems: None, timeout=1.0)
+    assert found.pilot == len(planned.problems) - 2
+    assert found.seconds.keys() == {problem.identity for problem in planned.problems}

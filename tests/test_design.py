@@ -97,6 +97,12 @@ def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
     assert gfmd("plan", path, "--budget", "10s").exit_code == 0
 
 
+def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
+    said = gfmd("plan", campaign_file(tmp_path), "--target=kappa_r=2%")
+    assert said.exit_code == 2
+    assert "--target: given kappa_r; allowed: kappa, as the campaign fits that" in said.output
+
+
 @pytest.mark.parametrize("option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3d"])
 def test_malformed_goals(tmp_path, option):
     said = gfmd("plan", campaign_file(tmp_path), option)

@@ -6,6 +6,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import dataclass, replace
 
@@ -84,6 +85,17 @@ def test_poison_in_this_process(tmp_path, sound, monkeypatch):
     failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=0.5)
     assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
     assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+
+
+def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
+    """Outside the main thread nothing stops a block gently: it is then let run."""
+    failures = []
+    thread = threading.Thread(
+        target=lambda: failures.append(perform_all(sound[:1], tmp_path, Workers(0), timeout=1e-6))
+    )
+    thread.start()
+    thread.join()
+    assert failures == [{}]
 
 
 @pytest.mark.parametrize("workers", [0, 2])

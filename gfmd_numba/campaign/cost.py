@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from gfmd_numba import cache
 from gfmd_numba.campaign import shards
+from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import measure
@@ -53,12 +54,17 @@ class Cost:
 
 
 def predict(
-    problems: list[Problem], realisations: list[int], budget: float, warm: Callable[[list[Problem]], None]
+    problems: list[Problem],
+    realisations: list[int],
+    budget: float,
+    warm: Callable[[list[Problem]], None],
+    timeout: float | None = None,
 ) -> Cost:
     """Predicted cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
     The pilot takes no more than a tenth of the work itself unless that tells nothing. `warm` is called before
-    anything is timed. Earlier pilots on this machine are remembered.
+    anything is timed. Earlier pilots on this machine are remembered. A problem that fails, or takes longer than
+    `timeout` seconds, is predicted as the others.
     """
     x = _features(problems)
     identities = [problem.identity for problem in problems]
@@ -66,6 +72,7 @@ def predict(
     seconds = np.array([remembered.get(identity, np.nan) for identity in identities])
     weight = np.array(realisations, dtype=float)
     missing = np.isnan(seconds)
+    fit_to_measure = np.ones(len(problems), dtype=bool)
     begun = None
     while missing.any() and (known := len(problems) - missing.sum()) < _MOST_PILOTS:
         mean = np.exp(x @ _regression(x, seconds)[0])
@@ -73,20 +80,29 @@ def predict(
             warm(problems)
             begun = time.perf_counter()
         left = budget if known < _LEAST_PILOTS else min(budget, 0.1 * float(weight @ mean))
-        affordable = missing & (_REALISATIONS * mean <= left - (time.perf_counter() - begun))
+        affordable = missing & fit_to_measure & (_REALISATIONS * mean <= left - (time.perf_counter() - begun))
         if not affordable.any():
             break
         i = _most_informative(x, ~missing, affordable)
-        seconds[i] = remembered[identities[i]] = _measured(problems[i])
-        missing[i] = False
+        measured = _measured(problems[i], timeout)
+        if measured is None:
+            fit_to_measure[i] = False
+        else:
+            seconds[i] = remembered[identities[i]] = measured
+            missing[i] = False
     if begun is not None:
         _remember(remembered)
     return _cost(x, seconds, weight, identities)
 
 
-def _measured(problem: Problem) -> float:
-    begun = time.thread_time()  # of the processor: what else the machine does is no cost of the campaign
-    measure(solve(problem, range(_REALISATIONS)))
+def _measured(problem: Problem, timeout: float | None) -> float | None:
+    """Seconds of the processor a realisation, whatever else the machine does; None where it fails or takes too long."""
+    begun = time.thread_time()
+    try:
+        with watched(timeout):
+            measure(solve(problem, range(_REALISATIONS)))
+    except Exception:  # the run itself will say which, and why
+        return None
     return (time.thread_time() - begun) / _REALISATIONS
 
 

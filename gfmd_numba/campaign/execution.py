@@ -42,10 +42,11 @@ def shard_path(directory: Path, block: Block) -> Path:
     return directory / "shards" / f"{block.name}.shard"
 
 
-def perform(task: Task, directory: Path, timeout: float | None) -> Failures:
+def perform(task: Task, directory: Path, timeout: float | None, mortal: bool = True) -> Failures:
     """Solve blocks one after another and store their measures, unless a sound shard is there; returns what failed.
 
-    An OSError is raised: a disk that fails one block fails them all.
+    A `mortal` process ends itself if nothing else stops a block after `timeout` seconds. An OSError is raised: a disk
+    that fails one block fails them all.
     """
     failures = {}
     for block in task:
@@ -53,7 +54,7 @@ def perform(task: Task, directory: Path, timeout: float | None) -> Failures:
         if shards.read(path) is not None:
             continue
         try:
-            with watched(timeout, _trace(directory, block.name)):
+            with watched(timeout, _trace(directory, block.name) if mortal else None):
                 begun = time.thread_time()
                 measures = measure(solve(block.problem, range(block.first, block.stop)))
                 measures[SECONDS] = np.array([time.thread_time() - begun])
@@ -82,7 +83,7 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
         return
     if workers.count == 0 and workers.address is None:
         for task in tasks:
-            if not finished(len(task), perform(task, directory, timeout)):
+            if not finished(len(task), perform(task, directory, timeout, mortal=False)):
                 return
         return
     with connected(workers.count, workers.address, workers.insecure, directory) as client:

@@ -102,7 +102,8 @@ class Plan:
 
     def predicted_cost(self, budget: float) -> Cost:
         """Cost on this machine, from a pilot of at most `budget` seconds."""
-        return predict(self.problems, [self.demand[p.identity] for p in self.problems], budget, compile_kernels)
+        wanted = [self.demand[problem.identity] for problem in self.problems]
+        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout)
 
     def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
         """Time in s that workers need for some processor time: at least that of the longest block."""

@@ -14,11 +14,12 @@ class TooLongError(Exception):
 
 
 @contextmanager
-def watched(timeout: float | None, trace: Path) -> Iterator[None]:
+def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
     """Stop what runs inside after `timeout` seconds.
 
-    In the main thread by TooLongError. In another one, as in a dask worker, nothing short of the process's end stops
-    compiled code: where it was is then written to `trace`.
+    In the main thread by TooLongError. In that of a dask worker nothing short of the process's end stops compiled
+    code: where it was is then written to `trace`. A process that is not to be ended has no trace, and no time-out
+    outside its main thread.
     """
     if timeout is None:
         yield
@@ -30,6 +31,8 @@ def watched(timeout: float | None, trace: Path) -> Iterator[None]:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, before)
+    elif trace is None:
+        yield
     else:
         with open(trace, "w") as file:
             faulthandler.dump_traceback_later(timeout, exit=True, file=file)

@@ -54,18 +54,18 @@ conditions_option = click.option(
 )
 
 
-def _target_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:
-    """Return a relative error, given as `2%`, `kappa=2%` or `0.02`."""
+def _target_given(ctx: click.Context, param: click.Parameter, option: str | None) -> tuple[str, float] | None:
+    """Return of what, and the relative error, given as `kappa=2%`; without a name of what the campaign fits."""
     if option is None:
         return None
-    number = option.rpartition("=")[2]
+    name, _, number = option.rpartition("=")
     try:
         target = float(number.rstrip("%")) / (100.0 if number.endswith("%") else 1.0)
     except ValueError:
         target = 0.0
     if not 0.0 < target < 1.0:
         raise click.BadParameter(f"given {option!r}; allowed: a relative error like kappa=2% or 0.02")
-    return target
+    return name, target
 
 
 def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @budget_option
 @click.option("--write", type=click.Path(dir_okay=False, path_type=Path), help="Campaign file of that design")
 def plan(
-    file: Path, workers: int, pilot: float, target: float | None, budget: float | None, write: Path | None
+    file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None, write: Path | None
 ) -> None:
     """Say what the campaign in FILE comes to and costs, without running it."""
     from gfmd_numba.campaign.plan import plan as plan_campaign
@@ -44,7 +44,8 @@ def plan(
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
     if target or budget:
-        _show_design(planned, target, budget, workers, write)
+        _check_target(planned, target[0] if target else "")
+        _show_design(planned, target[1] if target else None, budget, workers, write)
     elif pilot:
         _show_cost(planned, workers, pilot)
     for effect in planned.effects[:_MOST_EFFECTS]:
@@ -63,6 +64,16 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
     walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
     click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine")
+
+
+def _check_target(planned: Plan, name: str) -> None:
+    from gfmd_numba.scene import InputError
+
+    fitted = planned.campaign.fit.variable
+    if name not in ("", fitted):
+        raise InputError(
+            f"--target: given {name}; allowed: {fitted}, as the campaign fits that (another: `fit: {{variable: ...}}`)"
+        )
 
 
 def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
@@ -150,11 +161,12 @@ def run(
     unstable = dataset["n_iterations"].where(status == meanings.index("unstable"))
     if unstable.notnull().any():
         first = f"the first after {int(unstable.min())} iterations"
-        click.echo(f"gfmd: {int(unstable.count())} are unstable, {first}: lower numerics.time_step", err=True)
+        remedy = "lower numerics.time_step, or press an incompressible slab no deeper than its volume allows"
+        click.echo(f"gfmd: {int(unstable.count())} are unstable, {first}: {remedy}", err=True)
     if not_ok:
         click.echo(
             f"gfmd: {not_ok} of {status.size} simulations are not ok, see `status` in the file; "
-            f"`gfmd status {results.parent}` says how to run them again",
+            f"`gfmd status {results.parent}` says how to run crashed ones again",
             err=True,
         )
         sys.exit(SOME_FAILED)

@@ -9,14 +9,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from gfmd_numba.analysis.least_squares import Block, best_fit, covariance_of_levels, project, whitened
+from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
 from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataError, collect
 from gfmd_numba.analysis.tfc import exponent_range
 
 _SHARES = (1.0, 1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)  # realisations of a limit over those of the reference
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.9  # that the target is met, as the pilot knows the scatter only roughly
-_DRAWS = 100
+_MOST = 10**6  # realisations: more are no plan
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class _Ensemble:
     covariance: Array  # (case, case) of one realisation
     columns: Array  # (case, parameter) of the linearised fit
     limit: NDArray[np.str_]  # (case)
+    known: Array  # (parameter) what is known of each before the campaign: 1 / variance
     kappa: float
-    exponents: float  # relative error from not knowing the exponents
     doubt: float  # factor on variances
 
 
@@ -56,13 +56,13 @@ def cheapest_design(
     """Return the cheapest realisations by which every group's relative error of kappa_tfc is below a target.
 
     `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
-    UnusableDataError where no number of realisations reaches it: what the exponents leave open is then too much.
+    UnusableDataError where a million realisations do not reach it.
     """
     ensembles = _ensembles(pilot, variable, fixed or {})
-    worst = max(ensemble.exponents for ensemble in ensembles)
-    if worst >= target:
+    most = _described(ensembles, _price(pilot, seconds), _counts(dict.fromkeys(LIMITS, 1.0), _MOST))
+    if most.error >= target:
         raise UnusableDataError(
-            f"given a target of {target:.2%}, where not knowing the exponents alone makes {worst:.2%}; "
+            f"given a target of {target:.2%}, where {_MOST} realisations of all cases leave {most.error:.2%}; "
             "allowed: a larger one, finer levels, or narrower ranges under `fit: {fixed: ...}`"
         )
     price = _price(pilot, seconds)
@@ -121,31 +121,21 @@ def _ensemble(
     log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
     block = whitened(values, log_ratio, np.arange(len(names)))
     ends = np.array([ranges.get(name, (np.nan, np.nan)) for name in names])
-    free = np.flatnonzero(np.isnan(ends[:, 0]))
-    alpha = best_fit([block], ends.mean(axis=1), free)
+    alpha = best_fit([block], ends)
     beta = project([block], alpha)[2][0]
     powers = np.exp(log_ratio * alpha)
-    slopes = (log_ratio * powers * beta[1:])[:, free]  # an exponent that is searched for costs certainty as well
-    rng = np.random.default_rng(0)
-    drawn = []
-    for _ in range(_DRAWS):
-        trial = alpha.copy()
-        known = np.flatnonzero(~np.isnan(ends[:, 0]))
-        trial[known] = ends[known, 0] + (ends[known, 1] - ends[known, 0]) * rng.random(known.size)
-        drawn.append(_extrapolated(block, trial))
+    unsure = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    slopes = (log_ratio * powers * beta[1:])[:, unsure]  # an exponent that is not known costs certainty as well
+    width = ends[unsure, 1] - ends[unsure, 0]
     n = len(values)
     return _Ensemble(
         covariance_of_levels(values),
         np.column_stack([np.ones(len(powers)), powers, slopes]),
         limit,
+        np.concatenate([np.zeros(1 + len(names)), np.nan_to_num(12.0 / width**2)]),  # of a uniform distribution
         float(beta[0]),
-        float(np.std(drawn) / abs(beta[0])),
         float((n - 1) / chi2.ppf(1 - _CONFIDENCE, n - 1)),
     )
-
-
-def _extrapolated(block: Block, alpha: Array) -> float:
-    return float(project([block], alpha)[2][0][0])
 
 
 def _counts(share: Mapping[str, float], reference: int) -> dict[str, int]:
@@ -162,8 +152,8 @@ def _cost(price: Mapping[str, float], counts: Mapping[str, int]) -> float:
     return sum(price[name] * count for name, count in counts.items())
 
 
-def _sampling(ensemble: _Ensemble, counts: Mapping[str, int]) -> float:
-    """Return the relative sampling error of kappa_tfc of nested realisations."""
+def _errors(ensemble: _Ensemble, counts: Mapping[str, int]) -> tuple[float, float]:
+    """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
     asked = np.array([counts[limit] for limit in ensemble.limit])
     information = np.zeros_like(ensemble.covariance)
     before = 0
@@ -174,9 +164,13 @@ def _sampling(ensemble: _Ensemble, counts: Mapping[str, int]) -> float:
     fewest, controlled = asked.min(), (asked == asked.min()).sum() if asked.min() < asked.max() else 0
     # how a dear level goes with the cheap ones is told by the fewest surfaces (Lavenberg and Welch 1981)
     loss = (fewest - 2) / max(1, fewest - controlled - 2)
-    x = ensemble.columns
-    variance = np.linalg.pinv(x.T @ information @ x)[0, 0]
-    return float(np.sqrt(ensemble.doubt * loss * variance) / abs(ensemble.kappa))
+    information /= ensemble.doubt * loss
+    sure = ensemble.known == 0
+    variances = []
+    for x, known in ((ensemble.columns, ensemble.known), (ensemble.columns[:, sure], ensemble.known[sure])):
+        variances.append(np.linalg.pinv(x.T @ information @ x + np.diag(known), hermitian=True)[0, 0])
+    total, sampling = np.sqrt(variances) / abs(ensemble.kappa)
+    return float(total), float(sampling)
 
 
 def _enough(
@@ -193,18 +187,18 @@ def _enough(
 
 
 def _meets(ensembles: Sequence[_Ensemble], counts: Mapping[str, int], target: float) -> bool:
-    return all(_sampling(e, counts) ** 2 + e.exponents**2 <= target**2 for e in ensembles)
+    return all(_errors(ensemble, counts)[0] <= target for ensemble in ensembles)
 
 
 def _described(ensembles: Sequence[_Ensemble], price: Mapping[str, float], counts: dict[str, int]) -> Design:
-    worst = max(ensembles, key=lambda e: _sampling(e, counts) ** 2 + e.exponents**2)
-    sampling = _sampling(worst, counts)
+    worst = max(ensembles, key=lambda ensemble: _errors(ensemble, counts)[0])
+    total, sampling = _errors(worst, counts)
     relief = {
-        name: sampling**2 - _sampling(worst, {**counts, name: 1000 * count}) ** 2
+        name: total**2 - _errors(worst, {**counts, name: 1000 * count})[0] ** 2
         for name, count in counts.items()
         if name in worst.limit
     }
-    relief["exponents"] = worst.exponents**2
-    total = float(np.hypot(sampling, worst.exponents))
+    relief["exponents"] = max(0.0, total**2 - sampling**2)
     limiting = max(relief, key=lambda name: relief[name])
-    return Design(counts, total, sampling, worst.exponents, _cost(price, counts), limiting)
+    exponents = float(np.sqrt(relief["exponents"]))
+    return Design(counts, total, sampling, exponents, _cost(price, counts), limiting)

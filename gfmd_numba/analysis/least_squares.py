@@ -148,36 +148,52 @@ def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[A
     return np.concatenate(residuals), np.concatenate(jacobians), coefficients
 
 
-def best_fit(blocks: Sequence[Block], alpha: Array, free: NDArray[np.intp]) -> Array:
-    """Return the exponents with the least sum of squares, the free ones searched from several starts."""
+def best_fit(blocks: Sequence[Block], ends: Array) -> Array:
+    """Return the exponents with the least sum of squares, the free ones searched from several starts.
+
+    `ends` (limit, 2) are those of the range of each exponent: equal, nan for a free one, or of a range, within which
+    an exponent is searched that is known to be in it, its middle the best guess.
+    """
+    free = np.flatnonzero(np.isnan(ends[:, 0]))
     found = []
     for start in product(_STARTS, repeat=free.size):
-        trial = alpha.copy()
+        trial = ends.mean(axis=1)
         trial[free] = start
-        found.append(search(blocks, trial, free))
+        found.append(search(blocks, trial, ends))
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Array, free: NDArray[np.intp]) -> tuple[Array, float]:
-    """Return the exponents (free ones start from alpha, stay inside BOUNDS) and the sum of squares."""
-    if not free.size:
+def search(blocks: Sequence[Block], alpha: Array, ends: Array) -> tuple[Array, float]:
+    """Return the exponents (those not exact start from alpha, stay between their ends) and the sum of squares.
+
+    For an exponent known to a range alpha is the guess, and its distance counts in the sum over the range's variance:
+    guesses drawn from the range, beside data drawn from the sample, give the distribution of the exponent (Bardsley,
+    Solonen, Haario & Laine 2014).
+    """
+    moving = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    if not moving.size:
         return alpha, 0.0
+    known = np.isfinite(ends[moving, 0])
+    low, high = np.where(known[:, np.newaxis], ends[moving], BOUNDS).T
+    span = np.log(high / low)
+    certainty = np.where(known, np.sqrt(12.0) / (high - low), 0.0)  # a uniform distribution's
 
     def exponents(position: Array) -> Array:
         trial = alpha.copy()
-        trial[free] = BOUNDS[0] * np.exp(_SPAN * expit(position.clip(-20, 20)))
+        trial[moving] = low * np.exp(span * expit(position.clip(-20, 20)))
         return trial
 
     def residuals(position: Array) -> Array:
-        return project(blocks, exponents(position))[0]
+        trial = exponents(position)
+        return np.concatenate([project(blocks, trial)[0], certainty * (trial - alpha)[moving]])
 
     def jacobian(position: Array) -> Array:
         trial = exponents(position)
         inside = expit(position.clip(-20, 20))
-        slope: Array = trial[free] * _SPAN * inside * (1 - inside)
-        return project(blocks, trial)[1][:, free] * slope
+        slope: Array = trial[moving] * span * inside * (1 - inside)
+        return np.concatenate([project(blocks, trial)[1][:, moving], np.diag(certainty)]) * slope
 
-    fraction = (np.log(alpha[free] / BOUNDS[0]) / _SPAN).clip(1e-3, 1 - 1e-3)
+    fraction = (np.log(alpha[moving] / low) / span).clip(1e-3, 1 - 1e-3)
     start = np.log(fraction / (1 - fraction))
     # the logistic map keeps alpha in bounds, so that MINPACK can be used: five times faster than "trf" here
     found = least_squares(residuals, start, jacobian, method="lm", ftol=1e-14, xtol=1e-14, gtol=1e-14, max_nfev=100)

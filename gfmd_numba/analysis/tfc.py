@@ -37,7 +37,8 @@ def fit_tfc(
 ) -> xr.Dataset:
     """Fit thesis (4.3) to each group's case means, with errors from a paired bootstrap over realisations.
 
-    An exponent fixed to a range (low, high) is taken in its middle, and the errors include not knowing it.
+    Of an exponent fixed to a range (low, high) every value in it counts by how well it fits, and the errors include
+    not knowing it.
     Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
     the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
     campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: kappa_tfc,
@@ -92,7 +93,7 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
     ends = np.array([ranges.get(name, (np.nan, np.nan)) for name in names])
     free = np.flatnonzero(np.isnan(ends[:, 0]))
     blocks = [_block(group, group.values[group.complete], names) for group in groups]
-    alpha = best_fit(blocks, ends.mean(axis=1), free)
+    alpha = best_fit(blocks, ends)
     estimate = _estimates(groups, blocks, alpha)
     sample = _bootstrap(groups, names, ends, alpha, bootstrap, seed)
     error = sample.std(axis=0, ddof=1)
@@ -136,15 +137,14 @@ def _bootstrap(
         strata = [pool[kind.ravel() == index] for index in range(kind.max() + 1)]  # each design its own realisations
         # n - 1 draws from n: then the bootstrap variance of a mean is s^2/n without bias (Rao and Wu 1988)
         draws = np.hstack([rng.choice(alike, (number, max(1, alike.size - 1))) for alike in strata])
-        # an exponent fixed to a range differs between replicates, so that the errors include not knowing it
+        # what is guessed of an exponent fixed to a range differs between replicates: errors include not knowing it
         starts = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((number, len(ends)))
-        free = np.flatnonzero(np.isnan(ends[:, 0]))
-        starts[:, free] = alpha[free]
+        starts = np.where(np.isnan(starts), alpha, starts)
         for draw, start in zip(draws, starts, strict=True):
             values = [group.values[draw[group.complete[draw]]] for group in groups]
             if all(len(each) for each in values):
                 blocks = [_block(*pair, names) for pair in zip(groups, values, strict=True)]
-                sample.append(_estimates(groups, blocks, search(blocks, start, free)[0]))
+                sample.append(_estimates(groups, blocks, search(blocks, start, ends)[0]))
     if len(sample) < 2:
         return np.full((2, len(groups), 1 + 3 * len(LIMITS)), np.nan)
     estimates = np.array(sample)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from test_campaign import campaign as campaign_file
-from test_tfc import ALPHA, campaign, noisy, ragged
+from test_tfc import ALPHA, campaign, noisy
 
 from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
 from gfmd_numba.cli import main
@@ -21,17 +21,32 @@ def pilot(seed=0, n=24):
 
 def achieved(design, seeds=40):
     """Relative scatter of kappa_tfc over repeated campaigns of a design."""
-    counts = dict(design.realisations)
-    reference = counts.pop("reference")
-    found = [
-        fit_tfc(
-            ragged(noisy(campaign(realisations=reference, **CAMPAIGN), np.random.default_rng(1000 + seed)), **counts),
-            fixed=ALPHA,
-            bootstrap=0,
-        )["kappa_tfc"].item()
-        for seed in range(seeds)
-    ]
+    found = []
+    for seed in range(seeds):
+        dataset = noisy(campaign(realisations=most(design), **CAMPAIGN), np.random.default_rng(1000 + seed))
+        found.append(fit_tfc(left(dataset, design), fixed=ALPHA, bootstrap=0)["kappa_tfc"].item())
     return np.std(found, ddof=1) / 2.0
+
+
+def most(design):
+    return max(design.reference, *(count for levels in design.levels.values() for count in levels.values()))
+
+
+def asked(dataset, design):
+    """Realisations of each case of a dataset in a design."""
+    counts = [
+        design.levels[limit][float(dataset[limit][i])] if limit in design.levels else design.reference
+        for i, limit in enumerate(dataset["limit"].values.tolist())
+    ]
+    return np.array(counts)
+
+
+def left(dataset, design):
+    """What a campaign of that design has of a dataset."""
+    counts = asked(dataset, design)
+    kept = np.arange(dataset.sizes["realisation"]) < counts[:, None]
+    dataset = dataset.assign(kappa=dataset["kappa"].where(kept)).assign_coords(realisations=("case", counts))
+    return dataset.isel(case=counts > 0)
 
 
 def test_the_target_is_met():
@@ -44,9 +59,24 @@ def test_the_target_is_met():
 def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
     dataset, seconds = pilot()
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
-    assert design.realisations["eps_c"] < design.realisations["reference"] / 3
-    counts = dict.fromkeys(("reference", "eps_c", "eps_f", "eps_t"), design.realisations["reference"])
-    assert design.seconds < 0.8 * sum(seconds) * counts["reference"]
+    many = noisy(campaign(realisations=200, **CAMPAIGN), np.random.default_rng(1))
+    error = fit_tfc(many, fixed=ALPHA, bootstrap=100)["kappa_tfc_error"].item() / 2.0
+    assert design.seconds < 0.7 * sum(seconds) * 200 * (error / 0.01) ** 2
+
+
+def test_the_price_is_that_of_the_realisations():
+    dataset, seconds = pilot()
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
+
+
+def test_a_level_that_costs_much_and_tells_little_is_left_out():
+    levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
+    dataset = noisy(campaign(realisations=24, levels=levels), np.random.default_rng(5))
+    seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    assert design.levels["eps_c"][1 / 4096] == 0
+    assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
 
 
 def test_half_the_error_costs_four_times_as_much():
@@ -85,7 +115,7 @@ def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
     planned = tmp_path / "planned.yaml"
     said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
     assert said.exit_code == 0, said.output
-    for line in ("realisations  reference ", "error ", "residual ", "price         1.0%: "):
+    for line in ("realisations  reference: ", "error ", "residual ", "price         1.0%: "):
         assert line in said.output
     assert "target: 0.08 " in planned.read_text()
     ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")

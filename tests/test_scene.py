@@ -169,7 +169,7 @@ def test_campaign_loads(tmp_path):
     assert campaign.grid.aspect_ratio == (0.5, 1, 4, inf)
     assert campaign.limits.eps_t == (1, 0.5, 0.25, 0.125)
     assert campaign.n_cases == 12 * (1 + 2 + 1 + 3)
-    visited = [(d.eps_c, d.eps_f, d.eps_t, limit) for d, _, limit in campaign.discretisations()]
+    visited = [(d.eps_c, d.eps_f, d.eps_t, limit) for d, _, limit, _ in campaign.discretisations()]
     assert visited == [
         (0.5, 1 / 1024, 0.5, None),
         (1, 1 / 1024, 0.5, "eps_c"),
@@ -187,7 +187,7 @@ def test_grid_discretisations_are_a_product(tmp_path):
     )
     campaign, _ = load_campaign(write(tmp_path, text))
     assert campaign.n_cases == 24 * (1 + 1 + 3)
-    assert [d.eps_c for d, _, _ in campaign.discretisations()] == 5 * [1] + 5 * [0.5]
+    assert [d.eps_c for d, *_ in campaign.discretisations()] == 5 * [1] + 5 * [0.5]
 
 
 def test_fit_has_defaults_and_exponents_may_be_ranges(tmp_path):

@@ -1,8 +1,7 @@
-"""How many realisations of each limit reach an accuracy at the least cost, from a few realisations of every case."""
+"""How many realisations of each level reach an accuracy at the least cost, from a few realisations of every case."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -13,20 +12,24 @@ from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, pr
 from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataError, collect
 from gfmd_numba.analysis.tfc import exponent_range
 
-_SHARES = (1.0, 1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32)  # realisations of a limit over those of the reference
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.9  # that the target is met, as the pilot knows the scatter only roughly
 _MOST = 10**6  # realisations: more are no plan
+_GAIN = 0.998  # of the error, for which another share of a level is worth taking
+
+Level = tuple[str, float]  # a limit and its eps, or ("reference", nan)
 
 
 @dataclass(frozen=True)
 class Design:
-    """Realisations of the reference and of each limit, the relative error of kappa_tfc they give, and their cost in s.
+    """Realisations of the reference and of each level, the relative error of kappa_tfc they give, and their cost in s.
 
-    `sampling` and `exponents` are the parts of the error, `limiting` says what it mostly comes from.
+    Levels of 0 are not worth their cost. `sampling` and `exponents` are the parts of the error, `limiting` says what
+    it mostly comes from.
     """
 
-    realisations: dict[str, int]
+    reference: int
+    levels: dict[str, dict[float, int]]  # limit -> eps -> realisations
     error: float
     sampling: float
     exponents: float
@@ -40,10 +43,23 @@ class _Ensemble:
 
     covariance: Array  # (case, case) of one realisation
     columns: Array  # (case, parameter) of the linearised fit
-    limit: NDArray[np.str_]  # (case)
+    level: NDArray[np.intp]  # (case)
     known: Array  # (parameter) what is known of each before the campaign: 1 / variance
     kappa: float
     doubt: float  # factor on variances
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """Of what a design is chosen: the groups, the levels, and the seconds of one realisation of each level."""
+
+    ensembles: list[_Ensemble]
+    levels: list[Level]
+    price: Array
+
+    def error(self, counts: Array) -> float:
+        """Relative error of the group that has the largest."""
+        return max(_errors(ensemble, counts)[0] for ensemble in self.ensembles)
 
 
 def cheapest_design(
@@ -58,16 +74,18 @@ def cheapest_design(
     `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
     UnusableDataError where a million realisations do not reach it.
     """
-    ensembles = _ensembles(pilot, variable, fixed or {})
-    most = _described(ensembles, _price(pilot, seconds), _counts(dict.fromkeys(LIMITS, 1.0), _MOST))
-    if most.error >= target:
+    choice = _choice(pilot, seconds, variable, fixed)
+    least = choice.error(np.full(len(choice.levels), float(_MOST)))
+    if least >= target:
         raise UnusableDataError(
-            f"given a target of {target:.2%}, where {_MOST} realisations of all cases leave {most.error:.2%}; "
+            f"given a target of {target:.2%}, where {_MOST} realisations of all cases leave {least:.2%}; "
             "allowed: a larger one, finer levels, or narrower ranges under `fit: {fixed: ...}`"
         )
-    price = _price(pilot, seconds)
-    designs = [_enough(ensembles, price, share, target) for share in _shares(pilot)]
-    return min(designs, key=lambda design: design.seconds)
+    shares = choice.price**-0.5
+    for _ in range(2):  # the best shares depend on the budget, hardly
+        budget = _enough(choice, shares, target)
+        shares = _best_shares(choice, shares, budget)
+    return _described(choice, np.ceil(_counts(choice, shares, _enough(choice, shares, target))))
 
 
 def best_design(
@@ -81,26 +99,44 @@ def best_design(
 
     UnusableDataError where the fewest realisations that make sense cost more.
     """
-    ensembles = _ensembles(pilot, variable, fixed or {})
-    price = _price(pilot, seconds)
-    found = []
-    for share in _shares(pilot):
-        reference = int(1000 * budget / _cost(price, _counts(share, 1000)))
-        while reference >= _FEWEST and _cost(price, _counts(share, reference)) > budget:
-            reference -= max(1, reference // 100)
-        if reference >= _FEWEST:
-            found.append(_described(ensembles, price, _counts(share, reference)))
-    if not found:
-        least = _cost(price, dict.fromkeys(("reference", *LIMITS), _FEWEST))
+    choice = _choice(pilot, seconds, variable, fixed)
+    shares = choice.price**-0.5
+    for level in np.argsort(-choice.price):  # the dearest levels go first
+        if _FEWEST * choice.price[shares > 0].sum() > budget and _may_go(choice, shares, level):
+            shares[level] = 0.0
+    least = _FEWEST * choice.price[shares > 0].sum()
+    if least > budget:
         raise UnusableDataError(f"given a budget of {budget:.3g} s; allowed: at least {least:.3g} s of processor time")
-    return min(found, key=lambda design: design.error)
+    return _described(choice, np.floor(_counts(choice, _best_shares(choice, shares, budget), budget)))
 
 
-def _shares(pilot: xr.Dataset) -> list[dict[str, float]]:
-    """Return shares of the realisations; a limit that is not varied has no say."""
-    varied = [limit in pilot["limit"].values for limit in LIMITS]
-    shares = product(*(_SHARES if there else (1.0,) for there in varied))
-    return [dict(zip(LIMITS, share, strict=True)) for share in shares]
+def _choice(
+    pilot: xr.Dataset, seconds: Sequence[float], variable: str, fixed: Mapping[str, float | Sequence[float]] | None
+) -> _Choice:
+    ensembles = _ensembles(pilot, variable, fixed or {})
+    number = _level_of_case(pilot)
+    price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
+    fitted = np.unique(np.concatenate([ensemble.level for ensemble in ensembles]))
+    price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
+    return _Choice(ensembles, _levels(pilot), price)
+
+
+def _levels(pilot: xr.Dataset) -> list[Level]:
+    """Return the reference and the levels of each limit in the order of the campaign."""
+    found: dict[Level, None] = {("reference", np.nan): None}
+    for limit in LIMITS:
+        mine = pilot["limit"].values == limit
+        found |= {(limit, float(eps)): None for eps in pilot[limit].values[mine]}
+    return list(found)
+
+
+def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
+    numbers = {level: number for number, level in enumerate(_levels(pilot))}
+    limits = pilot["limit"].values.astype(str)
+    where = [
+        numbers.get((limit, float(pilot[limit][i])), 0) if limit in LIMITS else 0 for i, limit in enumerate(limits)
+    ]
+    return np.array(where, dtype=np.intp)
 
 
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
@@ -110,12 +146,12 @@ def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Seq
         values = group.values[group.complete]
         if len(values) < _FEWEST or not group.levels:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, pilot["limit"].values.astype(str)[group.cases], ranges))
+        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], ranges))
     return found
 
 
 def _ensemble(
-    group: Group, values: Array, limit: NDArray[np.str_], ranges: Mapping[str, tuple[float, float]]
+    group: Group, values: Array, level: NDArray[np.intp], ranges: Mapping[str, tuple[float, float]]
 ) -> _Ensemble:
     names = list(group.levels)
     log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
@@ -131,40 +167,44 @@ def _ensemble(
     return _Ensemble(
         covariance_of_levels(values),
         np.column_stack([np.ones(len(powers)), powers, slopes]),
-        limit,
+        level,
         np.concatenate([np.zeros(1 + len(names)), np.nan_to_num(12.0 / width**2)]),  # of a uniform distribution
         float(beta[0]),
         float((n - 1) / chi2.ppf(1 - _CONFIDENCE, n - 1)),
     )
 
 
-def _counts(share: Mapping[str, float], reference: int) -> dict[str, int]:
-    return {"reference": reference} | {limit: max(_FEWEST, round(share[limit] * reference)) for limit in LIMITS}
+def _counts(choice: _Choice, shares: Array, budget: float) -> Array:
+    """Return the realisations of each level in the proportion of `shares`, none fewer than the fewest, for a budget."""
+    used = shares > 0
+    price = choice.price[used]
+    counts = np.zeros(len(shares))
+
+    def cost(logarithm: float) -> float:
+        counts[used] = np.maximum(_FEWEST, np.exp(logarithm) * shares[used])
+        return float(counts[used] @ price)
+
+    low, high = np.log(_FEWEST / shares[used].max()), np.log(budget / (price @ shares[used]))
+    while high - low > 1e-3:
+        middle = (low + high) / 2
+        low, high = (middle, high) if cost(middle) <= budget else (low, middle)
+    cost(low)
+    return counts
 
 
-def _price(pilot: xr.Dataset, seconds: Sequence[float]) -> dict[str, float]:
-    """Return the seconds of one realisation of all cases of each limit."""
-    limits, each = pilot["limit"].values.astype(str), np.asarray(seconds, dtype=float)
-    return {name: float(each[limits == name].sum()) for name in ("reference", *LIMITS)}
-
-
-def _cost(price: Mapping[str, float], counts: Mapping[str, int]) -> float:
-    return sum(price[name] * count for name, count in counts.items())
-
-
-def _errors(ensemble: _Ensemble, counts: Mapping[str, int]) -> tuple[float, float]:
+def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
     """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
-    asked = np.array([counts[limit] for limit in ensemble.limit])
+    asked = counts[ensemble.level]
     information = np.zeros_like(ensemble.covariance)
-    before = 0
-    for count in np.unique(asked):
+    before = 0.0
+    for count in np.unique(asked[asked > 0]):
         there = np.flatnonzero(asked >= count)
         information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
         before = count
-    fewest, controlled = asked.min(), (asked == asked.min()).sum() if asked.min() < asked.max() else 0
+    fewest = asked[asked > 0].min()
+    controlled = np.count_nonzero(asked == fewest) if fewest < before else 0
     # how a dear level goes with the cheap ones is told by the fewest surfaces (Lavenberg and Welch 1981)
-    loss = (fewest - 2) / max(1, fewest - controlled - 2)
-    information /= ensemble.doubt * loss
+    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
     sure = ensemble.known == 0
     variances = []
     for x, known in ((ensemble.columns, ensemble.known), (ensemble.columns[:, sure], ensemble.known[sure])):
@@ -173,32 +213,63 @@ def _errors(ensemble: _Ensemble, counts: Mapping[str, int]) -> tuple[float, floa
     return float(total), float(sampling)
 
 
-def _enough(
-    ensembles: Sequence[_Ensemble], price: Mapping[str, float], share: Mapping[str, float], target: float
-) -> Design:
-    """Return the least multiple of a design that meets a target in every group."""
-    low, high = _FEWEST - 1, _FEWEST
-    while not _meets(ensembles, _counts(share, high), target):
-        low, high = high, 2 * high
-    while high - low > max(1, high // 100):
-        middle = (low + high) // 2
-        low, high = (low, middle) if _meets(ensembles, _counts(share, middle), target) else (middle, high)
-    return _described(ensembles, price, _counts(share, high))
+def _enough(choice: _Choice, shares: Array, target: float) -> float:
+    """Return the least budget by which shares meet a target."""
+    high = _FEWEST * float(choice.price[shares > 0].sum())
+    while choice.error(_counts(choice, shares, high)) > target:
+        high *= 2
+    low = high / 2
+    while high > 1.005 * low:
+        middle = np.sqrt(low * high)
+        low, high = (low, middle) if choice.error(_counts(choice, shares, middle)) <= target else (middle, high)
+    return float(high)
 
 
-def _meets(ensembles: Sequence[_Ensemble], counts: Mapping[str, int], target: float) -> bool:
-    return all(_errors(ensemble, counts)[0] <= target for ensemble in ensembles)
+def _best_shares(choice: _Choice, shares: Array, budget: float) -> Array:
+    """Return the shares of the levels with the least error for a budget, level after level, the dearest first."""
+    least, better = choice.error(_counts(choice, shares, budget)), True
+    while better:
+        better = False
+        for level in np.argsort(-choice.price):
+            for factor in (0.0, 0.5, 2.0):
+                if factor == 0.0 and not _may_go(choice, shares, level):
+                    continue
+                trial = shares.copy()
+                trial[level] *= factor
+                if _FEWEST * choice.price[trial > 0].sum() > budget:
+                    continue
+                error = choice.error(_counts(choice, trial, budget))
+                if error < _GAIN * least:
+                    shares, least, better = trial, error, True
+    return shares
 
 
-def _described(ensembles: Sequence[_Ensemble], price: Mapping[str, float], counts: dict[str, int]) -> Design:
-    worst = max(ensembles, key=lambda ensemble: _errors(ensemble, counts)[0])
+def _may_go(choice: _Choice, shares: Array, level: int) -> bool:
+    """Whether a limit keeps two levels beside the reference, which an exponent needs, without this one."""
+    limit = choice.levels[level][0]
+    left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
+    return limit != "reference" and (shares[level] == 0 or len(left) > 2)
+
+
+def _described(choice: _Choice, counts: Array) -> Design:
+    worst = max(choice.ensembles, key=lambda ensemble: _errors(ensemble, counts)[0])
     total, sampling = _errors(worst, counts)
+    names = np.array([name for name, _ in choice.levels])
     relief = {
-        name: total**2 - _errors(worst, {**counts, name: 1000 * count})[0] ** 2
-        for name, count in counts.items()
-        if name in worst.limit
+        name: total**2 - _errors(worst, np.where(names == name, 1000 * counts, counts))[0] ** 2
+        for name in dict.fromkeys(names.tolist())
     }
     relief["exponents"] = max(0.0, total**2 - sampling**2)
-    limiting = max(relief, key=lambda name: relief[name])
-    exponents = float(np.sqrt(relief["exponents"]))
-    return Design(counts, total, sampling, exponents, _cost(price, counts), limiting)
+    levels: dict[str, dict[float, int]] = {}
+    for (name, eps), count in zip(choice.levels[1:], counts[1:], strict=True):
+        levels.setdefault(name, {})[eps] = int(count)
+    used = counts > 0
+    return Design(
+        int(counts[0]),
+        levels,
+        total,
+        sampling,
+        float(np.sqrt(relief["exponents"])),
+        float(counts[used] @ choice.price[used]),
+        max(relief, key=lambda name: relief[name]),
+    )

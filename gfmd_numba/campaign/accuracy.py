@@ -89,7 +89,7 @@ def loosest_residual(planned: Plan, target: float) -> float:
 
 def rewritten(planned: Plan, chosen: Design, target: float | None) -> str:
     """Text of the campaign with the realisations and the target of a design; raises InputError."""
-    mapping = ", ".join(f"{name}: {count}" for name, count in asked(planned, chosen).items())
+    mapping = asked(planned, chosen)
     text = planned.document.text
     text, replaced = re.subn(r"(?m)^realisations:.*$", f"realisations: {{{mapping}}}", text)
     if replaced != 1:
@@ -102,10 +102,14 @@ def rewritten(planned: Plan, chosen: Design, target: float | None) -> str:
     return f"{text}\ntarget: {goal:.4g}   # relative standard error of the limit; {chosen.error:.2%} is predicted\n"
 
 
-def asked(planned: Plan, chosen: Design) -> dict[str, int]:
-    """Realisations of a design for the reference and the limits that the campaign varies."""
-    varied = {case.limit for case in planned.cases}
-    return {name: count for name, count in chosen.realisations.items() if name in varied}
+def asked(planned: Plan, chosen: Design) -> str:
+    """Realisations of a design, for the reference and each level of the campaign's limits in its order."""
+    counts = [f"reference: {chosen.reference}"]
+    for limit, levels in planned.campaign.limits:
+        found = chosen.levels.get(limit, {})
+        if found:
+            counts.append(f"{limit}: [{', '.join(str(found.get(eps, 0)) for eps in levels)}]")
+    return ", ".join(counts)
 
 
 def _mean(problem: Problem, residual: float, variable: str) -> float:

@@ -53,14 +53,14 @@ class Block:
 def expand(campaign: Campaign) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits."""
     axes = [(name, values) for name, values in campaign.grid if values is not None and name not in AXES]
-    discretisations = [(d, limit or "reference") for d, _, limit in campaign.discretisations()]
+    discretisations = [(d, limit or "reference", surfaces) for d, _, limit, surfaces in campaign.discretisations()]
     cases = []
     for values in product(*(values for _, values in axes)):
         scene = _replaced(campaign.scene, dict(zip((name for name, _ in axes), values, strict=True)))
-        for discretisation, limit in discretisations:
+        for discretisation, limit, realisations in discretisations:
             surface = random_surface(scene, discretisation, campaign.seed)
             problem, effects = reduce(scene, surface, self_affine(scene).rms_gradient, campaign.numerics)
-            cases.append(Case(scene, discretisation, limit, campaign.realisations.of(limit), problem, effects))
+            cases.append(Case(scene, discretisation, limit, realisations, problem, effects))
     return cases
 
 

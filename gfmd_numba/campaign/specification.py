@@ -61,20 +61,33 @@ Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), Wi
 
 Count = Annotated[int, Field(ge=1, le=1_000_000, description="Random surfaces per case")]
 COUNT = "a whole number from 1 to 1000000, or a mapping of such with the key reference and any of eps_c, eps_f, eps_t"
+COUNTS = "a whole number from 1 to 1000000, or a list of such, one for each level of the limit (0: left out)"
+
+
+def _counts(given: Any) -> int | tuple[int, ...]:
+    listed = isinstance(given, list | tuple)
+    numbers = given if listed else [given]
+    if not numbers or not all(type(n) is int and (0 if listed else 1) <= n <= 1_000_000 for n in numbers):
+        raise ValueError(COUNTS)
+    return tuple(numbers) if listed else int(given)
+
+
+Counts = Annotated[int | tuple[int, ...], BeforeValidator(_counts), WithJsonSchema({"allowed": COUNTS})]
 
 
 class Realisations(BaseModel):
-    """Random surfaces of each case, by the limit it belongs to; a limit left out has as many as the reference."""
+    """Random surfaces of each case, by its limit or level; a limit left out has as many as the reference."""
 
     model_config = RECORD
     reference: Count = Field(description="Random surfaces of each case at the reference")
-    eps_c: Count | None = Field(None, description="Random surfaces of each case of the continuum limit")
-    eps_f: Count | None = Field(None, description="Random surfaces of each case of the fractal limit")
-    eps_t: Count | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
+    eps_c: Counts | None = Field(None, description="Random surfaces of each case of the continuum limit")
+    eps_f: Counts | None = Field(None, description="Random surfaces of each case of the fractal limit")
+    eps_t: Counts | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
 
-    def of(self, limit: str | None) -> int:
-        """Number for the cases of a limit, or of the reference."""
-        return self.reference if limit in (None, "reference") else getattr(self, str(limit)) or self.reference
+    def of(self, limit: str, level: int) -> int:
+        """Number for the cases at a level of a limit, counted as the campaign lists them."""
+        given: int | tuple[int, ...] | None = getattr(self, limit)
+        return given[level] if isinstance(given, tuple) else given or self.reference
 
 
 def _realisations(given: Any) -> Any:
@@ -164,8 +177,8 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._limit_values()))
 
-    def discretisations(self) -> Iterator[tuple[Discretisation, dict[str, Location], str | None]]:
-        """Each discretisation, where its values stand in the file, and the limit it belongs to or None."""
+    def discretisations(self) -> Iterator[tuple[Discretisation, dict[str, Location], str | None, int]]:
+        """Each discretisation, where its values stand in the file, its limit or None, and its surfaces."""
         choices: list[list[tuple[float, Location]]] = []
         for axis in AXES:
             values = getattr(self.grid, axis)
@@ -177,15 +190,16 @@ class Campaign(BaseModel):
         for chosen in product(*choices):
             eps = {axis: value for axis, (value, _) in zip(AXES, chosen, strict=True)}
             locations = {axis: location for axis, (_, location) in zip(AXES, chosen, strict=True)}
-            yield Discretisation(**eps), locations, None
+            yield Discretisation(**eps), locations, None, self.realisations.reference
             for axis, i, value in self._limit_values():
                 location: Location = ("limits", axis, i)
-                yield Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis
+                surfaces = self.realisations.of(axis, i)
+                yield Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
 
     def _limit_values(self) -> Iterator[tuple[str, int, float]]:
         for axis, values in self.limits:
             for i, value in enumerate(values or ()):
-                if value != getattr(self.reference, axis):
+                if value != getattr(self.reference, axis) and self.realisations.of(axis, i) > 0:
                     yield axis, i, value
 
     @model_validator(mode="after")
@@ -203,6 +217,9 @@ class Campaign(BaseModel):
         for axis in AXES:
             if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
                 raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
+            counts, levels = getattr(self.realisations, axis), getattr(self.limits, axis) or ()
+            if isinstance(counts, tuple) and len(counts) != len(levels):
+                raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
         controlled = self.scene.loading.displacement is not None
         if controlled and self.grid.reduced_pressure is not None:
             raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
@@ -230,7 +247,7 @@ def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
-    for discretisation, locations, limit in campaign.discretisations():
+    for discretisation, locations, limit, _ in campaign.discretisations():
         check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
         check_range(document, campaign.scene, discretisation.nx)
     return campaign, document

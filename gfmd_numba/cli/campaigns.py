@@ -86,9 +86,8 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
         chosen = accuracy.design(planned, found, target, None if budget is None else budget * max(1, workers))
     except UnusableDataError as error:
         raise InputError(f"{'--target' if target else '--budget'}: {error}") from None
-    counts = ", ".join(f"{name} {count}" for name, count in accuracy.asked(planned, chosen).items())
     variable = planned.campaign.fit.variable
-    click.echo(f"realisations  {counts}")
+    click.echo(f"realisations  {accuracy.asked(planned, chosen)}")
     parts = f"sampling {chosen.sampling:.2%}, exponents {chosen.exponents:.2%}"
     click.echo(f"error         {chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}")
     wall = chosen.seconds / max(1, workers)
@@ -98,7 +97,7 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
         try:
             price = duration(accuracy.design(planned, found, goal, None).seconds)
         except UnusableDataError:
-            price = f"not to be had: the exponents alone leave {chosen.exponents:.2%} open"
+            price = "not to be had with these levels"
         click.echo(f"price         {goal:.1%}: {price}")
     if write is not None:
         with open(write, "x", encoding="utf-8") as file:

@@ -221,6 +221,19 @@ def test_what_the_data_say_of_an_exponent_counts_within_its_range():
     assert abs(eps_f["alpha"] - ALPHA["eps_f"]) < 3 * eps_f["alpha_error"]
 
 
+def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
+    dataset = noisy(campaign(realisations=60), np.random.default_rng(5), spread=0.02)
+    said = [fit_tfc(dataset, fixed=ALPHA | {"eps_f": ends}, bootstrap=100) for ends in ((0.2, 2.0), (1.0, 2.0))]
+    assert ["low end of its range" in fit["message"].item() for fit in said] == [False, True]
+    assert "exponent of eps_f is pressed to the low end of its range, 1: allow less" in said[1]["message"].item()
+
+
+def test_no_power_of_eps_f_is_passed_off_as_a_limit_where_there_is_a_logarithm():
+    dataset = campaign(realisations=3)
+    notes = [fit_tfc(dataset.assign_coords(hurst=("case", np.full(10, h))), fixed=ALPHA, bootstrap=5) for h in (0.8, 1)]
+    assert ["1 / log(1 / eps_f)" in fit["message"].item() for fit in notes] == [False, True]
+
+
 def test_without_a_correction_all_exponents_of_a_range_are_as_good():
     flat = dict.fromkeys(C, 0.0)
     dataset = noisy(campaign(coefficients=flat, realisations=60), np.random.default_rng(4))

@@ -159,16 +159,16 @@ def best_fit(blocks: Sequence[Block], ends: Array) -> Array:
     for start in product(_STARTS, repeat=free.size):
         trial = ends.mean(axis=1)
         trial[free] = start
-        found.append(search(blocks, trial, ends))
+        found.append(search(blocks, trial, ends, trial))
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Array, ends: Array) -> tuple[Array, float]:
+def search(blocks: Sequence[Block], alpha: Array, ends: Array, guess: Array) -> tuple[Array, float]:
     """Return the exponents (those not exact start from alpha, stay between their ends) and the sum of squares.
 
-    For an exponent known to a range alpha is the guess, and its distance counts in the sum over the range's variance:
-    guesses drawn from the range, beside data drawn from the sample, give the distribution of the exponent (Bardsley,
-    Solonen, Haario & Laine 2014).
+    The distance of an exponent known to a range from its guess counts in the sum, over the range's variance: guesses
+    drawn from the range, beside data drawn from the sample, give the distribution of the exponent (Bardsley, Solonen,
+    Haario & Laine 2014).
     """
     moving = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
     if not moving.size:
@@ -185,7 +185,7 @@ def search(blocks: Sequence[Block], alpha: Array, ends: Array) -> tuple[Array, f
 
     def residuals(position: Array) -> Array:
         trial = exponents(position)
-        return np.concatenate([project(blocks, trial)[0], certainty * (trial - alpha)[moving]])
+        return np.concatenate([project(blocks, trial)[0], np.where(known, certainty * (trial - guess)[moving], 0.0)])
 
     def jacobian(position: Array) -> Array:
         trial = exponents(position)

@@ -19,6 +19,8 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.analysis.least_squares import BOUNDS, Block, best_fit, project, search, whitened
 from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, fractions
 
+_PRESSED = 0.05  # of a range: the median of an exponent that the data do not know lies in its middle
+_STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
 WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
 
@@ -112,9 +114,11 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
             rows.append(_refused(group, "\n".join([*reasons, _advice(doubt)])))
             continue
         row = _accepted(group, block, alpha)
+        pressed = _pressed(names, ends, sample[:, index, 7:])
+        row["message"] = "\n".join([*group.notes, *pressed, *_logarithmic(group)])
         if np.isnan(error[index, 0]):
             unknown = f"the sampling error is unknown ({_realisations(group)}, bootstrap {bootstrap})"
-            row["message"] = "\n".join([*group.notes, unknown])
+            row["message"] = "\n".join([row["message"], unknown]).lstrip()
         row |= {"estimate": estimate[index], "error": error[index]}
         rows.append(row | {"kappa_tfc_low": low[index, 0], "kappa_tfc_high": high[index, 0]})
     return rows
@@ -138,13 +142,12 @@ def _bootstrap(
         # n - 1 draws from n: then the bootstrap variance of a mean is s^2/n without bias (Rao and Wu 1988)
         draws = np.hstack([rng.choice(alike, (number, max(1, alike.size - 1))) for alike in strata])
         # what is guessed of an exponent fixed to a range differs between replicates: errors include not knowing it
-        starts = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((number, len(ends)))
-        starts = np.where(np.isnan(starts), alpha, starts)
-        for draw, start in zip(draws, starts, strict=True):
+        guesses = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((number, len(ends)))
+        for draw, guess in zip(draws, guesses, strict=True):
             values = [group.values[draw[group.complete[draw]]] for group in groups]
             if all(len(each) for each in values):
                 blocks = [_block(*pair, names) for pair in zip(groups, values, strict=True)]
-                sample.append(_estimates(groups, blocks, search(blocks, start, ends)[0]))
+                sample.append(_estimates(groups, blocks, search(blocks, alpha, ends, guess)[0]))
     if len(sample) < 2:
         return np.full((2, len(groups), 1 + 3 * len(LIMITS)), np.nan)
     estimates = np.array(sample)
@@ -231,6 +234,26 @@ def _doubt(
         elif ends[1] > WIDEST * ends[0]:
             doubt[names[index]] = f"{found} is uncertain by more than a factor {WIDEST:g}"
     return doubt
+
+
+def _pressed(names: Sequence[str], ends: Array, alpha: Array) -> list[str]:
+    """Return a line for each exponent (replicate, limit) that the data press against the low end of its range."""
+    lines = []
+    for name, (low, high) in zip(names, ends, strict=True):
+        found = np.median(alpha[:, LIMITS.index(name)])
+        if low < high and found < low + _PRESSED * (high - low):
+            lines.append(
+                f"exponent of {name} is pressed to the low end of its range, {low:g}: allow less, or "
+                "do not trust this limit"
+            )
+    return lines
+
+
+def _logarithmic(group: Group) -> list[str]:
+    """Return a line for a spectrum whose octaves add nearly as much slope each: exponents of eps_f go as 2 - 2 H."""
+    if "eps_f" not in group.levels or not group.parameters["hurst"] > _STEEPEST:
+        return []
+    return ["at H = 1 kappa goes as 1 / log(1 / eps_f): a power of eps_f fits, but its limit is not that of kappa"]
 
 
 def _realisations(group: Group) -> str:

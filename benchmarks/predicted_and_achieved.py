@@ -20,7 +20,7 @@ scene:
   loading: {{reduced_pressure: {p}}}
 reference: {{eps_c: 1/4, eps_f: 1/{f}, eps_t: 1/{t}}}
 limits: {{eps_c: [1/2, 1/8], eps_f: [1/{f4}, 1/{f2}], eps_t: [1/{t2}, 1/{t4}]}}
-fit: {{fixed: {{eps_c: 2, eps_f: 0.75, eps_t: 1}}}}
+fit: {{fixed: {{eps_c: [3/2, 5/2], eps_f: [1/2, 3/2], eps_t: [1/2, 3/2]}}}}
 """
 VARIED = [
     {"hurst": 0.3, "p": 0.02, "a": ".inf", "nu": 0.3, "f": 128, "t": 4, "target": 0.02},
@@ -48,7 +48,7 @@ def main():
             design = accuracy.design(planned, accuracy.pilot(planned), varied["target"], None)
             written.write_text(accuracy.rewritten(planned, design, varied["target"]))
             results = gfmd_numba.run(written, Path(folder) / "out")
-        fit = gfmd_numba.fit_tfc(results, fixed={"eps_c": 2.0, "eps_f": 0.75, "eps_t": 1.0})
+        fit = gfmd_numba.fit_tfc(results, fixed={"eps_c": (1.5, 2.5), "eps_f": (0.5, 1.5), "eps_t": (0.5, 1.5)})
         achieved = (fit["kappa_tfc_error"] / fit["kappa_tfc"]).item()
         ratio = results.attrs["cpu_seconds"] / design.seconds
         costs.append(ratio)

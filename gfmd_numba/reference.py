@@ -19,6 +19,16 @@ def westergaard_pressure(x: Reals, mean_pressure: float, amplitude: float) -> Re
     return np.asarray(2.0 * mean_pressure * np.cos(np.pi * x) * np.sqrt(inside) / edge)
 
 
+def westergaard_mean_gap(mean_pressure: float, amplitude: float) -> float:
+    """Mean gap under the wave `amplitude` cos(2 pi x) before full contact, without pressure the amplitude.
+
+    Its slope -ln(p_full/p) / pi is the compliance of a row of flat punches as wide as the contacts (Koiter 1959, for
+    the cracks between them), as contacts grow by strips without pressure.
+    """
+    load = min(mean_pressure / (np.pi * amplitude), 1.0)
+    return float(amplitude * (1.0 - load * (1.0 - np.log(load)))) if load > 0.0 else amplitude
+
+
 def hertz_line_half_width(mean_pressure: float, radius: float) -> float:
     """Half width of a row of parabolic cylinders at distance 1 (Johnson 1985, 4.43, with the nearest correction).
 

@@ -3,6 +3,7 @@
 from gfmd_numba.analysis.accuracy_plots import plot_accuracy
 from gfmd_numba.analysis.body_plots import plot_body
 from gfmd_numba.analysis.contact_statistics import contact_statistics, plot_statistics
+from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.design import Design, best_design, cheapest_design
 from gfmd_numba.analysis.plots import plot_campaign, plot_contact
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -15,6 +16,7 @@ __all__ = [
     "best_design",
     "cheapest_design",
     "contact_statistics",
+    "contact_stiffness",
     "ensemble_mean",
     "fit_tfc",
     "plot_accuracy",

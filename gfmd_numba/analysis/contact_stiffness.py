@@ -1,0 +1,117 @@
+"""Contact stiffness: how much mean pressure brings the mean planes of two rough surfaces nearer."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.analysis.selection import GROUP, LIMITS, UnusableDataError, good
+
+Reals = npt.NDArray[np.float64]
+
+_NEEDED = {"mean_pressure", "mean_gap", "status"}
+_SAME = (*(name for name in GROUP if name != "reduced_pressure"), *LIMITS)
+
+
+def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
+    """Stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces, with its error.
+
+    Takes a campaign of several `reduced_pressure` (cases equal but for the load) or the `step` of load paths, perhaps
+    of several realisations. K, in Pa/m (E*/L_x without units), is beyond the uniform compression of the bodies; it
+    is the difference of the mean pressures over that of the mean gaps, and its standard error (nan for one surface)
+    that of these differences on the realisations that are ok at both loads. It stands at the logarithmic mean of the
+    two loads, exactly so where K is proportional to p, as it is at light loads (Akarapu, Sharp and Robbins, PRL 106,
+    204301, 2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)).
+    Where the dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p, in which each surface
+    has its own. Raises UnusableDataError for results without two loads of the same surfaces.
+    """
+    along = "case" if "case" in dataset.dims else "step"
+    if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:
+        raise UnusableDataError("given no results of several loads; allowed: a campaign's, or those of a path")
+    pairs = list(_cases(dataset) if along == "case" else _steps(dataset))
+    if not pairs:
+        raise UnusableDataError("given one load of each surface; allowed: several reduced_pressure, or a path")
+    ends = (xr.DataArray(list(positions), dims="interval") for positions in zip(*pairs, strict=True))
+    lower, upper = (dataset.isel({along: positions}) for positions in ends)
+    others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]
+    usable = _usable(lower) & _usable(upper)
+    rise = (upper["mean_pressure"] - lower["mean_pressure"]).where(usable)
+    approach = (lower["mean_gap"] - upper["mean_gap"]).where(usable)
+    load = _logarithmic_mean(lower["mean_pressure"], upper["mean_pressure"]).where(usable)
+    result = xr.Dataset(attrs={"title": "contact stiffness"})
+    result["mean_pressure"] = load.mean(others).assign_attrs(units=dataset["mean_pressure"].attrs.get("units", "1"))
+    result["stiffness"], result["stiffness_error"] = _ratio(rise, approach, others)
+    heights = _rms_height(lower)
+    if heights is not None:
+        reduced = _ratio(rise / load, approach / heights, others)
+        result["stiffness_reduced"], result["stiffness_reduced_error"] = reduced
+    result["n_realisations"] = usable.sum(others)
+    if "reduced_pressure" in dataset.coords:
+        at = _logarithmic_mean(lower["reduced_pressure"], upper["reduced_pressure"])
+        result = result.assign_coords(reduced_pressure=("interval", at.values))
+    return _described(result, dataset)
+
+
+def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
+    """Positions of cases that are neighbours in load and otherwise equal."""
+    usable = good(dataset, "mean_gap").any("realisation").values
+    rows = np.stack([dataset[name].values.astype(float) for name in (*_SAME, "reduced_pressure")], axis=-1)
+    members: dict[bytes, list[int]] = {}
+    for index in np.lexsort(rows.T):
+        if usable[index] and np.isfinite(rows[index, -1]):
+            members.setdefault(rows[index, :-1].tobytes(), []).append(int(index))
+    for loads in members.values():
+        yield from pairwise(loads)
+
+
+def _steps(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
+    yield from pairwise(range(dataset.sizes["step"]))
+
+
+def _usable(loads: xr.Dataset) -> xr.DataArray:
+    found: xr.DataArray = (loads["status"] == 0) & np.isfinite(loads["mean_gap"])
+    return found
+
+
+def _rms_height(loads: xr.Dataset) -> xr.DataArray | None:
+    if "rms_height" in loads:
+        return loads["rms_height"]
+    nodes = [dim for dim in ("y", "x") if dim in loads.dims]
+    return loads["height"].std(nodes) if "height" in loads and nodes else None
+
+
+def _logarithmic_mean(lower: xr.DataArray, upper: xr.DataArray) -> xr.DataArray:
+    """(b - a) / ln(b / a), which lies between the loads; nan unless both are above 0 and not the same."""
+    both: xr.DataArray = (lower > 0) & (upper > 0) & (lower != upper)
+    a, b = lower.where(both), upper.where(both)
+    mean: xr.DataArray = (b - a) / np.log(b / a)
+    return mean
+
+
+def _ratio(above: xr.DataArray, below: xr.DataArray, over: list[str]) -> tuple[xr.DataArray, xr.DataArray]:
+    """Ratio of two means over paired realisations, and its standard error to first order."""
+    ratio = above.mean(over) / below.mean(over)
+    n = (above - ratio * below).count(over)
+    variance: xr.DataArray = ((above - ratio * below) ** 2).sum(over) / (n - 1).where(n > 1) / n
+    return ratio, variance**0.5 / abs(below.mean(over))
+
+
+_LONG_NAMES = {
+    "mean_pressure": "logarithmic mean of the two loads",
+    "stiffness": "contact stiffness beyond uniform compression",
+    "stiffness_error": "standard error of the contact stiffness",
+    "stiffness_reduced": "contact stiffness times rms height over pressure",
+    "stiffness_reduced_error": "standard error of that",
+    "n_realisations": "surfaces that are ok at both loads",
+}
+
+
+def _described(result: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
+    pressure, gap = (dataset[name].attrs.get("units", "1") for name in ("mean_pressure", "mean_gap"))
+    per = {"1": pressure, "m": "m-1" if pressure == "1" else f"{pressure} m-1"}.get(gap, f"{pressure} / {gap}")
+    unit = {"mean_pressure": pressure, "stiffness": per, "stiffness_error": per}
+    for name in map(str, result.data_vars):
+        result[name].attrs = {"long_name": _LONG_NAMES[name], "units": unit.get(name, "1")}
+    return result

@@ -12,7 +12,7 @@ import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness
 from gfmd_numba.roughness import self_affine, statistics
 
-SEED, HURSTS, LENGTHS = 2018, (0.3, 0.8), (2, 8)  # L_x/lambda_l
+SEED, HURSTS, LENGTHS = 2018, (0.3, 0.8), (2, 8, 32)  # L_x/lambda_l
 PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
 GRADIENT, SHORTEST, RESOLUTION = 0.01, 256, 4
 CAMPAIGN = """

@@ -41,7 +41,7 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     approach = (lower["mean_gap"] - upper["mean_gap"]).where(usable)
     load = _logarithmic_mean(lower["mean_pressure"], upper["mean_pressure"]).where(usable)
     result = xr.Dataset(attrs={"title": "contact stiffness"})
-    result["mean_pressure"] = load.mean(others).assign_attrs(units=dataset["mean_pressure"].attrs.get("units", "1"))
+    result["mean_pressure"] = load.mean(others)
     result["stiffness"], result["stiffness_error"] = _ratio(rise, approach, others)
     heights = _rms_height(lower)
     if heights is not None:

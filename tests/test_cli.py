@@ -332,7 +332,7 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
 def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert gfmd("init").exit_code == 0
-    assert "a campaign of 14 cases x 30 realisations" in gfmd("check", "campaign.yaml").output
+    assert "a campaign of 16 cases x 60 realisations" in gfmd("check", "campaign.yaml").output
     again = gfmd("init")
     assert again.exit_code == 2
     assert "given a file that exists; allowed: a new name" in again.output

@@ -60,8 +60,8 @@ def _heights(problem: Problem, realisations: range) -> Reals:
     asked = problem.surface
     if isinstance(asked, Profile):
         return asked.heights[np.newaxis]
-    surfaces = self_affine.profiles if asked.dimension == 1 else self_affine.maps
-    return surfaces(asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations)
+    waves = asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations
+    return self_affine.profiles(*waves) if asked.dimension == 1 else self_affine.maps(*waves, asked.anisotropy)
 
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:

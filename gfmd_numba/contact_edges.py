@@ -1,13 +1,17 @@
 """Where a contact ends between two nodes of the grid.
 
-On maps, counted nodes over-estimate the area in proportion to the contact's perimeter, by geometry alone (Yastrebov,
-Anciaux & Molinari, Tribol. Int. 114:161, 2017).
-
 On profiles, for the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the
 edge of a half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with
 sum a_m z^m = (1-z)^(-3/2) / g+(z) and log g+(z) = sum_k s_k z^k / k, s_k = Si(k pi)/pi - 1/2. The true edge then lies
 3/4 + c + b node spacings beyond the last touching node, c = sum_k s_k. It is never farther than 3/4 + c, and one
 spacing less brings the next node out of contact.
+
+On maps the nodes along a straight edge with normal n form rows of equal pressure, and the wave q n acts as its alias
+w(q n) in the first Brillouin zone of the grid. The same solution with |w(q n)| for q says that counted nodes reach
+beyond the edge, on average over its position, by (1/pi) int_0^inf ln(q / |w(q n)|) / q^2 dq node spacings: by 1/4 - c
+along an axis. The mean over all directions n, per side of a node (of which an edge has |n_x| + |n_y| a spacing), is
+(1/8 pi) int ln(|q| / |w(q)|) / |q|^3 d^2q over the whole plane. (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161,
+2017, have (pi - 1 + ln 2) / 24 from geometry.)
 """
 
 import numpy as np
@@ -21,7 +25,7 @@ Flags = npt.NDArray[np.bool_]
 # ends, 1/4 - c.
 EDGE_BIAS = 0.1900092859259187
 # A contact on a map is smaller than its counted nodes by this share of a node for each pair of neighbours in and out.
-PERIMETER_BIAS = (np.pi - 1.0 + np.log(2.0)) / 24.0
+PERIMETER_BIAS = 0.101377801
 _FARTHEST = 1.0 - EDGE_BIAS  # 3/4 + c
 _A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
 # below that many nodes a stretch is no half-infinite contact: its edges are then taken at their mean position

@@ -22,12 +22,15 @@ from gfmd_numba.scene import Interface as Interactions
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 6  # raised whenever a change of the code changes a number: older shards are then not reused
+RESULTS_VERSION = 7  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @dataclass(frozen=True)
 class RandomSurface:
-    """An ensemble of self-affine profiles `[nx]` or maps `[nx, nx]`; wave indices count periods in L_x."""
+    """An ensemble of self-affine profiles `[nx]` or maps `[nx, nx]`; wave indices count periods in L_x.
+
+    `anisotropy` is the ratio of correlation lengths, y over x, of a map.
+    """
 
     hurst: float
     cut_on_index: int
@@ -35,6 +38,7 @@ class RandomSurface:
     nx: int
     seed: int
     dimension: int = 1
+    anisotropy: float = 1.0
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -109,8 +113,6 @@ class Problem:
         """Hash of everything that decides the numbers: equal problems are solved once."""
         surface = asdict(self.surface)
         surface.pop("heights", None)
-        if surface.get("dimension") == 1:  # what profiles were called before there were maps
-            del surface["dimension"]
         content = {
             "results_version": RESULTS_VERSION,
             "surface": surface,
@@ -136,13 +138,15 @@ def self_affine(scene: Scene) -> SelfAffine:
 
 def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> RandomSurface:
     """Ensemble of surfaces a scene with `psd` roughness asks for at one discretisation."""
+    roughness = self_affine(scene)
     return RandomSurface(
-        hurst=self_affine(scene).hurst,
+        hurst=roughness.hurst,
         cut_on_index=discretisation.cut_on_index,
         cut_off_index=discretisation.cut_off_index,
         nx=discretisation.nx,
         seed=seed,
         dimension=scene.dimension,
+        anisotropy=roughness.anisotropy or 1.0,
     )
 
 

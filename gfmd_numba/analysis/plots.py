@@ -40,7 +40,7 @@ _AXES = {
     "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
     "eps_t": ("Thermodynamic limit", r"$1/\varepsilon_t = L_x/\lambda_l$"),
 }
-_SYMBOLS = dict(zip(GROUP, ("H", r"\nu", "a", r"\bar{p}^*", r"\bar{g}"), strict=True))
+_SYMBOLS = dict(zip(GROUP, ("H", r"\nu", "a", r"\bar{p}^*", r"\bar{g}", r"\gamma"), strict=True))
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
 _PREFIXES = (
     (1e9, "G"),

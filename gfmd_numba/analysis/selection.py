@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
-GROUP = ("hurst", "poissons_ratio", "aspect_ratio", "reduced_pressure", "rms_gradient_target")
+GROUP = ("hurst", "poissons_ratio", "aspect_ratio", "reduced_pressure", "rms_gradient_target", "anisotropy")
 
 FEWEST_NODES = 2  # of a stretch of contact: with 1.8 the corrected area is 4 % off, with 3 it is 1 % (README)
 
@@ -55,7 +55,7 @@ class Group:
 
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
-    lacking = {*GROUP, *LIMITS, "case_id", "is_reference"} - set(map(str, dataset.variables))
+    lacking = {*GROUP, *LIMITS, "case_id", "is_reference"} - {"anisotropy"} - set(map(str, dataset.variables))
     if not {"case", "realisation"} <= set(dataset.dims) or lacking:
         raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
     if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
@@ -78,7 +78,8 @@ def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
     """Yield (parameters, cases) for each set of cases that differ only in discretisation, in file order."""
-    physics = np.stack([dataset[name].values.astype(float) for name in GROUP], axis=-1)
+    unknown = np.full(dataset.sizes["case"], nan)  # the anisotropy, in older files
+    physics = np.stack([dataset[name].values.astype(float) if name in dataset else unknown for name in GROUP], axis=-1)
     members: dict[bytes, list[int]] = {}
     for index, row in enumerate(physics):
         members.setdefault(row.tobytes(), []).append(index)  # bytes: a nan parameter still equals itself

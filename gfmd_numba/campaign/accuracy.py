@@ -125,4 +125,5 @@ def _physics(case: Case) -> tuple[float, ...]:
         case.scene.body.aspect_ratio,
         problem.mean_pressure or 0.0,
         getattr(roughness, "rms_gradient", np.nan),
+        getattr(roughness, "anisotropy", None) or 1.0,
     )

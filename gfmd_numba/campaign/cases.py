@@ -15,6 +15,7 @@ _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of wor
 _PARTS = {
     "hurst": "roughness",
     "rms_gradient": "roughness",
+    "anisotropy": "roughness",
     "poissons_ratio": "body",
     "aspect_ratio": "body",
     "reduced_pressure": "loading",

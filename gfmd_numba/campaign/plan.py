@@ -133,6 +133,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
         "reduced_pressure": [case.scene.loading.reduced_pressure or np.nan for case in cases],
         "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
+        "anisotropy": [self_affine(case.scene).anisotropy or np.nan for case in cases],
         "nx": [case.discretisation.nx for case in cases],
     }
 

@@ -9,8 +9,10 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.document import Document, Location, read_document
+from gfmd_numba.scene.maps import ONLY_MAPS
 from gfmd_numba.scene.quantities import (
     RECORD,
+    Anisotropy,
     AspectRatio,
     EpsC,
     EpsF,
@@ -23,7 +25,7 @@ from gfmd_numba.scene.quantities import (
     broken_rule,
 )
 from gfmd_numba.scene.records import PRESSURE_SOLVERS, Discretisation, Numerics, Scene, SelfAffine, check_solver
-from gfmd_numba.scene.scene_file import check_discretisation, check_range
+from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range
 from gfmd_numba.scene.validation import validate
 
 AXES = tuple(Discretisation.model_fields)
@@ -123,6 +125,7 @@ class Grid(BaseModel):
     aspect_ratio: Values[AspectRatio] | None = Field(None, description="z_m/L_x (dimensionless)")
     reduced_pressure: Values[ReducedPressure] | None = Field(None, description="p/(g E*) (dimensionless)")
     rms_gradient: Values[RmsGradient] | None = Field(None, description="Rms gradients (dimensionless)")
+    anisotropy: Values[Anisotropy] | None = Field(None, description="Correlation lengths of maps, y over x")
     eps_c: Values[EpsC] | None = Field(None, description="Continuum discretisations (dimensionless)")
     eps_f: Values[EpsF] | None = Field(None, description="Fractal discretisations (dimensionless)")
     eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic discretisations (dimensionless)")
@@ -221,6 +224,8 @@ class Campaign(BaseModel):
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
         controlled = self.scene.loading.displacement is not None
+        if self.grid.anisotropy is not None and self.scene.dimension == 1:
+            raise broken_rule(("grid", "anisotropy"), ONLY_MAPS)
         if controlled and self.grid.reduced_pressure is not None:
             raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
         check_solver(self.scene, self.numerics)
@@ -247,7 +252,19 @@ def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
+    anisotropies = list(_anisotropies(campaign))
     for discretisation, locations, limit, _ in campaign.discretisations():
+        for anisotropy, location in anisotropies:
+            check_anisotropy_fits(document, anisotropy, location, discretisation)
         check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
         check_range(document, campaign.scene, discretisation.nx)
     return campaign, document
+
+
+def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
+    """Each anisotropy of a campaign, and where it stands in the file."""
+    own = getattr(campaign.scene.roughness, "anisotropy", None)
+    if campaign.grid.anisotropy is not None:
+        yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(campaign.grid.anisotropy))
+    elif own is not None:
+        yield own, ("scene", "roughness", "anisotropy")

@@ -18,6 +18,7 @@ _PARAMETERS = {
     "a": "aspect_ratio",
     "p*": "reduced_pressure",
     "g": "rms_gradient_target",
+    "gamma": "anisotropy",
 }
 _MOST_ROWS = 200
 
@@ -100,8 +101,12 @@ def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
     """Return heading and name of each parameter; the gradient only if it differs, as kappa does not know it."""
-    gradients = set(dataset["rms_gradient_target"].values.tolist())
-    return {heading: name for heading, name in _PARAMETERS.items() if heading != "g" or len(gradients) > 1}
+    hidden = set()
+    if len(set(dataset["rms_gradient_target"].values.tolist())) == 1:
+        hidden.add("g")
+    if "anisotropy" not in dataset or dataset["anisotropy"].isnull().all():
+        hidden.add("gamma")
+    return {heading: name for heading, name in _PARAMETERS.items() if heading not in hidden}
 
 
 def _whose(fitted: xr.Dataset, having: list[int]) -> str:

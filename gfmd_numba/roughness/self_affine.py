@@ -28,16 +28,27 @@ def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed:
     return grid.signal(spectrum, nx)
 
 
-def maps(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
-    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, isotropic, in L_x.
+def maps(
+    hurst: float,
+    cut_on_index: int,
+    cut_off_index: int,
+    nx: int,
+    seed: int,
+    realisations: range,
+    anisotropy: float = 1.0,
+) -> Reals:
+    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, in L_x.
 
     As `profiles`, with amplitudes that fall as |q|^-(1 + H) and random numbers of (seed, realisation, wave vector).
+    With an `anisotropy` of 1 or more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths,
+    are that much longer along y.
     """
     smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
-    index = grid.magnitudes(smallest) / (2.0 * np.pi)
+    q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
+    index = np.hypot(anisotropy * q_y, q_x) / (2.0 * np.pi)
     kept = (index > 0.0) & (index <= cut_off_index * (1.0 + 1e-12))
     envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
-    weight = grid.multiplicity(smallest[1]) * (2.0 * np.pi * index) ** 2
+    weight = grid.multiplicity(smallest[1]) * np.hypot(q_y, q_x) ** 2
     along_y = np.fft.fftfreq(smallest[0], 1.0 / smallest[0]).astype(np.int64) % nx
     heights = np.empty((len(realisations), nx, nx))
     for row, realisation in zip(heights, realisations, strict=True):

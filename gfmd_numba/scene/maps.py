@@ -1,4 +1,4 @@
-"""What does not go together with an interface of dimension 2."""
+"""What does not go together with an interface of dimension 2, or of 1."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from gfmd_numba.scene.quantities import broken_rule
 
 if TYPE_CHECKING:
     from gfmd_numba.scene.records import Scene
+
+ONLY_MAPS = "nothing with dimension 1; anisotropy needs dimension 2"
 
 
 def check_map(scene: Scene) -> None:
@@ -25,3 +27,15 @@ def check_map(scene: Scene) -> None:
         raise broken_rule(("body", "roughness"), "nothing with dimension 2; a rough body needs dimension 1")
     if scene.body.state == "plane_stress":
         raise broken_rule(("body", "state"), "'plane_strain' with dimension 2, where E* is the same and nothing plane")
+
+
+def check_anisotropy(scene: Scene) -> None:
+    """Raise a located PydanticCustomError for a profile, or a surface of a rough body, that tells of a direction y."""
+    surfaces: dict[tuple[str, ...], object] = {
+        ("roughness",): scene.roughness,
+        ("body", "roughness"): scene.body.roughness,
+        ("counter_body", "roughness"): None if scene.counter_body is None else scene.counter_body.roughness,
+    }
+    for location, roughness in surfaces.items():
+        if getattr(roughness, "anisotropy", None) is not None:
+            raise broken_rule((*location, "anisotropy"), ONLY_MAPS)

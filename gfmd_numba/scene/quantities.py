@@ -18,6 +18,7 @@ AspectRatio = Annotated[
     ),
 ]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
+Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[float, Field(gt=0, description="Root-mean-square gradient (dimensionless)")]
 ReducedPressure = Annotated[float, Field(gt=0, description="Mean pressure p/(g E*) (dimensionless)")]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]

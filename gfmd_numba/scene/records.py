@@ -9,9 +9,10 @@ from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_va
 from gfmd_numba.scene.bodies import check_bodies
 from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.interface_records import Interface
-from gfmd_numba.scene.maps import check_map
+from gfmd_numba.scene.maps import check_anisotropy, check_map
 from gfmd_numba.scene.quantities import (
     RECORD,
+    Anisotropy,
     AspectRatio,
     EpsC,
     EpsF,
@@ -32,6 +33,9 @@ class SelfAffine(BaseModel):
     method: Literal["psd"] = Field(description="How the surface is made")
     hurst: Hurst
     rms_gradient: RmsGradient
+    anisotropy: Anisotropy | None = Field(
+        None, description="Correlation length of a map along y over that along x (dimensionless); None: isotropic"
+    )
 
 
 class Measured(BaseModel):
@@ -114,6 +118,8 @@ class Scene(BaseModel):
     def _bodies_agree(self) -> Self:
         if self.dimension == 2:
             check_map(self)
+        else:
+            check_anisotropy(self)
         check_bodies(self)
         return self
 

@@ -51,6 +51,20 @@ def check_discretisation(
         )
 
 
+def check_anisotropy_fits(
+    document: Document, anisotropy: float, location: Location, discretisation: Discretisation
+) -> None:
+    """Raise InputError unless the longest wavelength along y, L_x eps_t anisotropy, fits the period."""
+    most = 1 / discretisation.eps_t
+    if anisotropy > most * (1 + 1e-9):
+        raise document.error(
+            location,
+            anisotropy,
+            f"at most 1/eps_t = {most:.6g}, so that the longest wavelength along y fits the period; "
+            "a smaller eps_t allows more",
+        )
+
+
 def check_range(document: Document, scene: Scene, nx: int) -> None:
     """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect."""
     spacing = (scene.length or 1.0) / nx
@@ -73,6 +87,10 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
         locations = {axis: ("discretisation", axis) for axis in axes}
         check_discretisation(document, scene_file.discretisation, locations, dimension=scene_file.scene.dimension)
         check_range(document, scene_file.scene, scene_file.discretisation.nx)
+        anisotropy = getattr(scene_file.scene.roughness, "anisotropy", None)
+        if anisotropy is not None:
+            location = ("scene", "roughness", "anisotropy")
+            check_anisotropy_fits(document, anisotropy, location, scene_file.discretisation)
     scene = scene_file.scene
     located: dict[str, object] = {"roughness": _located(document, ("scene", "roughness"), scene.roughness)}
     for name in ("body", "counter_body"):

@@ -24,29 +24,88 @@ from gfmd_numba.scene import Numerics
 SURFACES, RESIDUAL = 6, 1e-8
 
 
-def problem(hurst, cut_off, nx, load):
-    surface = RandomSurface(hurst, 2, cut_off, nx, 2018, dimension=2)
+def problem(hurst, cut_off, nx, load, cut_on=2, anisotropy=1.0):
+    surface = RandomSurface(hurst, cut_on, cut_off, nx, 2018, dimension=2, anisotropy=anisotropy)
     numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
     return Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
+
+
+def measured(*arguments, **options):
+    found = measure(contact.solve(problem(*arguments, **options), range(SURFACES)))
+    assert (found["status"] == Status.ok).all()
+    return found
+
+
+def with_error(values):
+    return f"{values.mean():7.3f} ({values.std(ddof=1) / np.sqrt(len(values)):.3f})"
 
 
 def kappa_beside_the_literature():
     print(f"kappa of {SURFACES} isotropic maps, L_x/lambda_l = 2, lambda_l/lambda_s = 32, the same on each grid;")
     print("Prodanov, Dapp & Mueser (2014) in the TFC limit: 1.93 to 2.16; theory: Persson 1.60, Bush et al. 2.51")
-    print("   H      p*  1/eps_c     kappa (error)   counted   kappa_r    area   Nayak   clusters")
+    print("   H      p*  1/eps_c  kappa (error)   counted   kappa_r    area   Nayak   clusters")
     for hurst in (0.3, 0.5, 0.8):
         for load in (0.007, 0.02, 0.05):
             for nx in (256, 512, 1024):
-                found = measure(contact.solve(problem(hurst, 64, nx, load), range(SURFACES)))
-                assert (found["status"] == Status.ok).all()
+                found = measured(hurst, 64, nx, load)
                 mean = {name: values.mean() for name, values in found.items()}
-                error = found["kappa"].std(ddof=1) / np.sqrt(SURFACES)
                 print(
-                    f"{hurst:4} {load:7} {nx // 128:8} {mean['kappa']:9.3f} ({error:.3f}) {mean['kappa_counted']:9.3f} "
+                    f"{hurst:4} {load:7} {nx // 128:8} {with_error(found['kappa'])} {mean['kappa_counted']:9.3f} "
                     f"{mean['kappa_r']:9.3f} {mean['contact_area_fraction']:7.4f} {mean['nayak']:7.1f} "
                     f"{mean['n_segments']:9.0f}",
                     flush=True,
                 )
+
+
+def kappa_over_nayaks_parameter(load=0.02):
+    """Line kappa = a - b ln(alpha) through maps with and without a plateau and of many breadths, 1/eps_c = 4."""
+    print(f"kappa of {SURFACES} isotropic maps at p* = {load} and 1/eps_c = 4 over Nayak's parameter alpha")
+    print("   H  L_x/lambda_l  lambda_l/lambda_s      alpha   kappa (error)")
+    alphas, kappas, errors = [], [], []
+    for cut_on, cut_off in ((8, 16), (8, 64), (4, 128), (2, 128)):
+        for hurst in (0.0, 0.3, 0.5, 0.8, 1.0):
+            found = measured(hurst, cut_off, 8 * cut_off, load, cut_on)
+            alphas.append(found["nayak"].mean())
+            kappas.append(found["kappa"].mean())
+            errors.append(found["kappa"].std(ddof=1) / np.sqrt(SURFACES))
+            print(
+                f"{hurst:4} {cut_on:13} {cut_off // cut_on:18} {alphas[-1]:10.2f} {with_error(found['kappa'])}",
+                flush=True,
+            )
+    line, covariance = np.polyfit(np.log(alphas), kappas, 1, w=1.0 / np.array(errors), cov=True)
+    deviation = np.sqrt(np.diag(covariance))
+    print(f"kappa = {line[1]:.3f} ({deviation[1]:.3f}) - {-line[0]:.4f} ({deviation[0]:.4f}) ln(alpha)")
+
+
+def kappa_over_anisotropy():
+    """Paired: the random numbers of each wave are the same for every anisotropy."""
+    print(f"kappa of {SURFACES} maps, L_x/lambda_l = 8, lambda_l/lambda_s = 16; differences are paired")
+    print("   H      p*  anisotropy  1/eps_c   kappa (error)   counted   less than isotropic   clusters")
+    for hurst in (0.3, 0.8):
+        for load in (0.007, 0.05):
+            for nx in (512, 1024):
+                isotropic = None
+                for anisotropy in (1.0, 2.0, 4.0, 8.0):
+                    found = measured(hurst, 128, nx, load, 8, anisotropy)
+                    isotropic = found["kappa"] if isotropic is None else isotropic
+                    print(
+                        f"{hurst:4} {load:7} {anisotropy:11} {nx // 256:8} {with_error(found['kappa'])} "
+                        f"{found['kappa_counted'].mean():9.3f} {with_error(isotropic - found['kappa'])} "
+                        f"{found['n_segments'].mean():9.0f}",
+                        flush=True,
+                    )
+                profiles = line_contact(hurst, nx, load)
+                print(f"{hurst:4} {load:7}     profiles {nx // 256:8} {with_error(profiles)}", flush=True)
+
+
+def line_contact(hurst, nx, load, profiles=600):
+    """Kappa of profiles of the same waves, to which maps tend that are ever longer along y."""
+    surface = RandomSurface(hurst, 8, 128, nx, 2018)
+    numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
+    asked = Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
+    found = measure(contact.solve(asked, range(profiles)))
+    assert (found["status"] == Status.ok).all()
+    return found["kappa"]
 
 
 def one_transform(nx):
@@ -120,3 +179,5 @@ else:
         subprocess.run([sys.executable, __file__, str(size)], check=True)
     beside_tamaas()
     kappa_beside_the_literature()
+    kappa_over_nayaks_parameter()
+    kappa_over_anisotropy()

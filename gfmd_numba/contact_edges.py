@@ -9,9 +9,10 @@ spacing less brings the next node out of contact.
 On maps the nodes along a straight edge with normal n form rows of equal pressure, and the wave q n acts as its alias
 w(q n) in the first Brillouin zone of the grid. The same solution with |w(q n)| for q says that counted nodes reach
 beyond the edge, on average over its position, by (1/pi) int_0^inf ln(q / |w(q n)|) / q^2 dq node spacings: by 1/4 - c
-along an axis. The mean over all directions n, per side of a node (of which an edge has |n_x| + |n_y| a spacing), is
-(1/8 pi) int ln(|q| / |w(q)|) / |q|^3 d^2q over the whole plane. (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161,
-2017, have (pi - 1 + ln 2) / 24 from geometry.)
+along an axis. Round contacts stretched r-fold along y have r sides of nodes that face x for each that faces y, and the
+mean over their edges, in nodes a side, is (1 / 4 pi r (1 + r)) int ln(|q| / |w(q)|) / rho^3 d^2q over the whole plane,
+rho^2 = (q_x / r)^2 + q_y^2. (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161, 2017, have (pi - 1 + ln 2) / 24 a
+side from geometry.)
 """
 
 import numpy as np
@@ -19,17 +20,28 @@ import numpy.typing as npt
 from scipy.special import sici
 
 Reals = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 # A touching stretch of N nodes is shorter than N dx: on average over its position by this many dx at each of its two
 # ends, 1/4 - c.
 EDGE_BIAS = 0.1900092859259187
-# A contact on a map is smaller than its counted nodes by this share of a node for each pair of neighbours in and out.
-PERIMETER_BIAS = 0.101377801
+# A contact on a map is smaller than its counted nodes by this share of a node for each pair of neighbours in and out,
+# where |r - 1| / (r + 1) is 0, 0.1 ... 1; 0 is isotropic.
+_PERIMETER_BIAS = (
+    *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189, 0.1161360, 0.1235081, 0.1330420, 0.1454299, 0.1621301),
+    EDGE_BIAS,
+)
 _FARTHEST = 1.0 - EDGE_BIAS  # 3/4 + c
 _A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
 # below that many nodes a stretch is no half-infinite contact: its edges are then taken at their mean position
 _LEAST_NODES = 6
+
+
+def perimeter_bias(facing_x: Counts, facing_y: Counts) -> Reals:
+    """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
+    sides = np.maximum(facing_x + facing_y, 1)
+    return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, np.linspace(0.0, 1.0, 11), _PERIMETER_BIAS))
 
 
 def contact_length(pressure: Reals, touching: Flags) -> tuple[Reals, Reals]:

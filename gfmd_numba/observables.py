@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.ndimage import label
 
 from gfmd_numba.contact import Contact
-from gfmd_numba.contact_edges import EDGE_BIAS, PERIMETER_BIAS, contact_length
+from gfmd_numba.contact_edges import EDGE_BIAS, contact_length, perimeter_bias
 from gfmd_numba.dynamics import Status
 from gfmd_numba.roughness import statistics
 
@@ -39,10 +39,11 @@ def _clusters(flags: npt.NDArray[np.bool_]) -> int:
     return len(set(joined[1:].tolist()))
 
 
-def perimeter(contact: Contact) -> npt.NDArray[np.int64]:
-    """Number of neighbouring nodes of a map of which one is in contact and the other is not `[realisation]`."""
+def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Number of neighbours along x, and along y, of a map of which one is in contact, one is not `[realisation]`."""
     now = touching(contact)
-    return np.asarray(sum(np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (1, 2)))
+    along_x, along_y = (np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (2, 1))
+    return along_x, along_y
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -53,7 +54,8 @@ def contact_area_fraction_counted(contact: Contact) -> Reals:
 def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
     if contact.heights.ndim == 3:
-        edges = PERIMETER_BIAS * perimeter(contact) / contact.heights[0].size
+        sides = perimeter(contact)
+        edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
         return np.asarray(contact_area_fraction_counted(contact) - edges)
     nx = contact.heights.shape[1]
     return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
@@ -93,8 +95,8 @@ def rms_gradient(contact: Contact) -> Reals:
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)
-    bias = EDGE_BIAS if now.ndim == 2 else PERIMETER_BIAS
     axes = tuple(range(1, now.ndim))
+    bias = EDGE_BIAS if now.ndim == 2 else np.expand_dims(perimeter_bias(*perimeter(contact)), axes)
     share = now.astype(float)
     for axis in axes:
         for side in (1, -1):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.special import ellipe, ellipk
 
-from gfmd_numba import grid, reference
-from gfmd_numba.contact_edges import contact_length
+from gfmd_numba import contact, grid, observables, reference
+from gfmd_numba.contact_edges import contact_length, perimeter_bias
 from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import Numerics
@@ -70,3 +71,47 @@ def test_short_stretches_and_their_error():
     assert error[0] * 32 == pytest.approx(np.sqrt(4 / 12))
     assert length[1] == 1.0
     assert error[1] == 0.0
+
+
+def aliased(q):
+    return q - 2 * np.pi * np.round(q / (2 * np.pi))
+
+
+@pytest.mark.parametrize("longer", [1.0, 3.0, 19.0])
+def test_perimeter_bias_is_the_mean_over_the_edges_of_stretched_contacts(longer):
+    """Each edge by the integral of its own direction, its length by that of an ellipse."""
+    q = (np.arange(100_000) + 0.5) * 0.01
+    angles = (np.arange(100) + 0.5) * np.pi / 200
+    reach, sides = 0.0, 0.0
+    for facing_x, facing_y in zip(longer * np.cos(angles), np.sin(angles), strict=True):
+        length = np.hypot(facing_x, facing_y)
+        alias = np.hypot(aliased(q * facing_x / length), aliased(q * facing_y / length))
+        rest = (np.log(q[-1]) + 1.0 - np.log(2.4)) / q[
+            -1
+        ]  # the mean of the logarithm over the zone is about that of 2.4
+        reach += length * ((np.log(q / alias) / q**2).sum() * 0.01 + rest) / np.pi
+        sides += facing_x + facing_y
+    found = perimeter_bias(np.array([round(1000 * longer)]), np.array([1000]))
+    assert found[0] == pytest.approx(reach / sides, rel=0.002)
+
+
+@pytest.mark.parametrize("longer", [1.001, 4.0])
+def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
+    """Johnson, Contact Mechanics (4.26), of an ellipse along y, and the periodic images as a paraboloid."""
+    n, rng, left, excess = 96, np.random.default_rng(0), 0.0, 0.0
+    images = 9.0336217  # sum of 1/r^3 over the square lattice
+    x, stiff = np.arange(n) / n - 0.5, stiffness.half_space(grid.magnitudes((n, n)))
+    for _ in range(120):
+        b, (y0, x0) = rng.uniform(4.0, 7.0) / np.sqrt(longer) / n, rng.uniform(0.0, 1.0, 2) / n
+        a, m = longer * b, 1.0 - longer**-2
+        along_a = b / (m * a**2) * (ellipk(m) - ellipe(m))
+        along_b = b / (m * a**2) * (longer**2 * ellipe(m) - ellipk(m))
+        load = 2.0 / 3.0 * np.pi * a * b
+        lifted = load * images / (4.0 * np.pi)
+        punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
+        found = equilibrate(punch[np.newaxis], stiff, load, Numerics(solver="active_set_newton"))
+        made = contact.Contact(-punch[np.newaxis], punch[np.newaxis], found)
+        left += observables.contact_area_fraction(made)[0] - np.pi * a * b
+        excess += observables.contact_area_fraction_counted(made)[0] - np.pi * a * b
+    assert excess > 0.0
+    assert abs(left) < 0.1 * excess

@@ -25,7 +25,10 @@ class Neighbours:
         near = np.roll(np.fft.irfft2(symbol, shape), (_REACH, _REACH), axis=(0, 1))
         self._stencil = np.ascontiguousarray(near[: 2 * _REACH + 1, : 2 * _REACH + 1])
         around = np.abs(self._stencil).sum() - self._stencil[_REACH, _REACH]
-        if around >= self._stencil[_REACH, _REACH]:  # it may not be positive definite: the node alone is
+        beside = self._stencil.copy()
+        beside[_REACH, _REACH] = 0.0
+        # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
+        if around >= self._stencil[_REACH, _REACH] or beside.max() > 0.0:
             self._stencil = np.ascontiguousarray(self._stencil[_REACH:-_REACH, _REACH:-_REACH])
         self._shape = shape
         self._map = np.zeros(shape)

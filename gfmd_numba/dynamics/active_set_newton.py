@@ -41,7 +41,7 @@ class ActiveSetNewton(PressedBody):
         rows, n = len(punch), self.field.n
         self.changed = np.full(rows, n)  # nodes by the last step, out of
         self.touching = np.full(rows, n)
-        self._coarse_transforms = np.zeros(rows, dtype=np.int64)
+        self._coarse_transforms = np.zeros(rows)
         if n > _COARSEST:
             self._guess(punch, stiffness, load)
         self._contact = self.pressure > 0.0
@@ -59,7 +59,7 @@ class ActiveSetNewton(PressedBody):
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        return self.field.n_transforms + self._coarse_transforms
+        return self.field.n_transforms + np.ceil(self._coarse_transforms).astype(np.int64)
 
     def advance(self, active: Rows) -> None:
         """Solve for the pressure on the contact of each active row, and revise its contact."""
@@ -67,7 +67,9 @@ class ActiveSetNewton(PressedBody):
         for row in active.reshape(-1, 1):
             i = row[0]
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
+            spent = self._inverse.transforms
             self._close_gap(row, count)
+            self._coarse_transforms[i] += self._inverse.transforms - spent
             changed = kernels.revise_contact(
                 self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, n, self.load[i],
                 self.rounding[i], self.free_mean,
@@ -127,7 +129,7 @@ class ActiveSetNewton(PressedBody):
         if load is not None:
             self.pressure[:, :n] *= (load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
         cost = m * np.log(m) / (n * np.log(n))
-        self._coarse_transforms = np.ceil(coarse.n_transforms * cost).astype(np.int64)
+        self._coarse_transforms = coarse.n_transforms * cost
 
 
 def _of_coarser(stiffness: Reals, shape: tuple[int, ...]) -> Reals:

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.dynamics.neighbours import Neighbours
+from gfmd_numba.fourier import Convolution
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
@@ -11,6 +12,7 @@ Rows = npt.NDArray[np.int64]
 _BLOCK = 8  # nodes along each side of a block, whose sum is all that is far away felt of it
 _FEWEST = 32  # blocks in each direction: fewer save less than they cost
 _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that shows in the conjugate gradients
+_ONE = np.zeros(1, dtype=np.int64)
 
 
 class Collective:
@@ -31,8 +33,18 @@ class Collective:
             return
         rows = np.fft.fftfreq(self._blocks[0], 1.0 / self._blocks[0]).astype(np.int64)
         coarse = stiffness[np.ix_(rows, np.arange(self._blocks[1] // 2 + 1))]
+        self._field = Convolution(1, *self._blocks)
         with np.errstate(divide="ignore"):
-            self._compliance = np.where(coarse > 0.0, 1.0 / coarse, 0.0) * np.prod(self._blocks) / np.prod(shape)
+            compliance = np.where(coarse > 0.0, 1.0 / coarse, 0.0) * np.prod(self._blocks) / np.prod(shape)
+        self._compliance = self._field.symbol(compliance)
+
+    @property
+    def transforms(self) -> float:
+        """Transforms of blocks made so far, in proportion to the cost of one of nodes."""
+        if self._none:
+            return 0.0
+        n, blocks = float(np.prod(self._shape)), self._field.n
+        return float(self._field.n_transforms[0] * blocks * np.log(blocks) / (n * np.log(n)))
 
     def factor(self, nodes: Rows, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
@@ -78,4 +90,7 @@ class Collective:
         return y
 
     def _soft(self, load: Reals) -> Reals:
-        return np.asarray(np.fft.irfft2(np.fft.rfft2(load) * self._compliance, self._blocks))
+        field = self._field
+        field.sources[0][0, : field.n] = load.ravel()
+        field.apply(self._compliance, _ONE, source=0)
+        return field.result[0, : field.n].reshape(self._blocks).copy()

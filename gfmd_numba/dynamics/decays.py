@@ -23,6 +23,8 @@ class Decays:
     `compliance` is `[n // 2 + 1]`, zero at q = 0 if the mean pressure is prescribed; nodes are n to a period.
     """
 
+    transforms = 0.0  # it takes none
+
     def __init__(self, compliance: Reals, n: int) -> None:
         if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
             compliance = np.concatenate((compliance[1:2] ** 2 / compliance[2:3], compliance[1:]))

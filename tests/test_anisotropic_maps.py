@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import contact, fit_tfc, observables, run, single
+from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.specification import load_campaign
 from gfmd_numba.interface import Interface
 from gfmd_numba.problem import ElasticBody, Problem, RandomSurface, profile, random_surface
@@ -143,3 +144,14 @@ def test_campaign_over_anisotropies(tmp_path):
     assert fitted["kappa_tfc"].notnull().all()
     along_y, along_x = slopes(self_affine.maps(0.8, 4, 16, 64, 1, range(1), 4.0))
     assert along_x > 4.0 * along_y
+
+
+def test_older_results_without_the_coordinate_are_fitted_and_paired(tmp_path):
+    text = CAMPAIGN.replace("anisotropy: [1, 4]", "reduced_pressure: [0.02, 0.05]")
+    (tmp_path / "ridges.yaml").write_text(text)
+    dataset = run(tmp_path / "ridges.yaml", output=tmp_path / "out", workers=0)
+    assert dataset["anisotropy"].isnull().all()
+    older = dataset.drop_vars("anisotropy")
+    assert fit_tfc(older, fixed={"eps_c": 1.0}).identical(fit_tfc(dataset, fixed={"eps_c": 1.0}))
+    assert contact_stiffness(older).identical(contact_stiffness(dataset).drop_vars("anisotropy"))
+    assert plot_campaign(older).axes

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.analysis.selection import GROUP, LIMITS, UnusableDataError, good
+from gfmd_numba.analysis.selection import GROUP, LIMITS, UnusableDataError, good, table
 
 Reals = npt.NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
 def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
     """Positions of cases that are neighbours in load and otherwise equal."""
     usable = good(dataset, "mean_gap").any("realisation").values
-    rows = np.stack([dataset[name].values.astype(float) for name in (*_SAME, "reduced_pressure")], axis=-1)
+    rows = table(dataset, (*_SAME, "reduced_pressure"))
     members: dict[bytes, list[int]] = {}
     for index in np.lexsort(rows.T):
         if usable[index] and np.isfinite(rows[index, -1]):

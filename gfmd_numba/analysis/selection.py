@@ -1,6 +1,6 @@
 """Choice of cases from a campaign dataset: groups of equal physics, one limit, good results."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isnan, nan
@@ -78,13 +78,18 @@ def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
     """Yield (parameters, cases) for each set of cases that differ only in discretisation, in file order."""
-    unknown = np.full(dataset.sizes["case"], nan)  # the anisotropy, in older files
-    physics = np.stack([dataset[name].values.astype(float) if name in dataset else unknown for name in GROUP], axis=-1)
+    physics = table(dataset, GROUP)
     members: dict[bytes, list[int]] = {}
     for index, row in enumerate(physics):
         members.setdefault(row.tobytes(), []).append(index)  # bytes: a nan parameter still equals itself
     for indices in members.values():
         yield dict(zip(GROUP, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
+
+
+def table(dataset: xr.Dataset, names: Sequence[str]) -> Array:
+    """Return the values (case, name) of parameters, nan for the anisotropy that older files lack."""
+    unknown = np.full(dataset.sizes["case"], nan)
+    return np.stack([dataset[name].values.astype(float) if name in dataset else unknown for name in names], axis=-1)
 
 
 def key(parameters: dict[str, float]) -> tuple[float, ...]:

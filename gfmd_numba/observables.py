@@ -15,6 +15,8 @@ from gfmd_numba.roughness import statistics
 
 Reals = npt.NDArray[np.float64]
 
+_OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
+
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     """Nodes in contact `[realisation, (y,) x]`: those on which the hard wall presses."""
@@ -80,6 +82,29 @@ def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     if contact.heights.ndim == 3:
         return _unknown(contact)
     return contact_length(contact.equilibrium.pressure, touching(contact))[1]
+
+
+def kappa(contact: Contact) -> Reals:
+    """Area-load coefficient a_r g E* / p, contact area corrected for its edges `[realisation]`."""
+    return np.asarray(contact_area_fraction(contact) * rms_gradient(contact) / mean_pressure(contact))
+
+
+def kappa_residual_error(contact: Contact) -> Reals:
+    """What the solver's residual may change kappa by: as the pressure may, and nodes left open do `[realisation]`.
+
+    With eps = residual times peak pressure, open are nodes of a pressure below 10 eps or a gap below 0.02 eps L_x / E*:
+    none that changed sides on the way to 1e-12 had more than 6 and 0.012 (`benchmarks/residual_and_kappa.py`).
+    """
+    now, pressure = touching(contact), contact.equilibrium.pressure
+    along = tuple(range(1, now.ndim))
+    violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
+    leaving = (now & (pressure <= _OPEN_PRESSURE * violated)).sum(axis=along)
+    joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
+    # a node that fills a gap of one takes its edges with it
+    edges = 1.0 + (2.0 * EDGE_BIAS if now.ndim == 2 else 4.0 * PERIMETER_BIAS)
+    nodes = edges * np.maximum(leaving, joining) / now[0].size
+    share = violated.reshape(-1) / mean_pressure(contact) + nodes / contact_area_fraction(contact)
+    return np.asarray(share * kappa(contact))
 
 
 def mean_pressure(contact: Contact) -> Reals:
@@ -167,7 +192,14 @@ MEASURES = (
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area corrected for its edges",
-        lambda c: contact_area_fraction(c) * rms_gradient(c) / mean_pressure(c),
+        kappa,
+    ),
+    Measure(
+        "kappa_residual_error",
+        "contact",
+        "E*/stiffness",
+        "largest change of kappa to expect from the residual of the solver",
+        kappa_residual_error,
     ),
     Measure(
         "kappa_counted",

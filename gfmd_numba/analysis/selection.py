@@ -36,6 +36,8 @@ class Group:
     reference_mean: float
     reference_error: float
     n_excluded: int
+    residual_error: Array  # of each case's mean by the solver's residual, nan if the dataset does not tell
+    seconds: float  # of processor time that its cases took, nan likewise
     notes: list[str]
 
     @property
@@ -149,7 +151,19 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             "the area is that of the grid, not of the surface; take a finer eps_c or a higher pressure"
         )
     position = cases["_position"].values[kept]
-    return Group(parameters, position, values, complete, asked, levels, reference, mean, error, n_excluded, notes)
+    seconds = float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan
+    left = _residual_error(cases, variable)[kept]
+    return Group(
+        parameters, position, values, complete, asked, levels, reference, mean, error, n_excluded, left, seconds, notes
+    )
+
+
+def _residual_error(cases: xr.Dataset, variable: str) -> Array:
+    """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
+    if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
+        return np.full(cases.sizes["case"], nan)
+    share = cases["kappa_residual_error"] / cases["kappa"]
+    return np.asarray((share * cases[variable]).mean("realisation").values)
 
 
 def _nodes_per_segment(cases: xr.Dataset) -> float:

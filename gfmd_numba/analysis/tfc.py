@@ -16,6 +16,7 @@ from scipy.stats import norm
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
 from gfmd_numba.analysis.least_squares import BOUNDS, Block, best_fit, project, search, whitened
 from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, fractions
 
@@ -44,8 +45,9 @@ def fit_tfc(
     Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
     the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
     campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: kappa_tfc,
-    reference (mean of the reference case) and message (one line for each thing to know) over (group), C and
-    alpha over (group, limit), their errors, all dimensionless; nan and fit_status "refused" where an exponent
+    reference (mean of the reference case) and message (one line for each thing to know) over (group), C, alpha and
+    correction over (group, limit), their errors, error_budget over (group, source), all dimensionless, and seconds
+    of processor time over (group); nan and fit_status "refused" where an exponent
     is not identified; ValueError for an unknown variable, mode or limit, or a wrong fixed exponent.
     """
     if exponents not in ("shared", "free"):
@@ -97,8 +99,10 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
     blocks = [_block(group, group.values[group.complete], names) for group in groups]
     alpha = best_fit(blocks, ends)
     estimate = _estimates(groups, blocks, alpha)
-    sample = _bootstrap(groups, names, ends, alpha, bootstrap, seed)
+    sample, of_surfaces = _bootstrap(groups, names, ends, alpha, bootstrap, seed)
     error = sample.std(axis=0, ddof=1)
+    sampling = of_surfaces.std(axis=0, ddof=1)
+    budget = error_budget(blocks, names, ends, alpha, sampling, [group.residual_error for group in groups])
     # percentiles widened to Student's distribution, which small samples need (Hesterberg 2015)
     tails = [norm.cdf(student.ppf(0.05, max(group.n_realisations - 1, 1))) for group in groups]
     intervals = [np.quantile(sample[:, i], [tail, 1 - tail], axis=0) for i, tail in enumerate(tails)]
@@ -119,7 +123,11 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
         if np.isnan(error[index, 0]):
             unknown = f"the sampling error is unknown ({_realisations(group)}, bootstrap {bootstrap})"
             row["message"] = "\n".join([row["message"], unknown]).lstrip()
-        row |= {"estimate": estimate[index], "error": error[index]}
+        loose = budget[index, SOURCES.index("residual")]
+        if loose > 0.1 * error[index, 0]:
+            ask = f"the residual may have put kappa_tfc off by another {loose:.2g}: ask the solver for a smaller one"
+            row["message"] = "\n".join([row["message"], ask]).lstrip()
+        row |= {"estimate": estimate[index], "error": error[index], "budget": budget[index]}
         rows.append(row | {"kappa_tfc_low": low[index, 0], "kappa_tfc_high": high[index, 0]})
     return rows
 
@@ -131,9 +139,12 @@ def _block(group: Group, values: Array, names: Sequence[str]) -> Block:
 
 def _bootstrap(
     groups: Sequence[Group], names: Sequence[str], ends: Array, alpha: Array, number: int, seed: int
-) -> Array:
-    """Return the estimates (replicate, group, ...) from realisations drawn for all groups alike, or nan."""
-    sample = []
+) -> tuple[Array, Array]:
+    """Return the estimates (replicate, group, ...) from realisations drawn for all groups alike, or nan.
+
+    And those of kappa_tfc (replicate, group) where the guess of an exponent is always the middle of its range.
+    """
+    sample, of_surfaces = [], []
     pool = np.flatnonzero(np.any([group.complete for group in groups], axis=0))
     if pool.size > 1:
         rng = np.random.default_rng(seed)
@@ -143,17 +154,22 @@ def _bootstrap(
         draws = np.hstack([rng.choice(alike, (number, max(1, alike.size - 1))) for alike in strata])
         # what is guessed of an exponent fixed to a range differs between replicates: errors include not knowing it
         guesses = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((number, len(ends)))
+        middle, ranged = ends.mean(axis=1), (ends[:, 0] < ends[:, 1]).any()
         for draw, guess in zip(draws, guesses, strict=True):
             values = [group.values[draw[group.complete[draw]]] for group in groups]
             if all(len(each) for each in values):
                 blocks = [_block(*pair, names) for pair in zip(groups, values, strict=True)]
-                sample.append(_estimates(groups, blocks, search(blocks, alpha, ends, guess)[0]))
+                found = _estimates(groups, blocks, search(blocks, alpha, ends, guess)[0])
+                sample.append(found)
+                of_surfaces.append(limits(blocks, search(blocks, alpha, ends, middle)[0]) if ranged else found[:, 0])
     if len(sample) < 2:
-        return np.full((2, len(groups), 1 + 3 * len(LIMITS)), np.nan)
-    estimates = np.array(sample)
+        return np.full((2, len(groups), 1 + 3 * len(LIMITS)), np.nan), np.full((2, len(groups)), np.nan)
+    estimates, kappa = np.array(sample), np.array(of_surfaces)
     # one realisation drawn again and again has no scatter, which is not to be taken for precision
-    estimates[:, [group.n_realisations < 2 for group in groups], :7] = np.nan
-    return estimates
+    alone = [group.n_realisations < 2 for group in groups]
+    estimates[:, alone, :7] = np.nan
+    kappa[:, alone] = np.nan
+    return estimates, kappa
 
 
 def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Array) -> Array:
@@ -283,6 +299,7 @@ def _refused(group: Group, reason: str) -> _Row:
     return {
         "estimate": missing,
         "error": missing,
+        "budget": np.full(len(SOURCES), np.nan),
         **dict.fromkeys(("kappa_tfc_low", "kappa_tfc_high", "rms_residual", "chi2"), np.nan),
         "fit_status": "refused",
         "message": "\n".join([reason, *group.notes]),
@@ -304,6 +321,8 @@ _NOTES = {
     "chi2": "sum of squared residuals weighted by the shrunk covariance",
     "n_realisations": "realisations that are good in every case fitted",
     "n_excluded": "results left out: not finite or status not ok",
+    "error_budget": "error of kappa_tfc by exponents known to a range, sampling, and at most by the solver's residual",
+    "seconds": "processor time of the cases fitted, in s",
 }
 
 
@@ -328,8 +347,11 @@ def _as_dataset(groups: Sequence[Group], rows: Sequence[_Row]) -> xr.Dataset:
     variables["n_cases"] = ("group", [group.n_cases for group in groups])
     variables["n_realisations"] = ("group", [group.n_realisations for group in groups])
     variables["n_excluded"] = ("group", [group.n_excluded for group in groups])
+    budget = np.array([row["budget"] for row in rows]).reshape(len(rows), -1)
+    variables["error_budget"] = (("group", "source"), budget)
+    variables["seconds"] = ("group", [group.seconds for group in groups])
     coords = {name: ("group", [group.parameters[name] for group in groups]) for name in GROUP}
-    result = xr.Dataset(variables, {**coords, "limit": list(LIMITS)})
+    result = xr.Dataset(variables, {**coords, "limit": list(LIMITS), "source": list(SOURCES)})
     for name, note in _NOTES.items():
         result[name].attrs["long_name"] = note
     return result

@@ -46,6 +46,8 @@ def show_fit(fitted: xr.Dataset) -> None:
     for limit, kind in LIMITS.items():
         if fitted["alpha"].sel(limit=limit).notnull().any():
             click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
+    if (fitted["error_budget"] > 0).any():
+        click.echo(f"error    {_sources(fitted)}")
     messages = [str(message).splitlines() for message in fitted["message"].values]
     for line in dict.fromkeys(line for lines in messages for line in lines):
         having = [i for i, lines in enumerate(messages) if line in lines]
@@ -118,6 +120,14 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
         ", ".join(f"{heading} = {_number(fitted[name].values[i])}" for heading, name in varied.items()) for i in having
     ]
     return " and ".join(groups) + ": "
+
+
+def _sources(fitted: xr.Dataset) -> str:
+    """Return what the errors of the limit come from, the largest of each source, and the processor time they took."""
+    most = fitted["error_budget"].max("group")
+    parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
+    seconds = float(fitted["seconds"].sum())
+    return f"at most by {', '.join(parts)}" + (f"; {duration(seconds)} of processor time" if seconds else "")
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:

@@ -1,0 +1,48 @@
+"""Transforms of Verlet to residual 1e-8 against its damping, medians over surfaces, for several interfaces."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from gfmd_numba.contact import solve
+from gfmd_numba.interface import Exponential, Interface
+from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.scene import Numerics
+
+DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000
+
+
+def problem(hurst, pressure, nx):
+    surface = RandomSurface(hurst, 2, nx // 8, nx, 4)
+    return Problem(surface, ElasticBody(None, None), Interface(True), pressure, None, Numerics())
+
+
+def row(name, asked, surfaces=SURFACES):
+    medians = []
+    for damping in DAMPINGS:
+        numerics = Numerics(solver="verlet", damping=damping, max_iterations=MOST)
+        found = solve(replace(asked, numerics=numerics), range(surfaces)).equilibrium
+        failed = int((found.status != 0).sum())
+        medians.append(f"{np.median(found.n_transforms):7.0f}{f' ({failed})' if failed else '':5}")
+    print(f"{name:34}", *medians, flush=True)
+
+
+print(f"{'damping':34}", *(f"{damping:7g}     " for damping in DAMPINGS))
+for nx in (2048, 8192):
+    for hurst in (0.0, 0.3, 0.5, 0.8, 1.0):
+        for pressure in (0.007, 0.05, 0.3):
+            row(f"nx = {nx}, H = {hurst}, p* = {pressure}", problem(hurst, pressure, nx))
+for hurst in (0.3, 0.8):
+    for pressure in (0.007, 0.05, 0.3):
+        common = problem(hurst, pressure, 1024)
+        named = f"H = {hurst}, p* = {pressure}"
+        row(
+            f"friction 0.3, {named}", replace(common, body=ElasticBody(0.3, None), interface=Interface(True, None, 0.3))
+        )
+        row(f"sticking, {named}", replace(common, body=ElasticBody(0.3, None), interface=Interface(True, None, np.inf)))
+        row(f"adhesion, {named}", replace(common, interface=Interface(True, Exponential(2e-5, 0.004))))
+        row(f"slab a = 0.05, {named}", replace(common, body=ElasticBody(0.33, 0.05)))
+        row(
+            f"friction, slab, {named}",
+            replace(common, body=ElasticBody(0.33, 0.1), interface=Interface(True, None, 0.3)),
+        )

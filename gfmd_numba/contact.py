@@ -51,6 +51,8 @@ def solve(
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         deflected = _coupled(problem).deflection(problem.tractions.tangential, problem.tractions.normal)
         punch -= deflected[1]
+    if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
+        punch = punch.astype(np.float32)
     start = None if before is None else Start.after(before, punch, sliding)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
     return Contact(heights, punch, equilibrium, deflected)

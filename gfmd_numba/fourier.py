@@ -9,12 +9,13 @@ import pyfftw
 from gfmd_numba import kernels
 
 Reals = npt.NDArray[np.float64]
-_LINE = 8  # doubles in a cache line: rows padded to it are all aligned alike, so every row has the same plan
+_LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
-def aligned_rows(rows: int, n: int, dtype: type = np.float64) -> npt.NDArray[np.float64]:
+def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[np.float64]:
     """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
-    array: npt.NDArray[np.float64] = pyfftw.zeros_aligned((rows, -(-n // _LINE) * _LINE), dtype=dtype, n=64)
+    line = _LINE // min(np.dtype(dtype).itemsize, 8)
+    array: npt.NDArray[np.float64] = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
     return array
 
 
@@ -23,21 +24,21 @@ class Convolution:
 
     `shape` is (nx,) or (ny, nx); every row of a buffer is one profile or one map, flat.
 
-    Each of the `sources` is a buffer of its own; spectrum and result are shared.
+    Each of the `sources` is a buffer of its own; spectrum and result are shared. All are of the precision `dtype`.
 
     Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
     ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
     """
 
-    def __init__(self, rows: int, *shape: int, sources: int = 1) -> None:
+    def __init__(self, rows: int, *shape: int, sources: int = 1, dtype: npt.DTypeLike = np.float64) -> None:
         self.n = n = math.prod(shape)
         self.shape = shape
         axes = tuple(range(len(shape)))
         waves = (*shape[:-1], shape[-1] // 2 + 1)
         half = math.prod(waves)
-        self.sources = [aligned_rows(rows, n) for _ in range(sources)]
-        self.result = aligned_rows(rows, n)
-        self.spectrum = aligned_rows(rows, half, np.complex128)
+        self.sources = [aligned_rows(rows, n, dtype) for _ in range(sources)]
+        self.result = aligned_rows(rows, n, dtype)
+        self.spectrum = aligned_rows(rows, half, np.result_type(dtype, 1j))
         self.n_transforms = np.zeros(rows, dtype=np.int64)
         self._forward = [
             [
@@ -64,7 +65,7 @@ class Convolution:
 
     def symbol(self, values: Reals) -> Reals:
         """Symbol `[nx // 2 + 1]` or `[ny, nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
-        return values.ravel() / self.n
+        return (values.ravel() / self.n).astype(self.result.dtype)
 
     def apply(self, symbol: Reals, active: npt.NDArray[np.int64], source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""

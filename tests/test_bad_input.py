@@ -215,6 +215,14 @@ SCENES = {
         ("{solver: auto}", "{residual: 1/10}"),
         "bad.yaml:10:22: numerics.residual: given 0.1; allowed: a number above 0 and at most 0.01",
     ),
+    "residual too small for single precision": (
+        ("{solver: auto}", "{precision: single, residual: 1e-4}"),
+        "bad.yaml:10:41: numerics.residual: given 0.0001; allowed: at least 0.001 in single precision",
+    ),
+    "residual by default too small for single precision": (
+        ("{solver: auto}", "{precision: single}"),
+        "bad.yaml:10:1: numerics.residual: given nothing; allowed: at least 0.001 in single precision",
+    ),
     "damping too large": (
         ("{solver: auto}", "{damping: 101}"),
         "bad.yaml:10:21: numerics.damping: given 101; allowed: a number from 0 to 100",

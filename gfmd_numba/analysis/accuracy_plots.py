@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 TITLES = {
     "solver residual": "Solver and residual",
+    "precision": "Double and single precision",
     "damping of Verlet": "Damping and time step of Verlet",
     "eps_c": "Continuum: 1/eps_c",
     "eps_f": "Fractal: 1/eps_f",
@@ -31,7 +32,7 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
             # what agrees to the last bit is drawn at the lower edge
             error = np.maximum(good["error"].values, 1e-10 if name == "solver residual" else 1e-5)
             axes.plot(good["seconds"], error, "o-", label=curve, markersize=4)
-            if name != "solver residual":
+            if name not in ("solver residual", "precision"):
                 for x, y, setting in zip(good["seconds"].values, error, good["setting"].values, strict=True):
                     label = f"{setting:g}" if name == "surfaces" else f"{1 / setting:g}"
                     axes.annotate(label, (x, y), textcoords="offset points", xytext=(4, 4), fontsize=7)

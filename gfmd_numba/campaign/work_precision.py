@@ -14,6 +14,7 @@ from gfmd_numba.campaign.specification import AXES
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
 from gfmd_numba.problem import ElasticBody, Problem, random_surface
+from gfmd_numba.scene import SINGLE_RESIDUAL
 
 Values = npt.NDArray[np.float64]
 
@@ -72,18 +73,30 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
 
 
 def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
-    """Solver and residual, then time step and damping of the reference solver, against a tight residual."""
+    """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
     exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
     able = _SOLVERS if problem.interface.law is None and not problem.interface.couples else ("verlet",)
     for solver in able:
         for residual in _RESIDUALS:
             values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)
             yield _point("solver residual", solver.replace("_", " "), residual, values, exact)
+    if len(able) > 1:
+        yield from _precision(problem, exact)
     for damping in _DAMPINGS:
         for step in _TIME_STEPS:
             settings = {"solver": "verlet", "time_step": step, "damping": damping, "max_iterations": _PATIENCE}
             values = _run(problem, realisations, **settings)
             yield _point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
+
+
+def _precision(problem: Problem, exact: Values) -> Iterator[Point]:
+    """Single precision beside double, as far down as its certificate goes."""
+    for solver in ("active_set_newton", "verlet"):
+        for precision in ("double", "single"):
+            for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
+                settings = {"solver": solver, "residual": residual, "precision": precision, "max_iterations": _PATIENCE}
+                values = _run(problem, len(exact), **settings)
+                yield _point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
 
 
 def _discretisation(case: Case, axis: str, seed: int, realisations: int) -> Iterator[Point]:

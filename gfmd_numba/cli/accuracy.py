@@ -18,8 +18,8 @@ from gfmd_numba.cli.tables import duration, print_table
 def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     """Measure error against seconds around the reference case of the campaign in FILE, on this machine.
 
-    Solver and residual, time step and damping, each discretisation, number of surfaces, slab against half-space; then
-    what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
+    Solver and residual, precision, time step and damping, each discretisation, number of surfaces, slab against
+    half-space; then what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
     """
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
     from gfmd_numba.campaign import accuracy as targets

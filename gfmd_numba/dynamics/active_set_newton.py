@@ -50,7 +50,7 @@ class ActiveSetNewton(PressedBody):
         if self._is_map:
             self._inverse = Collective(stiffness, self.field.shape)
         else:
-            self._inverse = Decays(self.compliance * n, n)
+            self._inverse = Decays(self.compliance.astype(np.float64) * n, n)
         self._target = 0.2 * residual  # the certificate's measure is a slightly different one
         self._tolerance = np.full(rows, _LOOSE_MAP if self._is_map else _LOOSE)
         self._nodes = np.empty(n, dtype=np.int64)
@@ -115,6 +115,7 @@ class ActiveSetNewton(PressedBody):
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in punch])  # bits of a row alone
+        smooth = smooth.astype(punch.dtype)
         coarse = ActiveSetNewton(smooth, _of_coarser(stiffness, shape), load, _SETTLED)
         active = np.arange(len(punch))
         for _ in range(_COARSE_STEPS):

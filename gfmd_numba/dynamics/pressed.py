@@ -25,11 +25,11 @@ class PressedBody:
         self._rigid_mean = not np.isfinite(stiffness[0])
         # an incompressible slab keeps its volume: below the mean of the punch there is no room for it
         self._impossible = punch.mean(axis=1) < 0.0
-        self.field = Convolution(rows, *shape, sources=3)
+        self.field = Convolution(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
         self.restoring = self.field.result
-        self.wall = aligned_rows(rows, n)
+        self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
         softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if load is None else load
@@ -40,9 +40,9 @@ class PressedBody:
         self.compliance = self.field.symbol(compliance)
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
-        self.gap = aligned_rows(rows, n)
+        self.gap = aligned_rows(rows, n, punch.dtype)
         self.certificate = Certificate(rows)
-        self.rounding = np.finfo(float).eps * np.ptp(punch, axis=1)
+        self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:

@@ -42,9 +42,9 @@ class Relaxation:
         rows, shape = len(punch), punch.shape[1:]
         punch, start = punch.reshape(rows, -1), start.reshape(rows, -1)
         self.load = load
-        self.field = Convolution(rows, *shape)
+        self.field = Convolution(rows, *shape, dtype=punch.dtype)
         n = self.field.n
-        self._punch = aligned_rows(rows, n)
+        self._punch = aligned_rows(rows, n, punch.dtype)
         self._punch[:, :n] = punch
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (self.displacement,) = self.field.sources

@@ -5,6 +5,7 @@ from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.document import Document, InputError, read_document
 from gfmd_numba.scene.interface_records import HardWall, Interface
 from gfmd_numba.scene.records import (
+    SINGLE_RESIDUAL,
     Body,
     Discretisation,
     Loading,
@@ -20,6 +21,7 @@ from gfmd_numba.scene.validation import validate
 
 __all__ = [
     "COMPONENTS",
+    "SINGLE_RESIDUAL",
     "Body",
     "Boundary",
     "BoundaryFile",

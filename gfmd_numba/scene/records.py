@@ -241,11 +241,13 @@ class Numerics(BaseModel):
     effects: Tolerance = Field(
         1e-4, description="Largest relative change of kappa that leaving out an effect may cause"
     )
+    precision: Literal["double", "single"] = Field("double", description="Precision of the solver's numbers")
     damping: float = Field(
         0.5, ge=0, le=100, description="Damping as a fraction of the slowest mode's critical damping"
     )
 
 
+SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
 PRESSURE_SOLVERS = ("active_set_newton", "conjugate_gradients")
 
 
@@ -272,6 +274,16 @@ def check_solver(scene: Scene, numerics: Numerics) -> None:
         )
     if couples and numerics.solver not in ("auto", "verlet"):
         raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
+    if numerics.precision == "single":
+        if law or couples or scene.follows_topography:
+            raise broken_rule(
+                ("numerics", "precision"), "'double' but for a frictionless hard wall of a punch on a smooth body"
+            )
+        if numerics.residual < SINGLE_RESIDUAL:
+            raise broken_rule(
+                ("numerics", "residual"),
+                f"at least {SINGLE_RESIDUAL:g} in single precision, whose rounding alone leaves about 1e-8 nx",
+            )
     if law and numerics.solver in PRESSURE_SOLVERS:
         raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
 

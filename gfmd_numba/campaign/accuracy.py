@@ -113,7 +113,8 @@ def asked(planned: Plan, chosen: Design) -> str:
 
 
 def _mean(problem: Problem, residual: float, variable: str) -> float:
-    looser = replace(problem, numerics=problem.numerics.model_copy(update={"residual": residual}))
+    settings = {"residual": residual, "precision": "double"}
+    looser = replace(problem, numerics=problem.numerics.model_copy(update=settings))
     return float(np.mean(measure(solve(looser, range(REALISATIONS)))[variable]))
 
 

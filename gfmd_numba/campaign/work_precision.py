@@ -54,6 +54,8 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     if planned.campaign.scene.dimension == 2:
         raise planned.document.error(("scene", "dimension"), 2, "dimension 1 for `gfmd accuracy`")
     case = next(case for case in planned.cases if case.limit == "reference")
+    exact = case.problem.numerics.model_copy(update={"precision": "double"})
+    case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
     for axis in AXES:
         yield from _discretisation(case, axis, planned.campaign.seed, realisations)

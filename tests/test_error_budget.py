@@ -153,3 +153,29 @@ def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, no
     assert (changed <= loose["kappa_residual_error"] + 1e-11).all()
     if residual <= 1e-5:
         assert (loose["kappa_residual_error"] < 3e-2 * exact["kappa"]).all()
+
+
+@pytest.mark.parametrize("leaves", [True, False])
+def test_a_node_on_the_brink_counts(leaves):
+    """Its pressure or gap is below what the residual leaves open: on the other side, kappa is another."""
+    numerics = Numerics(solver="active_set_newton")
+    problem = Problem(
+        RandomSurface(0.8, 2, 128, 1024, 5), ElasticBody(None, None), Interface(True), 0.05, None, numerics
+    )
+    contact = solve(problem, range(1))
+    found = contact.equilibrium
+    edge = found.touching & ~np.roll(found.touching, 1, axis=1)
+    node = np.flatnonzero(edge[0])[0] - (not leaves)
+    brink = found.residual[0] * found.pressure.max()
+    on_the_brink = replace(found, pressure=found.pressure.copy(), displacement=found.displacement.copy())
+    if leaves:
+        on_the_brink.pressure[0, node] = 2.0 * brink
+    else:
+        on_the_brink.displacement[0, node] = contact.punch[0, node] - 1e-3 * brink
+    moved = replace(on_the_brink, touching=found.touching.copy())
+    moved.touching[0, node] = not leaves
+    here, there = (measure(replace(contact, equilibrium=each)) for each in (on_the_brink, moved))
+    changed = abs(here["kappa"] - there["kappa"])
+    assert changed > 1e-3
+    assert changed <= here["kappa_residual_error"] <= 3.0 * changed
+    assert measure(contact)["kappa_residual_error"] < 1e-3 * changed

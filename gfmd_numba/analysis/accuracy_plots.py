@@ -22,7 +22,7 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
     for position, name in enumerate(shown, start=1):
         axes = figure.add_subplot(-(-len(shown) // 3), 3, position)
         study = dataset.isel(point=dataset["study"].values == name)
-        damping = name == "damping of Verlet"
+        damping, by_residual = name == "damping of Verlet", name in ("solver residual", "precision")
         for curve in dict.fromkeys(study["curve"].values.tolist()):
             points = study.isel(point=study["curve"].values == curve)
             good = points.isel(point=(points["failed"].values == 0))
@@ -30,9 +30,9 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
                 axes.plot(good["setting"], good["seconds"], "o-", label=curve, markersize=4)
                 continue
             # what agrees to the last bit is drawn at the lower edge
-            error = np.maximum(good["error"].values, 1e-10 if name == "solver residual" else 1e-5)
+            error = np.maximum(good["error"].values, 1e-10 if by_residual else 1e-5)
             axes.plot(good["seconds"], error, "o-", label=curve, markersize=4)
-            if name not in ("solver residual", "precision"):
+            if not by_residual:
                 for x, y, setting in zip(good["seconds"].values, error, good["setting"].values, strict=True):
                     label = f"{setting:g}" if name == "surfaces" else f"{1 / setting:g}"
                     axes.annotate(label, (x, y), textcoords="offset points", xytext=(4, 4), fontsize=7)

@@ -100,8 +100,8 @@ def kappa_residual_error(contact: Contact) -> Reals:
     violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
     leaving = (now & (pressure <= _OPEN_PRESSURE * violated)).sum(axis=along)
     joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
-    # a node that fills a gap of one takes its edges with it
-    edges = 1.0 + (2.0 * EDGE_BIAS if now.ndim == 2 else 4.0 * PERIMETER_BIAS)
+    # a node that fills a gap of one takes its edges with it, on maps four of at most as much as a profile's
+    edges = 1.0 + 2.0 * (now.ndim - 1) * EDGE_BIAS
     nodes = edges * np.maximum(leaving, joining) / now[0].size
     share = violated.reshape(-1) / mean_pressure(contact) + nodes / contact_area_fraction(contact)
     return np.asarray(share * kappa(contact))

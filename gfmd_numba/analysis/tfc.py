@@ -5,24 +5,30 @@ in every case. Each replicate estimates the weights anew: kept fixed, they would
 small.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.stats import norm
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis.doubts import (
+    advice,
+    doubtful,
+    evidence,
+    inseparable,
+    logarithmic,
+    pressed,
+    realisations,
+    shortage,
+)
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
-from gfmd_numba.analysis.least_squares import BOUNDS, Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, fractions
+from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
+from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect
 
-_PRESSED = 0.05  # of a range: the median of an exponent that the data do not know lies in its middle
-_STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
-WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
 
 _Row = dict[str, Any]
@@ -83,16 +89,16 @@ def exponent_range(limit: str, value: float | Sequence[float]) -> tuple[float, f
 
 def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: int) -> list[_Row]:
     """Return one row of results for each of the groups that share their exponents."""
-    lacking = [_inseparable(group) for group in groups]
+    lacking = [inseparable(group) for group in groups]
     if any(lacking):
         able = [group for group, reason in zip(groups, lacking, strict=True) if not reason]
         rest = iter(_fit_family(able, ranges, bootstrap, seed))
         return [_refused(group, why) if why else next(rest) for group, why in zip(groups, lacking, strict=True)]
     if not groups:
         return []
-    shortage = _shortage(groups, ranges)
-    if shortage:
-        return [_refused(group, shortage) for group in groups]
+    lack = shortage(groups, ranges)
+    if lack:
+        return [_refused(group, lack) for group in groups]
     names = [name for name in LIMITS if any(name in group.levels for group in groups)]
     ends = np.array([ranges.get(name, (np.nan, np.nan)) for name in names])
     free = np.flatnonzero(np.isnan(ends[:, 0]))
@@ -107,21 +113,18 @@ def _fit_family(groups: Sequence[Group], ranges: _Ranges, bootstrap: int, seed: 
     tails = [norm.cdf(student.ppf(0.05, max(group.n_realisations - 1, 1))) for group in groups]
     intervals = [np.quantile(sample[:, i], [tail, 1 - tail], axis=0) for i, tail in enumerate(tails)]
     low, high = np.stack(intervals, axis=1)
-    doubt = _doubt(groups, blocks, names, free, alpha, low[:, 7:], high[:, 7:])
+    doubt = doubtful(groups, blocks, names, free, alpha, low[:, 7:], high[:, 7:])
     rows = []
     for index, (group, block) in enumerate(zip(groups, blocks, strict=True)):
         if doubt:
-            reasons = []
-            for name, why in doubt.items():
-                evidence = _evidence(group, name)
-                reasons.append(f"exponent of {name} {why} ({evidence})")
-            rows.append(_refused(group, "\n".join([*reasons, _advice(doubt)])))
+            reasons = [f"exponent of {name} {why} ({evidence(group, name)})" for name, why in doubt.items()]
+            rows.append(_refused(group, "\n".join([*reasons, advice(doubt)])))
             continue
         row = _accepted(group, block, alpha)
-        pressed = _pressed(names, ends, sample[:, index, 7:])
-        row["message"] = "\n".join([*group.notes, *pressed, *_logarithmic(group)])
+        told = [*pressed(names, ends, sample[:, index, 7:]), *logarithmic(group)]
+        row["message"] = "\n".join([*group.notes, *told])
         if np.isnan(error[index, 0]):
-            unknown = f"the sampling error is unknown ({_realisations(group)}, bootstrap {bootstrap})"
+            unknown = f"the sampling error is unknown ({realisations(group)}, bootstrap {bootstrap})"
             row["message"] = "\n".join([row["message"], unknown]).lstrip()
         loose = budget[index, SOURCES.index("residual")]
         if loose > 0.1 * error[index, 0]:
@@ -194,104 +197,6 @@ def _accepted(group: Group, block: Block, alpha: Array) -> _Row:
         "fit_status": "ok",
         "message": "\n".join(group.notes),
     }
-
-
-def _inseparable(group: Group) -> str:
-    """Return why the group's cases cannot determine its coefficients at any exponent, or nothing."""
-    if not group.levels:
-        return "no discretisation is varied over two or more good levels: add levels to the campaign"
-    if not group.complete.any():
-        return f"no realisation is good in all {group.n_cases} cases: run more, or repeat the failed ones"
-    columns = [np.exp(0.7 * group.log_ratio(name)) for name in group.levels]
-    if np.linalg.matrix_rank(np.column_stack([np.ones(group.n_cases), *columns])) <= len(columns):
-        varied = ", ".join(group.levels)
-        return f"{group.n_cases} cases cannot tell {varied} apart: add cases in which only one of them differs"
-    return ""
-
-
-def _shortage(groups: Sequence[Group], ranges: _Ranges) -> str:
-    """Return which free exponent has fewer than three levels in every group, or nothing."""
-    for name in LIMITS:
-        levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
-        if levels is not None and len(levels) < 3 and name not in ranges:
-            return f"exponent of {name} needs three levels, has two ({fractions(levels)})\n{_advice([name])}"
-    return ""
-
-
-def _doubt(
-    groups: Sequence[Group],
-    blocks: Sequence[Block],
-    names: Sequence[str],
-    free: NDArray[np.intp],
-    alpha: Array,
-    low: Array,
-    high: Array,
-) -> dict[str, str]:
-    """Return the free exponents that the data do not identify, and why."""
-    if not free.size:
-        return {}
-    jacobian = project(blocks, alpha)[1][:, free]
-    scale = np.sqrt(sum(float(np.sum((block.whitener @ block.means) ** 2)) for block in blocks))
-    _, singular, vectors = np.linalg.svd(jacobian)
-    if singular[-1] <= 1e-9 * scale:
-        return {names[free[abs(vectors[-1]).argmax()]]: "has no influence on the fit"}
-    doubt = {}
-    for index in free:
-        column = LIMITS.index(names[index])
-        owner = next(i for i, group in enumerate(groups) if names[index] in group.levels)
-        ends = np.array([low[owner, column], high[owner, column]])
-        if np.isnan(ends).any():
-            ends[:] = alpha[index]
-            found = f"of {alpha[index]:.3g}"
-        else:
-            found = f"with 90 % interval {ends[0]:.3g} to {ends[1]:.3g}"
-        if ends[0] < 1.02 * BOUNDS[0] or ends[1] > 0.98 * BOUNDS[1]:
-            doubt[names[index]] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
-        elif ends[1] > WIDEST * ends[0]:
-            doubt[names[index]] = f"{found} is uncertain by more than a factor {WIDEST:g}"
-    return doubt
-
-
-def _pressed(names: Sequence[str], ends: Array, alpha: Array) -> list[str]:
-    """Return a line for each exponent (replicate, limit) that the data press against the low end of its range."""
-    lines = []
-    for name, (low, high) in zip(names, ends, strict=True):
-        found = np.median(alpha[:, LIMITS.index(name)])
-        if low < high and found < low + _PRESSED * (high - low):
-            lines.append(
-                f"exponent of {name} is pressed to the low end of its range, {low:g}: allow less, or "
-                "do not trust this limit"
-            )
-    return lines
-
-
-def _logarithmic(group: Group) -> list[str]:
-    """Return a line for a spectrum whose octaves add nearly as much slope each: exponents of eps_f go as 2 - 2 H."""
-    if "eps_f" not in group.levels or not group.parameters["hurst"] > _STEEPEST:
-        return []
-    return ["at H = 1 kappa goes as 1 / log(1 / eps_f): a power of eps_f fits, but its limit is not that of kappa"]
-
-
-def _realisations(group: Group) -> str:
-    return f"{group.n_realisations} realisation{'s' if group.n_realisations != 1 else ''}"
-
-
-def _evidence(group: Group, name: str) -> str:
-    if name not in group.levels:
-        return f"shared with other groups; {name} is not varied in this one"
-    return f"levels {fractions(group.levels[name])}, {_realisations(group)}"
-
-
-def _advice(names: Collection[str]) -> str:
-    """Return how to fix exponents where the user stands: at the command line, in the campaign file, in Python."""
-    options = " ".join(f"--fixed {name}=1" for name in names)
-    block = ", ".join(f"{name}: [1/2, 1]" for name in names)
-    argument = ", ".join(f"'{name}': (0.5, 1.0)" for name in names)
-    return (
-        f"fix exponents, or give the ranges they lie in: `gfmd fit {options}` or a range, as in {next(iter(names))}"
-        f"=0.5:1; `fit: {{fixed: {{{block}}}}}` in the campaign file; fixed={{{argument}}} in Python; "
-        "or add levels or realisations"
-    )
 
 
 def _refused(group: Group, reason: str) -> _Row:

@@ -14,9 +14,12 @@ from gfmd_numba.cli import main
 CAMPAIGNS = Path(__file__).parent.parent / "campaigns"
 
 QUICKSTART = (
-    ("realisations: 30", "realisations: 6"),
+    (
+        "{reference: 90, eps_c: 30, eps_f: [360, 180, 45, 20], eps_t: [180, 45]}",
+        "{reference: 8, eps_c: 6, eps_f: [12, 10, 7, 6], eps_t: [10, 7]}",
+    ),
     ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
-    ("[1/256, 1/512, 1/1024, 1/2048]", "[1/16, 1/32, 1/64, 1/128]"),
+    ("[1/64, 1/256, 1/4096, 1/16384]", "[1/16, 1/32, 1/128, 1/256]"),
 )
 CHAPTER_4 = (
     ("realisations: 30", "realisations: 4"),

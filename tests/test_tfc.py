@@ -4,6 +4,7 @@ import xarray as xr
 from scipy.stats import binom
 
 from gfmd_numba.analysis import fit_tfc, select_limit
+from gfmd_numba.analysis.least_squares import covariance_of_one
 
 LEVELS = {
     "eps_c": [1 / 2, 1 / 4, 1 / 8],
@@ -571,6 +572,14 @@ def test_the_order_of_a_ragged_design_does_not_matter():
     turned = design.isel(case=slice(None, None, -1))
     first, second = (fit_tfc(each, fixed=ALPHA, bootstrap=0)["kappa_tfc"] for each in (design, turned))
     np.testing.assert_allclose(first, second, rtol=1e-10)
+
+
+def test_what_shared_surfaces_have_alike_is_no_slope():
+    values = np.random.default_rng(1).standard_normal((12, 2))
+    values[:4, 0], values[4:, 1] = 0.1, np.nan  # areas of few nodes: four surfaces have the same
+    covariance = covariance_of_one(values)
+    assert np.linalg.cond(covariance) < 100
+    np.testing.assert_allclose(np.diag(covariance), np.nanvar(values, axis=0, ddof=1), rtol=1e-6)
 
 
 def test_a_failure_in_a_ragged_design_is_dropped_where_it_was_asked_for():

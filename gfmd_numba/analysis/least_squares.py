@@ -103,7 +103,8 @@ def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
     offset = centred.T @ there / shared.clip(1)  # mean of case i over the realisations it shares with j
     freedom = (shared - 1).clip(1)
     joint = (centred.T @ centred - shared * offset * offset.T) / freedom
-    variance = (((centred**2).T @ there - shared * offset**2) / freedom).clip(1e-150)  # of case i over those
+    rounding = 1e-9 * (centred**2).sum() / there.sum()  # areas of few nodes may all be alike
+    variance = (((centred**2).T @ there - shared * offset**2) / freedom).clip(rounding)  # of case i over those
     correlation = abs((joint / np.sqrt(variance * variance.T)).clip(-1, 1))
     order, closest = _spanned(correlation, counts)
     unexplained = 1 - correlation[order[1:], closest] ** 2

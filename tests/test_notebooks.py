@@ -20,6 +20,7 @@ QUICKSTART = (
     ),
     ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
     ("[1/64, 1/256, 1/4096, 1/16384]", "[1/16, 1/32, 1/128, 1/256]"),
+    ("{eps_c: [3/2, 5/2], eps_f: [1/5, 2], eps_t: [1/2, 3/2]}", "{eps_c: 2, eps_f: 1, eps_t: 1}"),  # nothing to search
 )
 CHAPTER_4 = (
     ("realisations: 30", "realisations: 4"),

@@ -131,14 +131,9 @@ def _sources(fitted: xr.Dataset) -> str:
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
-    """Return the exponent of a limit, or one for each group if they differ."""
-    found = {
-        _with_error(value, error)
-        for value, error in zip(
-            fitted["alpha"].sel(limit=limit).values, fitted["alpha_error"].sel(limit=limit).values, strict=True
-        )
-    }
-    return ", ".join(sorted(found))
+    """Return the exponent of a limit, or those of the groups in their order if they differ."""
+    values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
+    return ", ".join(dict.fromkeys(_with_error(*found) for found in zip(values, errors, strict=True)))
 
 
 def _number(value: Any) -> str:

@@ -21,6 +21,7 @@ _PARAMETERS = {
     "gamma": "anisotropy",
 }
 _MOST_ROWS = 200
+_MOST_EXPONENTS = 6
 
 
 def show_fit(fitted: xr.Dataset) -> None:
@@ -133,7 +134,9 @@ def _sources(fitted: xr.Dataset) -> str:
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     """Return the exponent of a limit, or those of the groups in their order if they differ."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
-    return ", ".join(dict.fromkeys(_with_error(*found) for found in zip(values, errors, strict=True)))
+    found = list(dict.fromkeys(_with_error(*each) for each in zip(values, errors, strict=True)))
+    known = [value for value in values.tolist() if not isnan(value)]
+    return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{min(known):.3f} to {max(known):.3f}"
 
 
 def _number(value: Any) -> str:

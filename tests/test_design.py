@@ -13,7 +13,7 @@ LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048]
 CAMPAIGN = {"levels": LEVELS}
 
 
-def pilot(seed=0, n=24):
+def pilot(seed=0, n=40):
     dataset = noisy(campaign(realisations=n, **CAMPAIGN), np.random.default_rng(seed))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     return dataset, seconds
@@ -61,7 +61,7 @@ def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
     many = noisy(campaign(realisations=200, **CAMPAIGN), np.random.default_rng(1))
     error = fit_tfc(many, fixed=ALPHA, bootstrap=100)["kappa_tfc_error"].item() / 2.0
-    assert design.seconds < 0.7 * sum(seconds) * 200 * (error / 0.01) ** 2
+    assert design.seconds * achieved(design) ** 2 < 0.8 * sum(seconds) * 200 * error**2
 
 
 def test_the_price_is_that_of_the_realisations():
@@ -72,7 +72,7 @@ def test_the_price_is_that_of_the_realisations():
 
 def test_a_level_that_costs_much_and_tells_little_is_left_out():
     levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
-    dataset = noisy(campaign(realisations=24, levels=levels), np.random.default_rng(5))
+    dataset = noisy(campaign(realisations=40, levels=levels), np.random.default_rng(5))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
     assert design.levels["eps_c"][1 / 4096] == 0

@@ -161,16 +161,19 @@ def _ensemble(
     beta = project([block], alpha)[2][0]
     powers = np.exp(log_ratio * alpha)
     unsure = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
-    slopes = (log_ratio * powers * beta[1:])[:, unsure]  # an exponent that is not known costs certainty as well
+    covariance, n = covariance_of_levels(values), len(values)
+    columns = np.column_stack([np.ones(len(powers)), powers])
+    # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
+    scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
+    slopes = (log_ratio * powers * np.hypot(beta, np.sqrt(scatter))[1:])[:, unsure]
     width = ends[unsure, 1] - ends[unsure, 0]
-    n = len(values)
     return _Ensemble(
-        covariance_of_levels(values),
-        np.column_stack([np.ones(len(powers)), powers, slopes]),
+        covariance,
+        np.column_stack([columns, slopes]),
         level,
         np.concatenate([np.zeros(1 + len(names)), np.nan_to_num(12.0 / width**2)]),  # of a uniform distribution
         float(beta[0]),
-        float((n - 1) / chi2.ppf(1 - _CONFIDENCE, n - 1)),
+        float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),  # levels' shares are chosen by it, too
     )
 
 

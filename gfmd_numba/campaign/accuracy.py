@@ -18,7 +18,7 @@ from gfmd_numba.observables import measure
 from gfmd_numba.problem import Problem
 from gfmd_numba.scene import InputError
 
-REALISATIONS = 24  # of the pilot
+REALISATIONS = 40  # of the pilot
 _GROUPS = 3  # of equal physics, the first, the last and the one in the middle
 _RESIDUALS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 _RESIDUAL_SHARE = 0.1  # of the target that the solver's residual may use up
@@ -37,7 +37,7 @@ class Pilot:
 
 
 def pilot(planned: Plan) -> Pilot:
-    """Solve 24 realisations of every case of up to three groups, in this process."""
+    """Solve 40 realisations of every case of up to three groups, in this process."""
     groups: dict[tuple[float, ...], list[Case]] = {}
     for case in planned.cases:
         groups.setdefault(_physics(case), []).append(case)

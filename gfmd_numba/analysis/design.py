@@ -205,8 +205,8 @@ def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
         information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
         before = count
     fewest = asked[asked > 0].min()
-    controlled = np.count_nonzero(asked == fewest) if fewest < before else 0
-    # how a dear level goes with the cheap ones is told by the fewest surfaces (Lavenberg and Welch 1981)
+    # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
+    controlled = np.count_nonzero((asked > 0) & (asked < 2 * fewest)) if fewest < before else 0
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
     sure = ensemble.known == 0
     variances = []

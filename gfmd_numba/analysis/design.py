@@ -206,7 +206,8 @@ def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
         before = count
     fewest = asked[asked > 0].min()
     # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
-    controlled = np.count_nonzero((asked > 0) & (asked < 2 * fewest)) if fewest < before else 0
+    dear = asked[(asked > 0) & (asked < before)]
+    controlled = (fewest / dear).sum()
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
     sure = ensemble.known == 0
     variances = []

@@ -13,7 +13,7 @@ from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataErro
 from gfmd_numba.analysis.tfc import exponent_range
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
-_CONFIDENCE = 0.9  # that the target is met, as the pilot knows the scatter only roughly
+_CONFIDENCE = 0.95  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 

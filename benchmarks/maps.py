@@ -172,12 +172,16 @@ def beside_tamaas(nx=1024, load=0.007, repetitions=3):
         )
 
 
-if len(sys.argv) > 1:
-    one_map(int(sys.argv[1]))
-else:
+def main():
+    if len(sys.argv) > 1:
+        return one_map(int(sys.argv[1]))
     for size in (512, 1024, 2048, 4096):
         subprocess.run([sys.executable, __file__, str(size)], check=True)
     beside_tamaas()
     kappa_beside_the_literature()
     kappa_over_nayaks_parameter()
     kappa_over_anisotropy()
+
+
+if __name__ == "__main__":
+    main()

@@ -477,6 +477,10 @@ CAMPAIGNS = {
         ("realisations: 30", "realisations: 0"),
         "bad.yaml:3:15: realisations: given 0; allowed: a whole number from 1 to 1000000, or a mapping of such",
     ),
+    "realisations for fewer levels than there are": (
+        ("realisations: 30", "realisations: {reference: 30, eps_t: [3, 2]}"),
+        "bad.yaml:3:38: realisations.eps_t: given [3, 2]; allowed: 3 numbers, as limits.eps_t has so many levels",
+    ),
     "realisations of an unknown limit": (
         ("realisations: 30", "realisations: {reference: 30, eps_x: 3}"),
         "bad.yaml:3:31: realisations.eps_x: given an unknown key; allowed: one of 'reference', 'eps_c', 'eps_f', ",

@@ -366,6 +366,13 @@ def test_shards_are_all_or_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_each_level_may_have_realisations_of_its_own_and_none(finished, tmp_path):
+    text = SMALL.replace("realisations: 6", "realisations: {reference: 6, eps_c: [3, 0, 2], eps_f: [0, 0, 4]}")
+    result = gfmd_numba.run(campaign(tmp_path, text), tmp_path / "out")
+    assert result["limit"].values.tolist() == 2 * ["reference", "eps_c", "eps_c", "eps_f"]
+    np.testing.assert_array_equal(result["realisations"], 2 * [6, 3, 2, 4])
+
+
 def test_a_limit_may_have_realisations_of_its_own(finished, tmp_path):
     text = SMALL.replace("realisations: 6", "realisations: {reference: 6, eps_f: 2}")
     result = gfmd_numba.run(campaign(tmp_path, text), tmp_path / "out")

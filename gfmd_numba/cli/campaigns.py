@@ -144,9 +144,10 @@ def run(
     status = dataset["status"]
     meanings = status.attrs["flag_meanings"].split()
     to_do = int((status == meanings.index("unfinished")).sum())
-    not_ok = int((status != 0).sum()) - to_do - int((status == meanings.index("not_asked")).sum())
+    asked = int((status != meanings.index("not_asked")).sum())
+    not_ok = asked - to_do - int((status == 0).sum())
     if to_do:
-        click.echo(f"note     {to_do} of {status.size} simulations are not run yet: the same command resumes")
+        click.echo(f"note     {to_do} of {asked} simulations are not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):
         fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
         show_fit(fitted)
@@ -164,7 +165,7 @@ def run(
         click.echo(f"gfmd: {int(unstable.count())} are unstable, {first}: {remedy}", err=True)
     if not_ok:
         click.echo(
-            f"gfmd: {not_ok} of {status.size} simulations are not ok, see `status` in the file; "
+            f"gfmd: {not_ok} of {asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {results.parent}` says how to run crashed ones again",
             err=True,
         )

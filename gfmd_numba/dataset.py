@@ -57,6 +57,10 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
     if name == "status":
         attributes["flag_values"] = np.array([s.value for s in Status], dtype=np.int8)
         attributes["flag_meanings"] = " ".join(s.name for s in Status)
+    if name.startswith("kappa"):
+        attributes["comment"] = (
+            "not-a-number where the mean pressure is not above 0: under tension area has no such law"
+        )
     return attributes
 
 

@@ -30,8 +30,14 @@ _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, 
 
 
 def kappa(contact: Contact) -> Reals:
-    """Area-load coefficient a_r g E* / p, contact area corrected for its edges `[realisation]`."""
-    return np.asarray(contact_area_fraction(contact) * rms_gradient(contact) / mean_pressure(contact))
+    """Area-load coefficient a_r g E* / p, contact area corrected for its edges `[realisation]`; nan unless p > 0."""
+    return _over_pressure(contact_area_fraction(contact) * rms_gradient(contact), contact)
+
+
+def _over_pressure(product: Reals, contact: Contact) -> Reals:
+    """Area times gradient over the mean pressure `[realisation]`; nan without one above 0, as adhesion allows."""
+    pressure = mean_pressure(contact)
+    return np.asarray(product / np.where(pressure > 0.0, pressure, np.nan))
 
 
 def kappa_residual_error(contact: Contact) -> Reals:
@@ -134,14 +140,14 @@ MEASURES = (
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
-        lambda c: contact_area_fraction_counted(c) * rms_gradient(c) / mean_pressure(c),
+        lambda c: _over_pressure(contact_area_fraction_counted(c) * rms_gradient(c), c),
     ),
     Measure(
         "kappa_r",
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
-        lambda c: contact_area_fraction(c) * rms_gradient_contact(c) / mean_pressure(c),
+        lambda c: _over_pressure(contact_area_fraction(c) * rms_gradient_contact(c), c),
     ),
     Measure(
         "contact_area_fraction",
@@ -169,14 +175,14 @@ MEASURES = (
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures beside it",
-        lambda c: contact_area_fraction_edges(c) * rms_gradient(c) / mean_pressure(c),
+        lambda c: _over_pressure(contact_area_fraction_edges(c) * rms_gradient(c), c),
     ),
     Measure(
         "kappa_edges_error",
         "contact",
         "E*/stiffness",
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
-        lambda c: contact_area_fraction_edges_error(c) * rms_gradient(c) / mean_pressure(c),
+        lambda c: _over_pressure(contact_area_fraction_edges_error(c) * rms_gradient(c), c),
     ),
     Measure("n_segments", "contact", "1", "number of separate stretches of contact, or clusters of a map", n_segments),
     Measure(

@@ -47,7 +47,7 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     if heights is not None:
         reduced = _ratio(rise / load, approach / heights, others)
         result["stiffness_reduced"], result["stiffness_reduced_error"] = reduced
-    result["n_realisations"] = usable.sum(others)
+    result["n_realisations"] = usable.astype(np.int64).sum(others)
     if "reduced_pressure" in dataset.coords:
         at = _logarithmic_mean(lower["reduced_pressure"], upper["reduced_pressure"])
         result = result.assign_coords(reduced_pressure=("interval", at.values))

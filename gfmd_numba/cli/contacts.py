@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,9 @@ def solve(file: Path, output: Path) -> None:
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     shown = ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual")
     for name in (name for name in shown if name in dataset):  # a loaded body has but the last
-        values = "".join(f"{float(value):<14.6g}" for value in steps[name])
+        values = "".join(
+            f"{'-' if isnan(value) else format(value, '.6g'):<14}" for value in steps[name].values.tolist()
+        )
         click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
     if dataset.attrs.get("validity"):
         click.echo(f"gfmd: {dataset.attrs['validity']}", err=True)

@@ -166,6 +166,14 @@ def _residual_error(cases: xr.Dataset, variable: str) -> Array:
     return np.asarray((share * cases[variable]).mean("realisation").values)
 
 
+def processor_time(dataset: xr.Dataset) -> dict[str, float]:
+    """Return the attribute cpu_seconds: what all cases took, in s, each problem once; none if the dataset has none."""
+    if "case_seconds" not in dataset:
+        return {}
+    _, first = np.unique(dataset["case_id"].values, return_index=True)
+    return {"cpu_seconds": float(dataset["case_seconds"].values[first].sum())}
+
+
 def _nodes_per_segment(cases: xr.Dataset) -> float:
     """Return the mean number of nodes in a stretch of contact, of the case that resolves them best; inf if unknown."""
     if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):

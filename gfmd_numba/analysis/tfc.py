@@ -27,7 +27,7 @@ from gfmd_numba.analysis.doubts import (
 )
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
 from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect
+from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, processor_time
 
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
 
@@ -53,8 +53,9 @@ def fit_tfc(
     campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: kappa_tfc,
     reference (mean of the reference case) and message (one line for each thing to know) over (group), C, alpha and
     correction over (group, limit), their errors, error_budget over (group, source), all dimensionless, and seconds
-    of processor time over (group); nan and fit_status "refused" where an exponent
-    is not identified; ValueError for an unknown variable, mode or limit, or a wrong fixed exponent.
+    of processor time over (group), where groups that share a problem each count it; the attribute cpu_seconds counts
+    it once. nan and fit_status "refused" where an exponent is not identified; ValueError for an unknown variable, mode
+    or limit, or a wrong fixed exponent.
     """
     if exponents not in ("shared", "free"):
         raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
@@ -72,6 +73,7 @@ def fit_tfc(
         omit_nyquist=str(omit_nyquist),
         bootstrap=bootstrap,
         seed=seed,
+        **processor_time(dataset),
     )
 
 
@@ -227,7 +229,7 @@ _NOTES = {
     "n_realisations": "realisations that are good in every case fitted",
     "n_excluded": "results left out: not finite or status not ok",
     "error_budget": "error of kappa_tfc by exponents known to a range, sampling, and at most by the solver's residual",
-    "seconds": "processor time of the cases fitted, in s",
+    "seconds": "processor time of the cases fitted, in s; groups that share a problem each count it",
 }
 
 

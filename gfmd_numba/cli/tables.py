@@ -124,17 +124,19 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
 
 
 def _sources(fitted: xr.Dataset) -> str:
-    """Return what the errors of the limit come from, the largest of each source, and the processor time they took."""
+    """Return what the errors of the limit come from, the largest of each source, and the campaign's processor time."""
     most = fitted["error_budget"].max("group")
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
-    seconds = float(fitted["seconds"].sum())
+    seconds = fitted.attrs.get("cpu_seconds", 0.0)
     return f"at most by {', '.join(parts)}" + (f"; {duration(seconds)} of processor time" if seconds else "")
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
-    """Return the exponent of a limit, or those of the groups in their order if they differ."""
+    """Return the exponent of a limit, or if they differ one for each group in their order, or their range."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
-    found = list(dict.fromkeys(_with_error(*each) for each in zip(values, errors, strict=True)))
+    found = [_with_error(*each) for each in zip(values, errors, strict=True)]
+    if len(set(found)) == 1:
+        return found[0]
     known = [value for value in values.tolist() if not isnan(value)]
     return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{min(known):.3f} to {max(known):.3f}"
 

@@ -135,6 +135,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
         "anisotropy": [self_affine(case.scene).anisotropy or np.nan for case in cases],
         "nx": [case.discretisation.nx for case in cases],
+        "dimension": [case.scene.dimension for case in cases],
     }
 
 

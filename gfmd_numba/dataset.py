@@ -13,8 +13,10 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import MEASURES, gap, measure
 from gfmd_numba.problem import Effect, Problem, contact_modulus
 from gfmd_numba.scene import LoadedBody, Scene
+from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 
 CONVENTIONS = "CF-1.11"
+RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
 
 
 def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
@@ -43,6 +45,16 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
         "pressure": pressure,
         "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
         "s": "s",
+    }
+
+
+def load_attributes(scene: Scene) -> dict[str, dict[str, str]]:
+    """CF attributes of what a loading prescribes, by the name of its coordinate."""
+    height = units(scene)["height"]
+    return {
+        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
+        "punch_displacement": {"long_name": "displacement of the punch beyond first touch", "units": height},
+        "sliding": {"long_name": "tangential displacement of the punch since first touch", "units": height},
     }
 
 
@@ -96,6 +108,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
         attributes = {"long_name": f"position {along[dim]}", "units": unit["height"]}
         dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
+    dataset.coords["rms_gradient_target"] = ((), rms_gradient, RMS_GRADIENT_TARGET)
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
     values = measure(contact)
@@ -137,4 +150,8 @@ def campaign_dataset(
             measure_attributes(m.name, unit[m.unit], m.long_name),
         )
     dataset = dataset.assign_coords(realisation=np.arange(dataset.sizes["realisation"]))
-    return dataset.assign_coords({name: ("case", column) for name, column in coordinates.items()})
+    told = {
+        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
+        "rms_gradient_target": RMS_GRADIENT_TARGET,
+    }
+    return dataset.assign_coords({name: ("case", column, told.get(name)) for name, column in coordinates.items()})

@@ -53,7 +53,7 @@ class RandomSurface:
 
 @dataclass(frozen=True)
 class Profile:
-    """The user's own profile `[nx]`, scaled to unit rms gradient."""
+    """The user's own profile `[nx]`, or the sum of several, in g L_x."""
 
     nx: int
     digest: str
@@ -150,23 +150,27 @@ def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> R
     )
 
 
-def profile(heights: Reals) -> tuple[Profile, float]:
-    """Profile of unit rms gradient and the rms gradient of the heights (in L_x) it was made from.
+def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, float]:
+    """Profile in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
 
     Raises ValueError for a flat profile, without roughness to speak of, or one too large for its gradient.
     """
-    largest = np.abs(heights).max()
-    scale = math.ldexp(1.0, math.frexp(largest)[1] - 1)  # a power of two: it rounds nothing, and squares stay finite
-    slope = float(statistics.rms_gradient(heights / scale))
+    scale, slope = scaled_gradient(heights)
     rounding = len(heights) * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
-    gradient = slope * scale
-    if largest == 0.0 or slope <= 100.0 * rounding:
-        size = f"an rms gradient of {gradient:.2g} in heights of up to {largest:.3g}"
+    own = slope * scale
+    if slope <= 100.0 * rounding:
+        size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
         raise ValueError(f"{size}: it is flat but for rounding")
-    if math.isinf(gradient):
+    if math.isinf(own):
         raise ValueError("an rms gradient beyond the range of numbers")
-    unit = heights / scale / slope
-    return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), gradient
+    unit = heights / scale / (slope if gradient is None else gradient / scale)
+    return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), own if gradient is None else gradient
+
+
+def scaled_gradient(heights: Reals) -> tuple[float, float]:
+    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
+    scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
+    return scale, float(statistics.rms_gradient(heights / scale))
 
 
 def reduce(

@@ -43,7 +43,7 @@ class Pressed:
 def solve(
     problem: Problem, bodies: tuple[RoughBody, ...], gradient: float, order: int, before: Equilibrium | None = None
 ) -> Pressed:
-    """Press rough bodies together; the profile of the problem is the sum of all heights, of rms gradient `gradient`.
+    """Press rough bodies together; the profile of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
     residual of the problem; where it does not, the run is not converged.

@@ -1,8 +1,9 @@
 """Rough deformable bodies from their scene to their dataset."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isinf
+from math import hypot, isinf, prod
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +18,10 @@ from gfmd_numba.problem import Problem, Profile, contact_modulus, effective_modu
 from gfmd_numba.rough_bodies import STEEPEST, Pressed, RoughBody
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.measured import read_profile
-from gfmd_numba.scene import Body, Document, InputError, Measured, Roughness, Scene, SceneFile
+from gfmd_numba.scene import Body, Document, InputError, Measured, Roughness, Scene, SceneFile, SelfAffine
 
 Reals = npt.NDArray[np.float64]
+Place = tuple[str, ...]  # of a roughness in the scene
 
 NAMES = ("body", "counter_body")
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
@@ -27,7 +29,7 @@ _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is roun
 
 @dataclass(frozen=True)
 class Surfaces:
-    """The deformable bodies with their topographies, and the sum of all heights with its rms gradient."""
+    """The deformable bodies with their topographies, and the sum of all heights in units of the gradient asked for."""
 
     bodies: tuple[RoughBody, ...]
     profile: Profile
@@ -40,9 +42,9 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     A random body faces a random punch or counter body with the next seed.
     """
     scene = file.scene
-    heights: dict[tuple[str, ...], Reals] = {}
+    heights: dict[Place, Reals] = {}
     seed = file.seed
-    places: dict[tuple[str, ...], Roughness | None] = {("roughness",): scene.roughness}
+    places: dict[Place, Roughness | None] = {("roughness",): scene.roughness}
     for name, each in zip(NAMES, scene.deformable, strict=False):
         places[name, "roughness"] = each.roughness
     for place, roughness in places.items():
@@ -63,8 +65,20 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in heights.values()):
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
         raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
-    profile, rms_gradient = problem.profile(together)
+    profile, rms_gradient = problem.profile(together, _asked_for(places, heights))
     return Surfaces(bodies, profile, rms_gradient)
+
+
+def _asked_for(places: Mapping[Place, Roughness | None], heights: Mapping[Place, Reals]) -> float:
+    """Rms gradient that a scene asks for, of what it presses together: the same wherever the roughness lies.
+
+    Random surfaces are independent of all others, so that mean squares add up in the mean over them; measured ones are
+    what they are, so that their heights do.
+    """
+    random = [roughness.rms_gradient for roughness in places.values() if isinstance(roughness, SelfAffine)]
+    measured = [heights[place] for place, roughness in places.items() if isinstance(roughness, Measured)]
+    own = [prod(problem.scaled_gradient(np.sum(measured, axis=0)))] if measured else []
+    return hypot(*random, *own)
 
 
 def dataset(scene: Scene, reduced: Problem, given: Surfaces, pressed: Pressed) -> xr.Dataset:
@@ -137,7 +151,7 @@ def warn(sentence: str) -> None:
         warnings.warn(sentence, stacklevel=4)
 
 
-def _heights(roughness: Roughness, file: SceneFile, seed: int, document: Document, location: tuple[str, ...]) -> Reals:
+def _heights(roughness: Roughness, file: SceneFile, seed: int, document: Document, location: Place) -> Reals:
     if isinstance(roughness, Measured):
         try:
             return read_profile(Path(roughness.file), file.scene.length) / (file.scene.length or 1.0)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba import contact, problem, rough_bodies, rough_scene
 from gfmd_numba.boundary import Tractions, balanced, read_boundary, tractions
-from gfmd_numba.dataset import contact_dataset, dropped_effects
+from gfmd_numba.dataset import contact_dataset, dropped_effects, load_attributes
 from gfmd_numba.roughness.measured import read_profile
 from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
 
@@ -67,8 +67,13 @@ def _joined(steps: list[xr.Dataset], path: list[tuple[Scene, float]]) -> xr.Data
     )
     prescribed = [scene.loading.model_dump(exclude_none=True) | {"sliding": sliding} for scene, sliding in path]
     names = {"displacement": "punch_displacement"}  # the body's own has the short name
-    columns = {names.get(name, name): ("step", [each[name] for each in prescribed]) for name in prescribed[0]}
-    return joined.assign_coords(columns)
+    attributes = load_attributes(path[0][0])
+    return joined.assign_coords(
+        {
+            names.get(name, name): ("step", [each[name] for each in prescribed], attributes[names.get(name, name)])
+            for name in prescribed[0]
+        }
+    )
 
 
 def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:

@@ -12,6 +12,7 @@ from gfmd_numba.scene.document import Document, Location, read_document
 from gfmd_numba.scene.maps import ONLY_MAPS
 from gfmd_numba.scene.quantities import (
     RECORD,
+    REDUCED_PRESSURE,
     Anisotropy,
     AspectRatio,
     EpsC,
@@ -123,7 +124,7 @@ class Grid(BaseModel):
     hurst: Values[Hurst] | None = Field(None, description="Hurst exponents (dimensionless)")
     poissons_ratio: Values[PoissonsRatio] | None = Field(None, description="Poisson's ratios (dimensionless)")
     aspect_ratio: Values[AspectRatio] | None = Field(None, description="z_m/L_x (dimensionless)")
-    reduced_pressure: Values[ReducedPressure] | None = Field(None, description="p/(g E*) (dimensionless)")
+    reduced_pressure: Values[ReducedPressure] | None = Field(None, description=REDUCED_PRESSURE)
     rms_gradient: Values[RmsGradient] | None = Field(None, description="Rms gradients (dimensionless)")
     anisotropy: Values[Anisotropy] | None = Field(None, description="Correlation lengths of maps, y over x")
     eps_c: Values[EpsC] | None = Field(None, description="Continuum discretisations (dimensionless)")

@@ -20,7 +20,11 @@ AspectRatio = Annotated[
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[float, Field(gt=0, description="Root-mean-square gradient (dimensionless)")]
-ReducedPressure = Annotated[float, Field(gt=0, description="Mean pressure p/(g E*) (dimensionless)")]
+REDUCED_PRESSURE = (
+    "Mean pressure p/(g E*) (dimensionless), g the rms gradient asked for; that of measured heights is their own, "
+    "and independent surfaces add up in squares"
+)
+ReducedPressure = Annotated[float, Field(gt=0, description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
 EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]

@@ -12,6 +12,7 @@ from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.maps import check_anisotropy, check_map
 from gfmd_numba.scene.quantities import (
     RECORD,
+    REDUCED_PRESSURE,
     Anisotropy,
     AspectRatio,
     EpsC,
@@ -79,7 +80,7 @@ class Loading(BaseModel):
     """Mean pressure (dimensionless) or punch displacement (m or L_x), exactly one of the two."""
 
     model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(None, description="Mean pressure p/(g E*) (dimensionless)")
+    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
     displacement: float | None = Field(
         None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
     )
@@ -292,7 +293,7 @@ class Step(BaseModel):
     """A change of the loading; what is left out stays as it is."""
 
     model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(None, description="Mean pressure p/(g E*) (dimensionless)")
+    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
     displacement: float | None = Field(
         None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
     )

@@ -1,14 +1,42 @@
 """Planned transforms with owned buffers: the solvers' only way into Fourier space."""
 
 import math
+import sys
+from importlib import import_module
+from importlib.machinery import PathFinder
+from importlib.util import find_spec, module_from_spec
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import pyfftw
 
 from gfmd_numba import kernels
 
 Reals = npt.NDArray[np.float64]
+
+
+def _compiled_pyfftw() -> Any:
+    """Compiled module of pyfftw, without the interfaces for which its package imports dask.array and scipy.fftpack.
+
+    It is registered nowhere: whoever imports pyfftw, before or after, has the whole package, and these classes in it.
+    """
+    name = "pyfftw.pyfftw"
+    if name in sys.modules:
+        return sys.modules[name]
+    try:
+        package = find_spec("pyfftw")
+        spec = PathFinder.find_spec(name, package.submodule_search_locations) if package else None
+        if spec is None or spec.loader is None:
+            raise ImportError(name)
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except ImportError:  # the package may have to prepare it, as wheels for Windows do
+        return import_module("pyfftw")
+    sys.modules.pop(name, None)  # a Cython module enters itself
+    return module
+
+
+pyfftw = _compiled_pyfftw()
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 

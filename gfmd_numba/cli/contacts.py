@@ -12,6 +12,7 @@ import click
 
 from gfmd_numba.cli.arguments import check_output, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
+from gfmd_numba.cli.imports import without_collections
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
 def solve(file: Path, output: Path) -> None:
     """Solve the one contact or loaded body in the scene FILE and write its fields and scalars."""
-    import gfmd_numba
-    from gfmd_numba.scene import input_files
+    with without_collections():
+        import gfmd_numba
+        import gfmd_numba.single
+        from gfmd_numba.scene import input_files
 
     check_output(output, file, *input_files(file))
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # told below, in the words of the file

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from folded import unfolded
 from test_campaign import SMALL, campaign
 
 import gfmd_numba
@@ -101,10 +102,12 @@ def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations):
     assert done.exit_code == 0
     assert "exponent" not in done.output
     kappa = xr.open_dataset(tmp_path / "out" / "small.nc")["kappa"]
-    rows = [line.split() for line in done.output.splitlines() if " 0.05 " in line]
+    assert "nu = 0.33, a = inf, p* = 0.05, eps_c = 0.25, eps_f = 0.0625, eps_t = 0.5\n" in done.output
+    rows = [line.split() for line in done.output.splitlines() if line.startswith("0.")]
     assert [row[0] for row in rows] == ["0.3", "0.8"]
-    assert [row[7] for row in rows] == [f"{mean:.3f}" for mean in kappa.mean("realisation").values]
-    assert all(("±" in row) == (realisations > 1) for row in rows)
+    found = [row[1].partition("±") for row in rows]
+    assert [mean for mean, _, _ in found] == [f"{mean:.3f}" for mean in kappa.mean("realisation").values]
+    assert all((error != "") == (realisations > 1) for _, _, error in found)
     assert "nan" not in done.output
     message = refused("plot", tmp_path / "out", "-o", tmp_path / "out.png")
     assert "small.nc: given results in which no discretisation is varied; allowed: " in message
@@ -140,7 +143,7 @@ def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
     least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())
-    assert f"60 are unstable, the first after {least} iterations: lower numerics.time_step" in done.stderr
+    assert f"60 are unstable, the first after {least} iterations: lower numerics.time_step" in unfolded(done.stderr)
 
 
 def test_solve_writes_fields_and_scalars(tmp_path):
@@ -258,13 +261,14 @@ def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
     dataset = xr.open_dataset(results)
     kappa = dataset["kappa"].isel(case=dataset["is_reference"].values)
     for row, mean, error in zip(
-        (line for line in done.output.splitlines() if " 0.05 " in line),
+        (line for line in done.output.splitlines() if line.startswith("0.")),
         kappa.mean("realisation").values,
         (kappa.std("realisation", ddof=1) / 6**0.5).values,
         strict=True,
     ):
-        assert f"{mean:.3f} ± {error:.3f}" in row
-    notes = [line for line in gfmd("fit", results, "--fixed=eps_f=1").output.splitlines() if line.startswith("note")]
+        assert f"{mean:.3f}±{error:.3f}" in row
+    said = gfmd("fit", results, "--fixed=eps_f=1").output.replace("\n         ", " ")  # notes are folded
+    notes = [line for line in said.splitlines() if line.startswith("note")]
     assert len(notes) == len(set(notes)) < 6
     assert sum("--fixed eps_" in note and "fit: {fixed: {" in note for note in notes) == 1
 
@@ -274,7 +278,7 @@ def test_notes_name_the_group_and_the_case(tmp_path, results):
     dataset["kappa"][1] = float("nan")
     dataset.to_netcdf(tmp_path / "broken.nc")
     done = gfmd("fit", tmp_path / "broken.nc", "--fixed", "eps_c=1", "--fixed", "eps_f=1")
-    assert "H = 0.3: left out, no good realisation: eps_c = 1/2, eps_f = 1/16, eps_t = 1/2" in done.output
+    assert "H = 0.3: left out, no good realisation: eps_c = 1/2, eps_f = 1/16, eps_t = 1/2" in unfolded(done.output)
 
 
 def test_picture_of_a_directory_is_named_like_that_of_a_run(results):
@@ -303,12 +307,15 @@ def test_solve_follows_a_path(tmp_path):
     assert result.sizes == {"step": 3, "x": 256}
     assert result["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.05]
     kappa = [f"{float(k):.6g}" for k in result["kappa"]]
-    assert next(line for line in done.output.splitlines() if line.startswith("kappa ")).split() == ["kappa", *kappa]
+    rows = [line.split()[:3] for line in done.output.splitlines() if re.match(r" +\d ", line)]
+    assert rows == [["0", "0.05", kappa[0]], ["1", "0.1", kappa[1]], ["2", "0.05", kappa[2]]]
     assert kappa[0] == kappa[2]
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
-    assert "not_converged after 1 iterations in step 0, not_converged after 1 iterations in step 1" in done.stderr
+    assert "not_converged after 1 iterations in step 0, not_converged after 1 iterations in step 1" in unfolded(
+        done.stderr
+    )
 
 
 def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
@@ -325,7 +332,7 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     assert wave > 100  # of 128
     assert (
         f"unstable after {steps} iterations with wave {wave} growing (lower numerics.time_step) in step 0"
-        in done.stderr
+        in unfolded(done.stderr)
     )
 
 
@@ -348,7 +355,7 @@ def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
     text = SMALL.replace("grid: {", "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], ")
     path = tmp_path / "campaign.yaml"
     path.write_text(text)
-    said = gfmd("plan", path, "--pilot=1").output
+    said = unfolded(gfmd("plan", path, "--pilot=1").output)
     assert "cases differ from another one in poissons_ratio and aspect_ratio alone" in said
     assert re.search(r"CPU time +\S+ m?s, with 90 % probability below", said)
     assert re.search(r"dropped +slab of aspect ratio 1.5, .* at most \S+, below numerics.effects = 0.0001", said)

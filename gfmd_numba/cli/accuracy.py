@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+from math import isnan
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.tables import duration, print_table
+from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.tables import duration
+
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.work_precision import Point
 
 
 @main.command()
@@ -37,26 +46,28 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     dataset.to_netcdf(results, engine="netcdf4")
     picture = results.with_suffix(".png")
     plot_accuracy(dataset).savefig(picture, dpi=120)
-    rows = [
-        [
-            point.study,
-            point.curve,
-            f"{point.setting:g}",
-            f"{point.error:.2g}",
-            duration(point.seconds),
-            "-" if point.transforms != point.transforms else f"{point.transforms:.0f}",
-            str(point.failed) if point.failed else "",
-        ]
-        for point in points
-    ]
-    print_table("what accuracy costs", ["study", "", "setting", "error", "seconds", "transforms", "failed"], rows)
+    for study, group in groupby(points, key=lambda point: point.study):
+        _show_study(study, list(group))
     if {case.limit for case in planned.cases} != {"reference"}:
-        found = targets.pilot(planned)
+        with waiting("planning what 10, 3, 1 and 0.3 % cost"):
+            found = targets.pilot(planned)
         for goal in (0.1, 0.03, 0.01, 0.003):
             try:
                 click.echo(f"price    {goal:.1%}: {duration(targets.design(planned, found, goal, None).seconds)}")
             except UnusableDataError as error:
-                click.echo(f"price    {goal:.1%}: {error}")
+                say("price", f"{goal:.1%}: {error}")
                 break
     click.echo(f"results  {results}")
     click.echo(f"picture  {picture}")
+
+
+def _show_study(study: str, points: list[Point]) -> None:
+    """Print what one setting costs, and how far off kappa is."""
+    settings = {"": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
+    found = {
+        "relative error": [f"{point.error:.2g}" for point in points],
+        "processor time": [duration(point.seconds) for point in points],
+        "transforms": ["-" if isnan(point.transforms) else f"{point.transforms:.0f}" for point in points],
+        "failed": [str(point.failed) for point in points],
+    }
+    print_table(f"what accuracy costs: {study}", settings, found)

@@ -11,7 +11,8 @@ import click
 from gfmd_numba.cli.arguments import LIMITS, budget_option, conditions_option, file_argument, target_option
 from gfmd_numba.cli.fits import draw, fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.progress import progress_bar
+from gfmd_numba.cli.progress import progress_bar, waiting
+from gfmd_numba.cli.sentences import say, say_command
 from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def plan(
     click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
-        click.echo(f"shared        {count} cases differ from another one in {whose} alone, which changes no number")
+        say("shared", f"{count} cases differ from another one in {whose} alone, which changes no number", width=14)
     click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
     largest = max(case.discretisation.nx for case in planned.cases)
     click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
@@ -49,7 +50,7 @@ def plan(
     elif pilot:
         _show_cost(planned, workers, pilot)
     for effect in planned.effects[:_MOST_EFFECTS]:
-        click.echo(f"{effect.state:13} {effect.name}: {effect.reason}")
+        say(effect.state, f"{effect.name}: {effect.reason}", width=14)
     if len(planned.effects) > _MOST_EFFECTS:
         click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more of that kind")
 
@@ -58,7 +59,8 @@ _MOST_EFFECTS = 50
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    predicted = planned.predicted_cost(pilot)
+    with waiting("measuring what the problems cost"):
+        predicted = planned.predicted_cost(pilot)
     likely, at_most = predicted.quantile(0.5), predicted.quantile(0.9)
     click.echo(f"CPU time      {duration(likely)}, with 90 % probability below {duration(at_most)}")
     walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
@@ -81,21 +83,24 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
     from gfmd_numba.campaign import accuracy
     from gfmd_numba.scene import InputError
 
-    found = accuracy.pilot(planned)
     try:
-        chosen = accuracy.design(planned, found, target, None if budget is None else budget * max(1, workers))
+        with waiting("planning from a pilot"):
+            found = accuracy.pilot(planned)
+            chosen = accuracy.design(planned, found, target, None if budget is None else budget * max(1, workers))
     except UnusableDataError as error:
         raise InputError(f"{'--target' if target else '--budget'}: {error}") from None
     variable = planned.campaign.fit.variable
     click.echo(f"realisations  {accuracy.asked(planned, chosen)}")
     parts = f"sampling {chosen.sampling:.2%}, exponents {chosen.exponents:.2%}"
-    click.echo(f"error         {chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}")
+    told = f"{chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}"
+    say("error", told, width=14)
     wall = chosen.seconds / max(1, workers)
     click.echo(f"CPU time      {duration(chosen.seconds)}, {duration(wall)} with {workers} workers once started")
     click.echo(f"residual      {accuracy.loosest_residual(planned, chosen.error):g} is enough for the solver")
     for goal in (0.1, 0.03, 0.01, 0.003):
         try:
-            price = duration(accuracy.design(planned, found, goal, None).seconds)
+            with waiting(f"planning for {goal:.1%}"):
+                price = duration(accuracy.design(planned, found, goal, None).seconds)
         except UnusableDataError:
             price = "not to be had with these levels"
         click.echo(f"price         {goal:.1%}: {price}")
@@ -137,7 +142,7 @@ def run(
         with progress_bar() as watch:
             results, failures = run_campaign(file, output, Workers(workers, scheduler, insecure), watch, choice)
     except StoppedError as error:
-        click.echo(f"gfmd: {error}", err=True)
+        say("gfmd:", str(error), width=6, err=True)
         sys.exit(SOME_FAILED)
     click.echo(f"results  {results}")
     dataset = gfmd_numba.open_campaign(results)
@@ -147,9 +152,10 @@ def run(
     asked = int((status != meanings.index("not_asked")).sum())
     not_ok = asked - to_do - int((status == 0).sum())
     if to_do:
-        click.echo(f"note     {to_do} of {asked} simulations are not run yet: the same command resumes")
+        say("note", f"{to_do} of {asked} simulations are not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):
-        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
+        with waiting("fitting"):
+            fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
         show_fit(fitted)
         if "target" in dataset.attrs:
             show_target(fitted, dataset.attrs["target"])
@@ -157,16 +163,18 @@ def run(
     else:
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():
-        click.echo(f"gfmd: block {block} {failure.status}: {failure.reason}", err=True)
+        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
     unstable = dataset["n_iterations"].where(status == meanings.index("unstable"))
     if unstable.notnull().any():
         first = f"the first after {int(unstable.min())} iterations"
         remedy = "lower numerics.time_step, or press an incompressible slab no deeper than its volume allows"
-        click.echo(f"gfmd: {int(unstable.count())} are unstable, {first}: {remedy}", err=True)
+        say("gfmd:", f"{int(unstable.count())} are unstable, {first}: {remedy}", width=6, err=True)
     if not_ok:
-        click.echo(
-            f"gfmd: {not_ok} of {asked} simulations are not ok, see `status` in the file; "
+        say(
+            "gfmd:",
+            f"{not_ok} of {asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {results.parent}` says how to run crashed ones again",
+            width=6,
             err=True,
         )
         sys.exit(SOME_FAILED)
@@ -195,14 +203,14 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
             left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
             state = "running" if now.running else "finished" if now.done == now.blocks else "not running"
             failed = f", {len(now.failed)} failed" if now.failed else ""
-            click.echo(f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}")
+            say("", f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}", width=0)
         if not watch or not now.running:
             break
         time.sleep(2.0)
     if not as_json:
         for block, failure in now.failed.items():
-            click.echo(f"{failure.status:9} {block}: {failure.reason}")
-            click.echo(f"          {now.retry[block]}")
+            say(failure.status, f"{block}: {failure.reason}", width=10)
+            say_command(now.retry[block], width=10)
 
 
 @main.command()
@@ -227,15 +235,15 @@ def verify(directory: Path) -> None:
     verdict = verify_shards(directory)
     click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} not there")
     for name in verdict.damaged:
-        click.echo(f"damaged  {name}: `gfmd run` computes it again")
+        say("damaged", f"{name}: `gfmd run` computes it again")
     for name in verdict.foreign:
-        click.echo(f"foreign  {name}: of no case of this campaign; it is not used")
+        say("foreign", f"{name}: of no case of this campaign; it is not used")
     file = directory / f"{campaign_in(directory).campaign.name}.nc"
     altered = False
     if file.exists():
         dataset = read_results(file)
         altered = content_digest(dataset) != dataset.attrs.get("content_sha256")
         state = "differs from its digest: `gfmd collect` writes it again" if altered else "sound"
-        click.echo(f"results  {file} {state}")
+        say("results", f"{file} {state}")
     if verdict.damaged or altered:
         sys.exit(SOME_FAILED)

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.arguments import check_output, file_argument
+from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
+from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.sentences import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,23 +32,60 @@ def solve(file: Path, output: Path) -> None:
         from gfmd_numba.scene import input_files
 
     check_output(output, file, *input_files(file))
-    with warnings.catch_warnings(action="ignore", category=UserWarning):  # told below, in the words of the file
+    # warnings are told below, in the words of the file
+    with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"results  {output}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    shown = ("kappa", "kappa_r", "contact_area_fraction", "mean_pressure", "residual")
-    for name in (name for name in shown if name in dataset):  # a loaded body has but the last
-        values = "".join(
-            f"{'-' if isnan(value) else format(value, '.6g'):<14}" for value in steps[name].values.tolist()
-        )
-        click.echo(f"{name:24}{values}{dataset[name].units.replace('1', '')}".rstrip())
+    shown = [name for name in _SHOWN if name in dataset]  # a loaded body has but the last
+    if "step" in dataset.dims:
+        _show_steps(dataset, shown)
+    else:
+        for name in shown:
+            click.echo(f"{name:24}{_figures(dataset[name])[0]:<14}{_unit(dataset, name)}".rstrip())
     if dataset.attrs.get("validity"):
-        click.echo(f"gfmd: {dataset.attrs['validity']}", err=True)
+        say("gfmd:", dataset.attrs["validity"], width=6, err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
-        click.echo(f"gfmd: the run is {', '.join(failed)}: those numbers are not to be used", err=True)
+        say("gfmd:", f"the run is {', '.join(failed)}: those numbers are not to be used", width=6, err=True)
         sys.exit(SOME_FAILED)
+
+
+_SHOWN = {
+    "kappa": "kappa",
+    "kappa_r": "kappa_r",
+    "contact_area_fraction": "contact area fraction",
+    "mean_pressure": "mean pressure",
+    "residual": "residual",
+}
+_PRESCRIBED = {"reduced_pressure": "p*", "punch_displacement": "punch displacement", "sliding": "sliding"}
+_FREE_UNITS = {"mean_pressure": "E*", "punch_displacement": "L_x", "sliding": "L_x"}
+
+
+def _show_steps(dataset: xr.Dataset, shown: list[str]) -> None:
+    """Print the steps of a path: what was prescribed, and what came of it."""
+    prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
+    steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
+    parameters = {_heading(dataset, name, _PRESCRIBED[name]): _figures(dataset[name]) for name in prescribed}
+    found = {_heading(dataset, name, _SHOWN[name]): _figures(dataset[name]) for name in shown}
+    found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
+    print_table("steps of the path", steps | parameters, found)
+
+
+def _heading(dataset: xr.Dataset, name: str, words: str) -> str:
+    unit = _unit(dataset, name)
+    return f"{words} ({unit})" if unit else words
+
+
+def _unit(dataset: xr.Dataset, name: str) -> str:
+    """Unit of a scalar: E* or L_x, which count as 1 in the file, where the scene leaves them open."""
+    unit = dataset[name].attrs.get("units") or dataset["x"].attrs["units"]  # a prescribed length is in that of x
+    return _FREE_UNITS.get(name, "") if unit == "1" else str(unit)
+
+
+def _figures(values: xr.DataArray) -> list[str]:
+    return ["-" if isnan(value) else f"{value:.6g}" for value in values.values.ravel().tolist()]
 
 
 def _ending(step: xr.Dataset) -> str:
@@ -70,10 +110,11 @@ def fields(file: Path, output: Path, body: str) -> None:
 
     picture = _picture(output)
     check_output(output, file)
-    dataset = gfmd_numba.body_fields(read_results(file), body=body)
+    with waiting("computing the fields"):
+        dataset = gfmd_numba.body_fields(read_results(file), body=body)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"fields   {output}")
-    with naming(file):
+    with naming(file), waiting("drawing"):
         plot_body(dataset).savefig(picture, dpi=150)
     click.echo(f"picture  {picture}")
 
@@ -94,14 +135,19 @@ def surface(file: Path, output: Path) -> None:
     from gfmd_numba.analysis import plot_surface
 
     picture = _picture(output)
-    dataset = gfmd_numba.make_surface(file)
+    with waiting("making the surface"):
+        dataset = gfmd_numba.make_surface(file)
     dataset.to_netcdf(output, engine="netcdf4")
     click.echo(f"surface  {output}")
-    plot_surface(dataset).savefig(picture, dpi=150)
+    with waiting("drawing"):
+        plot_surface(dataset).savefig(picture, dpi=150)
     click.echo(f"picture  {picture}")
     for name, variable in dataset.data_vars.items():
         if not variable.dims:
-            unit = variable.attrs["units"]
-            click.echo(f"{name!s:24}{float(variable):.6g} {'' if unit == '1' else unit}")
+            click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
-        click.echo(f"done     {sentence}")
+        say("done", sentence)
+
+
+def _surface_unit(name: str, unit: str) -> str:
+    return {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(name, "") if unit == "1" else unit

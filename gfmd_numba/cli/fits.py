@@ -19,6 +19,7 @@ from gfmd_numba.cli.arguments import (
     variable_option,
 )
 from gfmd_numba.cli.group import main
+from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit
 
 if TYPE_CHECKING:
@@ -86,7 +87,9 @@ def naming(file: Path) -> Iterator[None]:
 def _fit(dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None) -> xr.Dataset:
     from gfmd_numba.analysis import fit_tfc
 
-    return fit_tfc(dataset, **fit_options(dataset, fixed, variable, exponents))
+    options = fit_options(dataset, fixed, variable, exponents)
+    with waiting("fitting"):
+        return fit_tfc(dataset, **options)
 
 
 def fit_options(
@@ -108,6 +111,7 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     """Write the picture of a campaign with its fit, or of one contact without."""
     from gfmd_numba.analysis import plot_campaign, plot_contact
 
-    figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
-    figure.savefig(path, dpi=150)
+    with waiting("drawing"):
+        figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
+        figure.savefig(path, dpi=150)
     click.echo(f"picture  {path}")

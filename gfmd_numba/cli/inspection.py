@@ -10,6 +10,8 @@ import click
 
 from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
+from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.sentences import say
 
 
 @main.command()
@@ -70,7 +72,7 @@ def init(file: Path) -> None:
             new.write(text)
     except FileExistsError:
         raise InputError(f"{file}: given a file that exists; allowed: a new name") from None
-    click.echo(f"campaign {file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")
+    say("campaign", f"{file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")
 
 
 @main.command()
@@ -80,17 +82,18 @@ def doctor() -> None:
     from gfmd_numba.campaign import provenance
 
     for name, installed in provenance.versions().items():
-        click.echo(f"{name:13} {installed}")
-    click.echo(f"{'machine':13} {provenance.machine()}")
-    click.echo(f"{'cache':13} {cache.directory()}")
+        say(name, installed, width=14)
+    say("machine", provenance.machine(), width=14)
+    say("cache", str(cache.directory()), width=14)
     ill = False
     for name, examine in (("a contact", _examine_contact), ("two workers", _examine_workers)):
         begun = time.perf_counter()
         try:
-            finding = examine()
+            with waiting(f"examining {name}"):
+                finding = examine()
         except Exception as error:
             ill, finding = True, f"failed: {type(error).__name__}: {error}"
-        click.echo(f"{name:13} {finding} ({time.perf_counter() - begun:.1f} s)")
+        say(name, f"{finding} ({time.perf_counter() - begun:.1f} s)", width=14)
     if ill:
         sys.exit(SOME_FAILED)
 

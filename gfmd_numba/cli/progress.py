@@ -1,30 +1,66 @@
-"""How a long run shows how far it is."""
+"""How a command that takes its time shows that it is at work."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from threading import Timer
 
 import click
+
+_PATIENCE = 1.0  # s
+
+
+@contextmanager
+def waiting(what: str) -> Iterator[None]:
+    """Say what a command does once it has taken a second: beside a spinner on a terminal, as a line otherwise."""
+    shown = []
+
+    def show() -> None:
+        if not sys.stderr.isatty():
+            with suppress(OSError, ValueError):  # nobody reads it
+                click.echo(f"busy     {what}", err=True)
+            return
+        from rich.console import Console
+        from rich.live import Live
+        from rich.spinner import Spinner
+
+        console = Console(stderr=True)
+        live = Live(Spinner("dots", what), console=console, transient=True, redirect_stdout=False)
+        live.start()
+        shown.append(live)
+
+    timer = Timer(_PATIENCE, show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        for live in shown:
+            live.stop()
 
 
 @contextmanager
 def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
     """Progress bar on a terminal, a line for every tenth of the blocks otherwise."""
+    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = TextColumn("blocks"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, disable=not sys.stderr.isatty()) as bars:
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
-            bar = bars.add_task("blocks", total=total, completed=done)
+            bar = bars.add_task(_state(done, total), total=total, completed=done)
             shown = done
 
             def advance(blocks: int) -> None:
                 nonlocal shown
                 bars.advance(bar, blocks)
                 finished = int(bars.tasks[bar].completed)
+                bars.update(bar, description=_state(finished, total))
                 if bars.disable and (finished == total or finished >= shown + max(1, total // 10)):
                     click.echo(f"blocks   {finished} of {total}", err=True)
                     shown = finished
@@ -32,3 +68,7 @@ def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
             return advance
 
         yield watch
+
+
+def _state(finished: int, total: int) -> str:
+    return "blocks" if finished < total else "blocks, writing the results"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from gfmd_numba.cli.arguments import LIMITS
+from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.sentences import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,34 +26,24 @@ _MOST_EXPONENTS = 6
 
 def show_fit(fitted: xr.Dataset) -> None:
     """Print kappa at the reference and in the limit, and what separates the two."""
-    parameters = _shown_parameters(fitted)
     title = f"{fitted.attrs['variable']} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
-    rows = []
-    for i in range(fitted.sizes["group"]):
-        group = fitted.isel(group=i)
-        corrections = [
-            _with_error(group["correction"].sel(limit=limit), group["correction_error"].sel(limit=limit))
-            for limit in LIMITS
-        ]
-        rows.append(
-            [
-                *(_number(group[name]) for name in parameters.values()),
-                _with_error(group["reference"], group["reference_error"]),
-                _with_error(group["kappa_tfc"], group["kappa_tfc_error"]),
-                *corrections,
-            ]
-        )
-    print_table(title, [*parameters, "reference", "limit", *LIMITS.values()], rows)
+    values = {
+        "reference": _with_errors(fitted["reference"], fitted["reference_error"]),
+        "limit": _with_errors(fitted["kappa_tfc"], fitted["kappa_tfc_error"]),
+    }
+    for limit, kind in LIMITS.items():
+        values[kind] = _with_errors(*(fitted[name].sel(limit=limit) for name in ("correction", "correction_error")))
+    print_table(title, _cells(fitted, _shown_parameters(fitted)), values)
     for limit, kind in LIMITS.items():
         if fitted["alpha"].sel(limit=limit).notnull().any():
-            click.echo(f"exponent {limit} {_exponent_found(fitted, limit):16} ({kind})")
+            say("exponent", f"{limit} {_exponent_found(fitted, limit):16} ({kind})")
     if (fitted["error_budget"] > 0).any():
-        click.echo(f"error    {_sources(fitted)}")
+        say("error", _sources(fitted))
     messages = [str(message).splitlines() for message in fitted["message"].values]
     for line in dict.fromkeys(line for lines in messages for line in lines):
         having = [i for i, lines in enumerate(messages) if line in lines]
         whose = "" if len(having) == len(messages) else _whose(fitted, having)
-        click.echo(f"note     {whose}{line}")
+        say("note", f"{whose}{line}")
 
 
 def show_target(fitted: xr.Dataset, target: float) -> None:
@@ -61,7 +51,7 @@ def show_target(fitted: xr.Dataset, target: float) -> None:
     reached = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).values
     missed = [f"{error:.2%}" for error in reached if not error <= target]
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
-    click.echo(f"target   {target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
+    say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
 
 
 def show_means(dataset: xr.Dataset, variable: str) -> None:
@@ -70,14 +60,10 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
 
     shown = dataset.isel(case=slice(_MOST_ROWS))
     parameters = _shown_parameters(dataset) | {limit: limit for limit in LIMITS}
-    columns = [shown[name].values for name in parameters.values()]
-    rows = [
-        [*map(_number, values), _with_error(mean, error)]
-        for *values, mean, error in zip(*columns, *ensemble_mean(shown, variable), strict=True)
-    ]
-    print_table(f"{variable}, mean of the realisations (one standard error)", [*parameters, variable], rows)
+    means = {variable: _with_errors(*ensemble_mean(shown, variable))}
+    print_table(f"{variable}, mean of the realisations (one standard error)", _cells(shown, parameters), means)
     if dataset.sizes["case"] > _MOST_ROWS:
-        click.echo(f"note     {dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
+        say("note", f"{dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
 
 
 def duration(seconds: float) -> str:
@@ -88,18 +74,8 @@ def duration(seconds: float) -> str:
     return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
 
 
-def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print rows under headings, all aligned to the right."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, title=title)
-    for column in columns:
-        table.add_column(column, justify="right", no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    Console(width=120).print(table)
+def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
+    return {heading: list(map(_number, dataset[name].values)) for heading, name in names.items()}
 
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
@@ -146,6 +122,12 @@ def _number(value: Any) -> str:
 
 
 def _with_error(value: Any, error: Any) -> str:
-    if isnan(float(value)):
-        return "-"
-    return f"{float(value):.3f}" + ("" if isnan(float(error)) else f" ± {float(error):.3f}")
+    return "-" if isnan(float(value)) else _figure(value) + ("" if isnan(float(error)) else f"±{_figure(error)}")
+
+
+def _with_errors(values: Any, errors: Any) -> list[str]:
+    return [_with_error(*each) for each in zip(values, errors, strict=True)]
+
+
+def _figure(value: Any) -> str:
+    return f"{float(value):.3f}" if abs(float(value)) < 1e4 else f"{float(value):.2e}"

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from gfmd_numba.campaign.specification import AXES, Campaign
 from gfmd_numba.problem import Effect, Problem, random_surface, reduce, self_affine
 from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
 _PARTS = {
@@ -85,6 +86,12 @@ def blocks(problem: Problem, realisations: int) -> Iterator[Block]:
     size = max(1, _BLOCK_SAMPLES // problem.surface.nodes)
     for first in range(0, realisations, size):
         yield Block(problem, first, min(first + size, realisations))
+
+
+def block_bytes(problem: Problem, realisations: int) -> int:
+    """Largest memory that solving realisations of a problem together asks for."""
+    surface = problem.surface
+    return ARRAYS_PER_REALISATION[len(surface.shape)] * 8 * realisations * surface.nodes
 
 
 @lru_cache(maxsize=4096)

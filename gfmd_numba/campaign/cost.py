@@ -1,52 +1,48 @@
-"""What a campaign will cost on this machine: a pilot solves a few of its contacts, a regression predicts the rest."""
+"""What a campaign's contacts will cost on this machine: a pilot solves a few, a regression predicts the rest."""
 
 import json
+import math
 import platform
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import psutil
 
 from gfmd_numba import cache
 from gfmd_numba.campaign import shards
+from gfmd_numba.campaign.cases import block_bytes
+from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
 from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact import solve
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import measure
 from gfmd_numba.problem import Problem, RandomSurface
 
 Reals = npt.NDArray[np.float64]
+Told = Callable[[float], None]  # of the share of something long that is done
 
-_REALISATIONS = 2  # solved of each problem in the pilot
+_SAMPLES, _MOST_REALISATIONS = 2**17, 16  # nodes solved at a time in the pilot, as far as they are contacts
 _LEAST_PILOTS, _MOST_PILOTS = 4, 32
+_LEAST_NODES = 2**12  # of a smaller problem in place of one that takes too long: below, calls take the time
+_LOOKED_AT = 50  # problems, those that tell most, for one the pilot can afford
 _DRAWS = 200
-_SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
-# logarithm of seconds = coefficients . features: expectation and standard deviation before anything is measured
-_PRIOR = (
-    ("one", -3.5, 3.0),  # 0.03 s at nx = 8192
-    ("nx", 1.3, 0.3),
-    ("nodes of the shortest wave", 0.0, 0.3),
-    ("waves", 0.0, 0.3),
-    ("hurst", 0.0, 1.0),
-    ("reduced pressure", 0.0, 0.3),
-    ("stiffening", 0.0, 0.3),
-)
 
 
 @dataclass(frozen=True)
 class Cost:
     """Predicted processor time: seconds a realisation by identity of the problem, and draws of the total in s.
 
-    `pilot` is the number of problems that were measured.
+    `pilot` is the number of problems that were measured, `smaller` that of smaller ones in place of others.
     """
 
     seconds: dict[str, float]
     total: Reals
     pilot: int
+    smaller: int
 
     def quantile(self, probability: float) -> float:
         """Total processor time in s that is not exceeded with a probability."""
@@ -59,127 +55,155 @@ def predict(
     budget: float,
     warm: Callable[[list[Problem]], None],
     timeout: float | None = None,
+    told: Told | None = None,
 ) -> Cost:
     """Predicted cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
-    The pilot takes no more than a tenth of the work itself unless that tells nothing. `warm` is called before
-    anything is timed. Earlier pilots on this machine are remembered. A problem that fails, or takes longer than
-    `timeout` seconds, is predicted as the others.
+    The pilot takes no more than a tenth of the work itself unless that tells nothing. Where a problem takes too long
+    for it, the same physics is measured on a smaller grid. `warm` is called before anything is timed. Earlier pilots
+    on this machine are remembered, and count into the budget. A problem that fails, or takes longer than `timeout`
+    seconds, is predicted as the others.
     """
-    x = _features(problems)
-    identities = [problem.identity for problem in problems]
-    remembered = _remembered()
-    seconds = np.array([remembered.get(identity, np.nan) for identity in identities])
-    weight = np.array(realisations, dtype=float)
-    missing = np.isnan(seconds)
-    fit_to_measure = np.ones(len(problems), dtype=bool)
-    begun = None
-    while missing.any() and (known := len(problems) - missing.sum()) < _MOST_PILOTS:
-        mean = np.exp(x @ _regression(x, seconds)[0])
-        if begun is None:
-            warm(problems)
-            begun = time.perf_counter()
-        left = budget if known < _LEAST_PILOTS else min(budget, 0.1 * float(weight @ mean))
-        affordable = missing & fit_to_measure & (_REALISATIONS * mean <= left - (time.perf_counter() - begun))
-        if not affordable.any():
+    kinds = kinds_of(problems)
+    x, weight = features(problems, kinds), np.array(realisations, dtype=float)
+    known = _Known(_remembered(), min(_MOST_REALISATIONS, max(realisations, default=1)))
+    for problem, row in zip(problems, x, strict=True):
+        known.recall(problem, row)
+    warmed = False
+    while True:
+        found = regression(*known.data(x.shape[1]))
+        likely = weight * np.exp(x @ found.coefficients)
+        left = (budget if len(known.rows) < _LEAST_PILOTS else min(budget, 0.1 * float(likely.sum()))) - known.spent
+        chosen = None
+        if left > 0.0 and len(known.rows) < _MOST_PILOTS:
+            order = _most_telling(x, likely, found, np.array([p.identity in known.tried for p in problems]))
+            chosen = _affordable([problems[i] for i in order[:_LOOKED_AT]], kinds, found, known, left)
+        if chosen is None:
             break
-        i = _most_informative(x, ~missing, affordable)
-        measured = _measured(problems[i], timeout)
-        if measured is None:
-            fit_to_measure[i] = False
-        else:
-            seconds[i] = remembered[identities[i]] = measured
-            missing[i] = False
-    if begun is not None:
-        _remember(remembered)
-    return _cost(x, seconds, weight, identities)
+        row = features([chosen], kinds)[0]
+        if not known.recall(chosen, row):
+            if not warmed:
+                warm(problems)
+                warmed = True
+            known.learn(chosen, row, timeout)
+        if told is not None:
+            told(min(1.0, known.spent / (known.spent + left)))
+    if warmed:
+        _remember(known.memory)
+    return _cost(problems, x, weight, found, known)
 
 
-def _measured(problem: Problem, timeout: float | None) -> float | None:
+@dataclass
+class _Known:
+    """What is measured: `memory` of this and earlier pilots, seconds by identity, and the part of it in use."""
+
+    memory: dict[str, float]
+    most: int  # realisations solved at a time
+    tried: set[str] = field(default_factory=set)  # identities
+    rows: list[Reals] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    spent: float = 0.0
+
+    def recall(self, problem: Problem, row: Reals) -> bool:
+        """Use what an earlier pilot has measured, if it has."""
+        seconds = self.memory.get(problem.identity)
+        if seconds is None:
+            return False
+        self._use(problem, row, seconds)
+        self.spent += seconds * self.realisations(problem)
+        return True
+
+    def learn(self, problem: Problem, row: Reals, timeout: float | None) -> None:
+        """Measure a problem; one that fails is not tried again."""
+        begun = time.perf_counter()
+        seconds = _measured(problem, self.realisations(problem), timeout)
+        self.spent += time.perf_counter() - begun
+        self.tried.add(problem.identity)
+        if seconds is not None:
+            self.memory[problem.identity] = seconds
+            self._use(problem, row, seconds)
+
+    def realisations(self, problem: Problem) -> int:
+        """Realisations of a problem that a pilot solves at a time, as a block of the run does."""
+        return max(1, min(self.most, _SAMPLES // problem.surface.nodes))
+
+    def data(self, columns: int) -> tuple[Reals, Reals]:
+        """Features [problem, feature] and seconds [problem] of what is in use."""
+        return np.array(self.rows).reshape(-1, columns), np.array(self.seconds)
+
+    def _use(self, problem: Problem, row: Reals, seconds: float) -> None:
+        self.tried.add(problem.identity)
+        self.rows.append(row)
+        self.seconds.append(seconds)
+
+
+def _affordable(
+    problems: list[Problem], kinds: list[str], found: Regression, known: _Known, left: float
+) -> Problem | None:
+    """First problem that the seconds `left` allow for, or the same on the largest smaller grid they allow for.
+
+    The first of all is small, as nothing is known of how long it takes.
+    """
+    for problem in problems:
+        choice = [problem, *_smaller(problem)]
+        for candidate in choice if known.rows else choice[-1:]:
+            row = features([candidate], kinds)[0]
+            doubt = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
+            count = known.realisations(candidate)
+            expected = count * float(np.exp(row @ found.coefficients + doubt))
+            fits = block_bytes(candidate, count) < psutil.virtual_memory().available / 2
+            if candidate.identity not in known.tried and expected <= left and fits:
+                return candidate
+    return None
+
+
+def _smaller(problem: Problem) -> Iterator[Problem]:
+    """The physics of a problem on grids of half its nx, a quarter, and so on: its shortest waves are left out."""
+    surface = problem.surface
+    assert isinstance(surface, RandomSurface)  # a campaign has no other
+    for halvings in range(1, 32):
+        nx, cut_off = 2 * (surface.nx >> (halvings + 1)), surface.cut_off_index >> halvings
+        cut_on = min(surface.cut_on_index, max(math.ceil(surface.anisotropy), cut_off // 2))
+        if nx ** len(surface.shape) < _LEAST_NODES or cut_on > cut_off:
+            return
+        yield replace(problem, surface=replace(surface, nx=nx, cut_on_index=cut_on, cut_off_index=cut_off))
+
+
+def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:
     """Seconds of the processor a realisation, whatever else the machine does; None where it fails or takes too long."""
     begun = time.thread_time()
     try:
         with watched(timeout):
-            measure(solve(problem, range(_REALISATIONS)))
+            measure(solve(problem, range(count)))
     except Exception:  # the run itself will say which, and why
         return None
-    return (time.thread_time() - begun) / _REALISATIONS
+    return (time.thread_time() - begun) / count
 
 
-def _features(problems: list[Problem]) -> Reals:
-    """Logarithms of what decides the run time `[problem, feature]`, zero at the thesis's reference system."""
-    rows = []
-    kinds = sorted({_kind(problem) for problem in problems})
-    stiffening: dict[tuple[float | None, float | None], float] = {}
-    for problem in problems:
-        surface, body = problem.surface, problem.body
-        assert isinstance(surface, RandomSurface)  # a campaign has no other
-        slab = body.poissons_ratio, body.aspect_ratio
-        if slab not in stiffening:
-            ratio = 1.0
-            if body.aspect_ratio is not None and body.poissons_ratio is not None:
-                k = np.array([2.0 * np.pi * body.aspect_ratio])
-                ratio = float(stiffness.slab_factor(k, body.poissons_ratio)[0])
-            stiffening[slab] = np.log(ratio)
-        row = [
-            1.0,
-            np.log(surface.nodes / 8192),
-            np.log(surface.nx / surface.cut_off_index / 4),
-            np.log(surface.cut_off_index / surface.cut_on_index / 1024),
-            surface.hurst - 0.5,
-            0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
-            stiffening[slab],
-        ]
-        rows.append(row + [float(_kind(problem) == kind) for kind in kinds])
-    return np.array(rows)
+def _most_telling(x: Reals, likely: Reals, found: Regression, tried: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+    """Indices of problems, first those whose run time narrows the total of the `likely` seconds most."""
+    share = likely / likely.sum()
+    together = x @ (found.covariance @ (share @ x))
+    own = np.einsum("ij,jk,ik->i", x, found.covariance, x) + found.scatter**2
+    gain = together**2 / own + (share * found.scatter) ** 2
+    order = np.argsort(np.where(tried, np.inf, -gain), kind="stable")
+    return order[: len(x) - int(tried.sum())]
 
 
-def _kind(problem: Problem) -> str:
-    """What has an iteration of its own, hence a run time of its own."""
-    interface = problem.interface
-    return f"{problem.numerics.solver} {interface.law is None} {interface.couples} {problem.mean_pressure is None}"
-
-
-def _regression(x: Reals, seconds: Reals) -> tuple[Reals, Reals, float]:
-    """Mean and covariance of the coefficients, and the scatter of the logarithm around them (Bayesian, conjugate)."""
-    kinds = x.shape[1] - len(_PRIOR)
-    expected = np.array([mean for _, mean, _ in _PRIOR] + [0.0] * kinds)
-    precision = np.diag([deviation**-2 for _, _, deviation in _PRIOR] + [1.0] * kinds)
-    known = ~np.isnan(seconds)
-    a, excess = x[known], np.log(seconds[known]) - x[known] @ expected
-    scatter = 2.0 * _SCATTER
-    for _ in range(3):  # the scatter and what it scatters around, in turn
-        covariance = np.linalg.inv(precision + a.T @ a / scatter**2)
-        coefficients = covariance @ (a.T @ excess) / scatter**2
-        left = excess - a @ coefficients
-        scatter = float(np.sqrt((4 * (2 * _SCATTER) ** 2 + left @ left) / (4 + len(left))))
-    return np.asarray(expected + coefficients), np.asarray(covariance, dtype=float), scatter
-
-
-def _most_informative(x: Reals, known: npt.NDArray[np.bool_], candidates: npt.NDArray[np.bool_]) -> int:
-    """Index of the candidate farthest from all that is known; at first, of the cheapest one."""
-    indices = np.flatnonzero(candidates)
-    if not known.any():
-        return int(indices[np.argmin(x[indices, 1])])
-    nearest = np.full(len(indices), np.inf)
-    for i in np.flatnonzero(known):
-        nearest = np.minimum(nearest, ((x[indices] - x[i]) ** 2).sum(axis=1))
-    return int(indices[np.argmax(nearest)])
-
-
-def _cost(x: Reals, seconds: Reals, weight: Reals, identities: list[str]) -> Cost:
-    coefficients, covariance, scatter = _regression(x, seconds)
-    known = ~np.isnan(seconds)
+def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, known: _Known) -> Cost:
+    seconds = np.array([known.memory.get(problem.identity, np.nan) for problem in problems])
+    measured = ~np.isnan(seconds)
     rng = np.random.default_rng(0)
-    logarithm = np.where(known, np.log(np.where(known, seconds, 1.0)), x @ coefficients)
-    own = np.where(known, _SCATTER, scatter)
+    logarithm = np.where(measured, np.log(np.where(measured, seconds, 1.0)), x @ found.coefficients)
+    own = np.where(measured, SCATTER, found.scatter)
     total = np.empty(_DRAWS)
     for i in range(_DRAWS):
-        shift = x @ rng.multivariate_normal(np.zeros(len(coefficients)), covariance)
-        shift[known] = 0.0
+        shift = x @ rng.multivariate_normal(np.zeros(x.shape[1]), found.covariance)
+        shift[measured] = 0.0
         total[i] = weight @ np.exp(logarithm + shift + own * rng.standard_normal(len(x)))
-    total *= np.exp(_SCATTER * rng.standard_normal(_DRAWS))  # a machine is not equally fast all day
-    return Cost(dict(zip(identities, np.exp(logarithm).tolist(), strict=True)), total, int(known.sum()))
+    total *= np.exp(SCATTER * rng.standard_normal(_DRAWS))  # a machine is not equally fast all day
+    each = dict(zip((problem.identity for problem in problems), np.exp(logarithm).tolist(), strict=True))
+    return Cost(each, total, int(measured.sum()), len(known.rows) - int(measured.sum()))
 
 
 def _memory() -> Path:

@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from gfmd_numba.campaign.cases import Block, Case, blocks, demand, distinct, expand
-from gfmd_numba.campaign.cost import Cost, predict
+from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand
+from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, Problem, self_affine
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
-from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
@@ -65,8 +64,7 @@ class Plan:
     @property
     def worker_bytes(self) -> int:
         """Largest memory a block asks of its worker."""
-        arrays = ARRAYS_PER_REALISATION[self.campaign.scene.dimension]
-        return max(arrays * 8 * (block.stop - block.first) * block.problem.surface.nodes for block in self.blocks)
+        return max(block_bytes(block.problem, block.stop - block.first) for block in self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:
@@ -100,10 +98,10 @@ class Plan:
         wanted = demand(cases)
         return [block for problem in distinct(cases) for block in blocks(problem, wanted[problem.identity])]
 
-    def predicted_cost(self, budget: float) -> Cost:
-        """Cost on this machine, from a pilot of at most `budget` seconds."""
+    def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
+        """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""
         wanted = [self.demand[problem.identity] for problem in self.problems]
-        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout)
+        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout, told)
 
     def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
         """Time in s that workers need for some processor time: at least that of the longest block."""

@@ -65,7 +65,8 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
     click.echo(f"CPU time      {duration(likely)}, with 90 % probability below {duration(at_most)}")
     walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
     click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
-    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine")
+    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
+    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 
 
 def _check_target(planned: Plan, name: str) -> None:

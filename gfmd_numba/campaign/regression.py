@@ -1,0 +1,106 @@
+"""The run time of a contact as a regression on what decides it, with what is known before anything is measured."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.problem import Problem, RandomSurface
+
+Reals = npt.NDArray[np.float64]
+
+SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
+_CALLS = 4e4  # what is done once for each contact, in units of n log2(n)
+_CACHED = 2**17  # nodes whose arrays stay near the processor
+_STATIC = ("active_set_newton", "conjugate_gradients")  # their iterations hardly rise with the number of nodes
+# logarithm of seconds = coefficients . features: expectation and standard deviation before anything is measured
+_PRIOR = (
+    ("one", -5.5, 3.0),  # 4 ms at nx = 8192
+    ("n log n", 1.05, 0.1),
+    ("n log n of time steps", 0.4, 0.3),
+    ("profile beyond the cache", 0.2, 0.1),
+    ("map beyond the cache", 0.05, 0.08),
+    ("nodes of the shortest wave", 0.0, 0.3),
+    ("waves", 0.0, 0.15),
+    ("hurst", 0.0, 1.0),
+    ("reduced pressure", 0.15, 0.3),
+    ("stiffening", 0.0, 0.3),
+    ("anisotropy", 0.0, 0.3),
+)
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Mean and covariance of the coefficients, and the scatter of the logarithm of a run time around them."""
+
+    coefficients: Reals
+    covariance: Reals
+    scatter: float
+
+
+def regression(x: Reals, seconds: Reals) -> Regression:
+    """Fit the `seconds` [problem] of problems with features `x` [problem, feature] (Bayesian, conjugate)."""
+    kinds = x.shape[1] - len(_PRIOR)
+    expected = np.array([mean for _, mean, _ in _PRIOR] + [0.0] * kinds)
+    precision = np.diag([deviation**-2 for _, _, deviation in _PRIOR] + [1.0] * kinds)
+    excess = np.log(seconds) - x @ expected
+    scatter = 2.0 * SCATTER
+    for _ in range(3):  # the scatter and what it scatters around, in turn
+        covariance = np.linalg.inv(precision + x.T @ x / scatter**2)
+        coefficients = covariance @ (x.T @ excess) / scatter**2
+        left = excess - x @ coefficients
+        scatter = float(np.sqrt((4 * (2 * SCATTER) ** 2 + left @ left) / (4 + len(left))))
+    return Regression(np.asarray(expected + coefficients), np.asarray(covariance, dtype=float), scatter)
+
+
+def kinds_of(problems: Sequence[Problem]) -> list[str]:
+    """Return the kinds among problems: each has an iteration of its own, hence a run time of its own."""
+    return sorted({_kind(problem) for problem in problems})
+
+
+def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
+    """Return logarithms of what decides the run time [problem, feature], zero at the thesis's reference system."""
+    rows = []
+    stiffening: dict[tuple[float | None, float | None], float] = {}
+    for problem in problems:
+        surface, body = problem.surface, problem.body
+        assert isinstance(surface, RandomSurface)  # a campaign has no other
+        slab = body.poissons_ratio, body.aspect_ratio
+        if slab not in stiffening:
+            ratio = 1.0
+            if body.aspect_ratio is not None and body.poissons_ratio is not None:
+                k = np.array([2.0 * np.pi * body.aspect_ratio])
+                ratio = float(stiffness.slab_factor(k, body.poissons_ratio)[0])
+            stiffening[slab] = np.log(ratio)
+        size = np.log(_work(surface.nodes) / _work(8192))
+        beyond = max(0.0, np.log(surface.nodes / _CACHED))
+        row = [
+            1.0,
+            size,
+            0.0 if problem.numerics.solver in _STATIC else size,
+            beyond if surface.dimension == 1 else 0.0,
+            beyond if surface.dimension == 2 else 0.0,
+            np.log(surface.nx / surface.cut_off_index / 4),
+            np.log(surface.cut_off_index / surface.cut_on_index / 1024),
+            surface.hurst - 0.5,
+            0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
+            stiffening[slab],
+            np.log(surface.anisotropy),
+        ]
+        rows.append(row + [float(_kind(problem) == kind) for kind in kinds])
+    return np.array(rows).reshape(len(rows), len(_PRIOR) + len(kinds))
+
+
+def _work(nodes: int) -> float:
+    return nodes * math.log2(nodes) + _CALLS
+
+
+def _kind(problem: Problem) -> str:
+    interface, surface = problem.interface, problem.surface
+    return (
+        f"{problem.numerics.solver} {len(surface.shape)} {interface.law is None} {interface.couples} "
+        f"{problem.mean_pressure is None}"
+    )

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import Design, best_design, cheapest_design
-from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.cases import groups
 from gfmd_numba.campaign.collection import in_file_units
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.plan import Plan, coordinates
@@ -38,10 +38,7 @@ class Pilot:
 
 def pilot(planned: Plan) -> Pilot:
     """Solve 40 realisations of every case of up to three groups, in this process."""
-    groups: dict[tuple[float, ...], list[Case]] = {}
-    for case in planned.cases:
-        groups.setdefault(_physics(case), []).append(case)
-    members = list(groups.values())
+    members = groups(planned.cases)
     chosen = sorted({0, len(members) // 2, len(members) - 1})
     cases = [case for index in chosen for case in members[index]]
     problems = {case.problem.identity: case.problem for case in cases}
@@ -116,15 +113,3 @@ def _mean(problem: Problem, residual: float, variable: str) -> float:
     settings = {"residual": residual, "precision": "double"}
     looser = replace(problem, numerics=problem.numerics.model_copy(update=settings))
     return float(np.mean(measure(solve(looser, range(REALISATIONS)))[variable]))
-
-
-def _physics(case: Case) -> tuple[float, ...]:
-    problem, roughness = case.problem, case.scene.roughness
-    return (
-        getattr(roughness, "hurst", np.nan),
-        case.scene.body.poissons_ratio,
-        case.scene.body.aspect_ratio,
-        problem.mean_pressure or 0.0,
-        getattr(roughness, "rms_gradient", np.nan),
-        getattr(roughness, "anisotropy", None) or 1.0,
-    )

@@ -88,6 +88,17 @@ def blocks(problem: Problem, realisations: int) -> Iterator[Block]:
         yield Block(problem, first, min(first + size, realisations))
 
 
+def groups(cases: Iterable[Case]) -> list[list[Case]]:
+    """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
+    found: dict[tuple[float, ...], list[Case]] = {}
+    for case in cases:
+        body, roughness = case.scene.body, self_affine(case.scene)
+        pressure = case.problem.mean_pressure or 0.0
+        physics = body.poissons_ratio, body.aspect_ratio, pressure, roughness.hurst, roughness.rms_gradient
+        found.setdefault((*physics, roughness.anisotropy or 1.0), []).append(case)
+    return list(found.values())
+
+
 def block_bytes(problem: Problem, realisations: int) -> int:
     """Largest memory that solving realisations of a problem together asks for."""
     surface = problem.surface

@@ -1,22 +1,17 @@
 """What a campaign's contacts will cost on this machine: a pilot solves a few, a regression predicts the rest."""
 
-import json
 import math
-import platform
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import psutil
 
-from gfmd_numba import cache
-from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
+from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
@@ -66,7 +61,7 @@ def predict(
     """
     kinds = kinds_of(problems)
     x, weight = features(problems, kinds), np.array(realisations, dtype=float)
-    known = _Known(_remembered(), min(_MOST_REALISATIONS, max(realisations, default=1)))
+    known = _Known(remembered(), min(_MOST_REALISATIONS, max(realisations, default=1)))
     for problem, row in zip(problems, x, strict=True):
         known.recall(problem, row)
     warmed = False
@@ -89,7 +84,7 @@ def predict(
         if told is not None:
             told(min(1.0, known.spent / (known.spent + left)))
     if warmed:
-        _remember(known.memory)
+        remember(known.memory)
     return _cost(problems, x, weight, found, known)
 
 
@@ -204,26 +199,3 @@ def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, k
     total *= np.exp(SCATTER * rng.standard_normal(_DRAWS))  # a machine is not equally fast all day
     each = dict(zip((problem.identity for problem in problems), np.exp(logarithm).tolist(), strict=True))
     return Cost(each, total, int(measured.sum()), len(known.rows) - int(measured.sum()))
-
-
-def _memory() -> Path:
-    """File of earlier pilots of this version on this machine."""
-    name = f"{version('gfmd-numba')}-{version('numba')}-{platform.node()}-{platform.machine()}"
-    return cache.directory() / "run-times" / f"{name}.json"
-
-
-def _remembered() -> dict[str, float]:
-    try:
-        times = json.loads(_memory().read_text())
-        return {str(identity): float(seconds) for identity, seconds in times.items()}
-    except (OSError, ValueError, AttributeError, TypeError):
-        return {}  # none, or a damaged one: it is measured again
-
-
-def _remember(seconds: dict[str, float]) -> None:
-    path = _memory()
-    try:
-        path.parent.mkdir(exist_ok=True)
-        shards.replace(path, json.dumps(seconds).encode())
-    except OSError:
-        pass  # the next plan measures again

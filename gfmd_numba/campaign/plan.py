@@ -1,13 +1,14 @@
 """What a campaign comes to: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand
 from gfmd_numba.campaign.cost import Cost, Told, predict
@@ -18,6 +19,7 @@ from gfmd_numba.problem import Effect, Problem, self_affine
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
 
+PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
 
@@ -64,7 +66,7 @@ class Plan:
     @property
     def worker_bytes(self) -> int:
         """Largest memory a block asks of its worker."""
-        return max(block_bytes(block.problem, block.stop - block.first) for block in self.blocks)
+        return _largest(self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:
@@ -114,6 +116,31 @@ def plan(path: str | Path) -> Plan:
     campaign, document = load_campaign(path)
     cases = expand(campaign)
     return Plan(campaign, document, cases, distinct(cases))
+
+
+def check_memory(todo: Iterable[Block], workers: int) -> None:
+    """Raise InputError unless that many local workers (0: this process) can solve blocks in the memory that is free."""
+    available = psutil.virtual_memory().available
+    block = _largest(todo)
+    processes = 1 + workers  # the program itself, too
+    if max(1, workers) * block + processes * PROGRAM_BYTES <= available:
+        return
+    most = (available - PROGRAM_BYTES) // (block + PROGRAM_BYTES)
+    smaller = "a coarser grid: a larger eps_c, eps_f or eps_t"
+    if most >= 1:
+        remedy = f"at most {most}"
+    elif block + PROGRAM_BYTES <= available:
+        remedy = "0, this process alone"
+    else:
+        remedy = f"a machine with {(block + PROGRAM_BYTES) / 1e9:.1f} GB free"
+    raise InputError(
+        f"--workers: given {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} GB in "
+        f"all, where {available / 1e9:.1f} GB of memory are free; allowed: {remedy}, or {smaller}"
+    )
+
+
+def _largest(todo: Iterable[Block]) -> int:
+    return max((block_bytes(block.problem, block.stop - block.first) for block in todo), default=0)
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:

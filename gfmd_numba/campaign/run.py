@@ -10,7 +10,7 @@ from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.collection import collect, note
 from gfmd_numba.campaign.execution import Failures, Workers, compile_kernels, execute, unfinished
-from gfmd_numba.campaign.plan import plan, tasks
+from gfmd_numba.campaign.plan import check_memory, plan, tasks
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
 
@@ -68,6 +68,8 @@ def run(
                 return not (failed and choice.fail_fast)
 
             if todo:
+                if workers.address is None:
+                    check_memory(todo, workers.count)
                 begun = time.perf_counter()
                 compile_kernels(planned.problems)
                 predicted = planned.predicted_cost(_PILOT_SECONDS)

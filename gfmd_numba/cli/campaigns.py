@@ -30,6 +30,7 @@ def plan(
     file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None, write: Path | None
 ) -> None:
     """Say what the campaign in FILE comes to and costs, without running it."""
+    from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
     from gfmd_numba.campaign.plan import plan as plan_campaign
 
     planned = plan_campaign(file)
@@ -42,7 +43,9 @@ def plan(
     click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
     largest = max(case.discretisation.nx for case in planned.cases)
     click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
-    click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides 200 MB for the program")
+    program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
+    click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides {program}")
+    check_memory(planned.blocks, workers)
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
     if target or budget:
         _check_target(planned, target[0] if target else "")
@@ -59,12 +62,22 @@ _MOST_EFFECTS = 50
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
+    from gfmd_numba.campaign.overhead import UNSURE, overhead
+
     with waiting("measuring what the problems cost"):
-        predicted = planned.predicted_cost(pilot)
-    likely, at_most = predicted.quantile(0.5), predicted.quantile(0.9)
-    click.echo(f"CPU time      {duration(likely)}, with 90 % probability below {duration(at_most)}")
-    walls = [planned.wall_time(predicted, s, workers) for s in (likely, at_most)]
-    click.echo(f"wall time     {duration(walls[0])}, below {duration(walls[1])}, with {workers} workers once started")
+        predicted, beside = planned.predicted_cost(pilot), overhead(planned)
+    contacts = predicted.quantile(0.5), predicted.quantile(0.9)
+    walls = [planned.wall_time(predicted, seconds, workers) for seconds in contacts]
+    for name, of_contacts, others in (
+        ("CPU time", contacts, beside.cpu_seconds(workers)),
+        ("wall time", walls, beside.wall_seconds(workers)),
+    ):
+        likely, at_most = of_contacts[0] + others, of_contacts[1] + UNSURE * others
+        click.echo(f"{name:13} {duration(likely)}, with 90 % probability below {duration(at_most)}")
+    parts = {"contacts": contacts[0], "start": beside.start, "workers": workers * beside.worker}
+    parts |= {"results": beside.results, "fit and picture": beside.fit}
+    shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
+    click.echo(f"of CPU time   {shown}")
     smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 

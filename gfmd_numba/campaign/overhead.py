@@ -1,0 +1,96 @@
+"""What a run takes beside its contacts: starting, workers, the results file, and the fit with its picture."""
+
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from inspect import signature
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.campaign.cases import Case, groups
+from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.run_times import remember, remembered
+from gfmd_numba.campaign.specification import Fit
+
+UNSURE = 1.25  # factor below which it stays with 90 % probability
+
+_IMPORTED = "distributed, matplotlib.figure, netCDF4, scipy.optimize, gfmd_numba.analysis, gfmd_numba.campaign.run"
+_START = "start of a process"  # key of its run time
+# of the start of a process, which tells how fast a machine runs Python:
+_KERNELS, _WORKER, _CASE, _PICTURE = 0.1, 1.6, 7e-4, 0.4  # loading them, and what one of each of the others takes
+_REPLICATES = (2, 12)  # of the bootstrap of a rehearsal
+_REHEARSED = 6  # groups
+
+
+@dataclass(frozen=True)
+class Overhead:
+    """Processor time in s: `start` of the program, each one of the `workers`, the `results` file, the `fit`."""
+
+    start: float
+    worker: float
+    results: float
+    fit: float
+
+    def cpu_seconds(self, workers: int) -> float:
+        """Processor time of all of it."""
+        return self.wall_seconds(0) + workers * self.worker
+
+    def wall_seconds(self, workers: int) -> float:
+        """Time that it adds to a run; workers start together, on a core each."""
+        return self.start + self.results + self.fit + (self.worker if workers else 0.0)
+
+
+def overhead(planned: Plan) -> Overhead:
+    """Return what a run takes beside its contacts on this machine, its compiled kernels being in the cache."""
+    start = _start()
+    extrapolated = any(case.limit != "reference" for case in planned.cases)
+    fitted = _rehearsed(planned) + _PICTURE * start if extrapolated else 0.0
+    return Overhead((1 + _KERNELS) * start, _WORKER * start, _CASE * start * len(planned.cases), fitted)
+
+
+def _start() -> float:
+    """Processor time in s of a process that imports what a run does, remembered."""
+    times = remembered()
+    if _START not in times:
+        script = f"import time, {_IMPORTED}; print(time.process_time())"
+        said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+        times[_START] = float(said.stdout)
+        remember(times)
+    return times[_START]
+
+
+def _rehearsed(planned: Plan) -> float:
+    """Seconds of the fit, from that of some groups of made-up results with few replicates."""
+    members = groups(planned.cases)
+    results = _made_up([case for group in members[:_REHEARSED] for case in group], planned.campaign.fit)
+    options = json.loads(planned.campaign.fit.model_dump_json(exclude_none=True))
+    all_replicates: int = signature(fit_tfc).parameters["bootstrap"].default
+    seconds: list[float] = []
+    try:
+        for replicates in (2, *_REPLICATES):  # the first one imports
+            begun = time.thread_time()
+            fit_tfc(results, **options, bootstrap=replicates)
+            seconds.append(time.thread_time() - begun)
+    except UnusableDataError:
+        return 0.0
+    few, many = _REPLICATES
+    each = max(0.0, seconds[2] - seconds[1]) / (many - few)
+    return (seconds[1] + (all_replicates - few) * each) * len(members) / min(len(members), _REHEARSED)
+
+
+def _made_up(cases: list[Case], fit: Fit) -> xr.Dataset:
+    """Return results of the form of the cases': corrections with likely exponents, and scatter."""
+    rng = np.random.default_rng(0)
+    asked = np.array([case.realisations for case in cases])
+    shared = rng.standard_normal(asked.max())
+    values = 2.0 + 0.1 * shared + 0.03 * rng.standard_normal((len(cases), asked.max()))
+    for name, exponent in fit.fixed:
+        eps = np.array([getattr(case.discretisation, name) for case in cases])
+        values += 0.1 * (eps[:, np.newaxis] / eps.max()) ** np.mean(exponent or 1.0)
+    values[np.arange(asked.max()) >= asked[:, np.newaxis]] = np.nan
+    coords = {name: ("case", column) for name, column in coordinates(cases).items()}
+    return xr.Dataset({fit.variable: (("case", "realisation"), values)}, coords)

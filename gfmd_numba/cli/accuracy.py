@@ -18,6 +18,7 @@ from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.work_precision import Point
+from gfmd_numba.printable import printable
 
 
 @main.command()
@@ -57,8 +58,8 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
             except UnusableDataError as error:
                 say("price", f"{goal:.1%}: {error}")
                 break
-    click.echo(f"results  {results}")
-    click.echo(f"picture  {picture}")
+    click.echo(f"results  {printable(results)}")
+    click.echo(f"picture  {printable(picture)}")
 
 
 def _show_study(study: str, points: list[Point]) -> None:

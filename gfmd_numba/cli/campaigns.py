@@ -14,6 +14,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say, say_command
 from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
+from gfmd_numba.printable import printable
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.plan import Plan
@@ -121,7 +122,7 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
     if write is not None:
         with open(write, "x", encoding="utf-8") as file:
             file.write(accuracy.rewritten(planned, chosen, target))
-        click.echo(f"campaign      {write}")
+        click.echo(f"campaign      {printable(write)}")
 
 
 @main.command()
@@ -158,7 +159,7 @@ def run(
     except StoppedError as error:
         say("gfmd:", str(error), width=6, err=True)
         sys.exit(SOME_FAILED)
-    click.echo(f"results  {results}")
+    click.echo(f"results  {printable(results)}")
     dataset = gfmd_numba.open_campaign(results)
     status = dataset["status"]
     meanings = status.attrs["flag_meanings"].split()
@@ -234,7 +235,7 @@ def collect(directory: Path) -> None:
     from gfmd_numba.campaign.collection import collect as collect_campaign
     from gfmd_numba.campaign.status import campaign_in
 
-    click.echo(f"results  {collect_campaign(campaign_in(directory), directory)}")
+    click.echo(f"results  {printable(collect_campaign(campaign_in(directory), directory))}")
 
 
 @main.command()

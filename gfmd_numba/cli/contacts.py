@@ -16,6 +16,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
+from gfmd_numba.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +37,7 @@ def solve(file: Path, output: Path) -> None:
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = gfmd_numba.solve(file)
     dataset.to_netcdf(output, engine="netcdf4")
-    click.echo(f"results  {output}")
+    click.echo(f"results  {printable(output)}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     shown = [name for name in _SHOWN if name in dataset]  # a loaded body has but the last
     if "step" in dataset.dims:
@@ -113,10 +114,10 @@ def fields(file: Path, output: Path, body: str) -> None:
     with waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(read_results(file), body=body)
     dataset.to_netcdf(output, engine="netcdf4")
-    click.echo(f"fields   {output}")
+    click.echo(f"fields   {printable(output)}")
     with naming(file), waiting("drawing"):
         plot_body(dataset).savefig(picture, dpi=150)
-    click.echo(f"picture  {picture}")
+    click.echo(f"picture  {printable(picture)}")
 
 
 def _picture(output: Path) -> Path:
@@ -138,10 +139,10 @@ def surface(file: Path, output: Path) -> None:
     with waiting("making the surface"):
         dataset = gfmd_numba.make_surface(file)
     dataset.to_netcdf(output, engine="netcdf4")
-    click.echo(f"surface  {output}")
+    click.echo(f"surface  {printable(output)}")
     with waiting("drawing"):
         plot_surface(dataset).savefig(picture, dpi=150)
-    click.echo(f"picture  {picture}")
+    click.echo(f"picture  {printable(picture)}")
     for name, variable in dataset.data_vars.items():
         if not variable.dims:
             click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())

@@ -21,6 +21,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit
+from gfmd_numba.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,7 +48,7 @@ def fit(
     show_fit(fitted)
     if output is not None:
         fitted.to_netcdf(output, engine="netcdf4")
-        click.echo(f"fit      {output}")
+        click.echo(f"fit      {printable(output)}")
 
 
 @main.command()
@@ -114,4 +115,4 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     with waiting("drawing"):
         figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
         figure.savefig(path, dpi=150)
-    click.echo(f"picture  {path}")
+    click.echo(f"picture  {printable(path)}")

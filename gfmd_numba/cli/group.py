@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from gfmd_numba.printable import printable
+
 BAD_INPUT, SOME_FAILED, INTERRUPTED = 2, 3, 130
 
 
@@ -20,8 +22,14 @@ class _Gfmd(click.Group):
             return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
-        except (InputError, OSError) as error:
+        except click.ClickException as error:
+            error.message = printable(error.message)
+            raise
+        except InputError as error:
             click.echo(f"gfmd: {error}", err=True)
+            ctx.exit(BAD_INPUT)
+        except OSError as error:
+            click.echo(f"gfmd: {printable(error)}", err=True)
             ctx.exit(BAD_INPUT)
         except KeyboardInterrupt:
             click.echo("gfmd: interrupted; finished work is kept, the same command resumes", err=True)

@@ -12,6 +12,7 @@ from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
+from gfmd_numba.printable import printable
 
 
 @main.command()
@@ -22,19 +23,19 @@ def check(file: Path) -> None:
     from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document
     from gfmd_numba.scene.surface_file import load_surface
 
-    data = read_document(file).data
+    name, data = printable(file), read_document(file).data
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
         campaign: Campaign = load_campaign(file)[0]
-        click.echo(f"{file}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
+        click.echo(f"{name}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
     elif isinstance(data, dict) and "surface" in data:
         load_surface(file)
-        click.echo(f"{file}: a surface")
+        click.echo(f"{name}: a surface")
     elif has_no_punch(file):
         load_boundary(file)
-        click.echo(f"{file}: a loaded body")
+        click.echo(f"{name}: a loaded body")
     else:
         load_scene(file)
-        click.echo(f"{file}: a scene")
+        click.echo(f"{name}: a scene")
 
 
 @main.command()

@@ -10,6 +10,9 @@ from typing import Any
 
 import yaml
 
+from gfmd_numba.printable import printable
+from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
+
 Location = tuple[str | int, ...]
 
 DEEPEST = 20
@@ -41,8 +44,27 @@ _short.maxstring = _short.maxother = _short.maxlong = 60
 _short.maxlevel = 2
 
 
+MOST_LINES, MOST_CHARACTERS, LONGEST_LINE = 100, 8000, 1500  # of one message
+
+
 class InputError(ValueError):
-    """What is wrong with the input, one `FILE:LINE:COLUMN: key: given ...; allowed: ...` per line."""
+    """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: given ...; allowed: ...` per line.
+
+    Its text is fit for a terminal: what is not printable is escaped, and it is short. `more` faults are not given.
+    """
+
+    def __init__(self, *faults: str, more: int = 0) -> None:
+        super().__init__(*faults)
+        self.more = more
+
+    def __str__(self) -> str:
+        lines: list[str] = []
+        for fault in self.args[:MOST_LINES]:
+            lines.append(_shortened(printable(fault)))
+            if sum(map(len, lines)) > MOST_CHARACTERS - LONGEST_LINE:
+                break
+        left = len(self.args) - len(lines) + self.more
+        return "\n".join([*lines, f"and {left} more"] if left else lines)
 
 
 @dataclass(frozen=True)
@@ -93,10 +115,9 @@ def read_document(path: str | Path) -> Document:
     """Document of one YAML file; raises InputError if it is unreadable or not plain YAML 1.2."""
     path = Path(path)
     try:
-        raw = path.read_bytes()
-    except OSError as error:
-        given = f"a path that cannot be read ({error.strerror})"
-        raise InputError(_line(path, None, (), given, "a YAML file")) from None
+        raw = read_regular(path, MOST_TEXT)
+    except ValueError as error:
+        raise InputError(_line(path, None, (), str(error), "a YAML file")) from None
     try:
         text = raw.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:
@@ -207,6 +228,12 @@ def _line(
     file = "" if path is None else ":".join(map(str, (path, *(position or ())))) + ": "
     key = _dotted(location) + ": " if location else ""
     return f"{file}{key}given {given}; allowed: {allowed}" + (f"; {suggestion}" if suggestion else "")
+
+
+def _shortened(line: str) -> str:
+    """Line whose middle gives way if it is very long: its ends tell where, and what is allowed."""
+    half = LONGEST_LINE // 2
+    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"
 
 
 def brief(value: object) -> str:

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from gfmd_numba.scene.document import Document, InputError, Location, brief, plain_scalar
+from gfmd_numba.scene.document import MOST_LINES, Document, InputError, Location, brief, plain_scalar
 
 Record = TypeVar("Record", bound=BaseModel)
 
@@ -19,7 +19,8 @@ def validate(document: Document, model: type[Record]) -> Record:
     except ValidationError as error:
         schema = model.model_json_schema()
         faults = error.errors(include_url=False)
-        raise InputError("\n".join(_fault(document, schema, fault) for fault in faults)) from None
+        said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
+        raise InputError(*said, more=len(faults[MOST_LINES:])) from None
 
 
 def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> str:
@@ -39,7 +40,8 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             node = {"enum": list(node["discriminator"]["mapping"])}
     value = document.value(location)
     hint = nearest(value, node.get("enum", ()))
-    if isinstance(value, str) and isinstance(plain_scalar(value), int | float) and "enum" not in node:
+    number = plain_scalar(value) if isinstance(value, str) else None
+    if isinstance(number, int | float) and number in node.get("enum", (number,)):
         hint = f"did you mean {value} without quotes?"
     return document.line(location, brief(value), _allowed(schema, node), hint)
 
@@ -108,9 +110,10 @@ def _listed(names: Iterable[str]) -> str:
     return quoted[0] if len(quoted) == 1 else "one of " + ", ".join(quoted)
 
 
-def nearest(given: object, names: Iterable[str]) -> str:
+def nearest(given: object, names: Iterable[object]) -> str:
     """Question whether the most similar name was meant, or nothing."""
-    matches = get_close_matches(given, names, 1) if isinstance(given, str) else []
+    words = [name for name in names if isinstance(name, str)]
+    matches = get_close_matches(given, words, 1) if isinstance(given, str) and len(given) < 200 else []
     return f"did you mean {matches[0]!r}?" if matches else ""
 
 

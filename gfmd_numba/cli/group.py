@@ -22,9 +22,8 @@ class _Gfmd(click.Group):
             return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
-        except click.ClickException as error:
-            error.message = printable(error.message)
-            raise
+        except click.UsageError as error:
+            raise click.UsageError(printable(error.format_message()), error.ctx) from None
         except InputError as error:
             click.echo(f"gfmd: {error}", err=True)
             ctx.exit(BAD_INPUT)

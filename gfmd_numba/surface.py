@@ -14,7 +14,7 @@ from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.recipe import Made, make
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.scene.surface_records import HurstRange, MeasuredField, SurfaceFile
+from gfmd_numba.scene.surface_records import HurstRange, MeasuredField
 
 Reals = npt.NDArray[np.float64]
 
@@ -29,7 +29,7 @@ def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
     file, document = load_surface(source)
     try:
         made = make(file)
-        dataset = _described(file, made)
+        dataset = _described(made)
     except ValueError as error:
         if isinstance(file.surface, MeasuredField):
             given = f"{Path(file.surface.file).name} ({error})"
@@ -46,9 +46,8 @@ def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
     return dataset
 
 
-def _described(file: SurfaceFile, made: Made) -> xr.Dataset:
-    told = file.length is not None or (isinstance(file.surface, MeasuredField) and made.lengths[-1] != 1.0)
-    unit = "m" if told else "1"
+def _described(made: Made) -> xr.Dataset:
+    unit = made.unit
     heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
     dims = ("x",) if dimension == 1 else ("y", "x")
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "rough surface"})

@@ -281,7 +281,7 @@ def test_results_are_found_by_name_among_other_files(finished, tmp_path):
         gfmd_numba.open_campaign(out)
     with pytest.raises(InputError, match=r"another.nc: given a file that is not netCDF"):
         gfmd_numba.open_campaign(out / "another.nc")
-    with pytest.raises(InputError, match=r"third.nc: given no file"):
+    with pytest.raises(InputError, match=r"third.nc: given a path that cannot be read \(No such"):
         gfmd_numba.open_campaign(out / "third.nc")
 
 

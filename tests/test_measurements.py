@@ -17,7 +17,13 @@ def test_readers_agree(tmp_path):
         found = read_measurement(tmp_path / name)
         np.testing.assert_array_equal(found.heights, heights)
         assert found.lengths is None
-    np.savetxt(tmp_path / "line.csv", np.column_stack([0.5 * np.arange(7), heights[0]]), delimiter=",", fmt="%.17g")
+    np.savetxt(
+        tmp_path / "line.csv",
+        np.column_stack([0.5 * np.arange(7), heights[0]]),
+        delimiter=",",
+        header="x [m], z [m]",
+        fmt="%.17g",
+    )
     found = read_measurement(tmp_path / "line.csv")
     np.testing.assert_array_equal(found.heights, heights[0])
     assert found.lengths == pytest.approx((3.5,))

@@ -108,7 +108,12 @@ def test_a_written_surface_is_read_as_a_measured_one(tmp_path):
 
 def test_measured_profile_is_processed_and_says_how(tmp_path):
     x = np.arange(50) * 2e-6
-    np.savetxt(tmp_path / "p.csv", np.column_stack([x, 1e-7 * np.sin(x / 7e-6) + 0.01 * x]), delimiter=",")
+    np.savetxt(
+        tmp_path / "p.csv",
+        np.column_stack([x, 1e-7 * np.sin(x / 7e-6) + 0.01 * x]),
+        delimiter=",",
+        header="x [m], z [m]",
+    )
     (tmp_path / "s.yaml").write_text(
         "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror}\npoints: 400\n"
     )
@@ -191,10 +196,10 @@ def test_a_period_too_short_for_the_filter(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("gaps.csv", "0,1\n1,nan\n2,1\n3,nan\n4,2\n", "height nan at index 1 and 1 more gaps, not a finite number"),
+        ("gaps.csv", "# [m]\n0,1\n1,nan\n2,1\n3,nan\n4,2\n", "height nan at index 1 and 1 more, not a finite number"),
         ("uneven.csv", "0,1\n1,2\n2,1\n3.5,0\n4.5,1\n", "a spacing of 1.5 in x at index 2, where 1.125 is the mean"),
         ("falling.csv", "4,1\n3,2\n2,1\n1,0\n", "positions x that do not increase"),
-        ("few.csv", "0,1\n1,2\n2,1\n", "3 heights, not at least 4"),
+        ("few.csv", "# [m]\n0,1\n1,2\n2,1\n", "3 heights, not at least 4"),
         ("three.csv", "0,1,2\n1,2,2\n2,1,2\n3,1,2\n", "3 columns"),
         ("flat.csv", "1\n1\n1\n1\n", "flat surface"),
         ("words.csv", "one\ntwo\n", "could not convert string 'one'"),
@@ -219,7 +224,7 @@ def test_a_map_with_uneven_rows(tmp_path):
 
 
 def test_a_file_that_is_not_there_and_a_length_too_many(tmp_path):
-    (tmp_path / "steel.csv").write_text("0,1\n1,2\n2,1\n3,0\n")
+    (tmp_path / "steel.csv").write_text("# [m]\n0,1\n1,2\n2,1\n3,0\n")
     message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: stel.csv}\n")
     assert "did you mean 'steel.csv'?" in message
     message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: steel.csv}\nlength: 1e-3\n")

@@ -6,7 +6,9 @@ from pathlib import Path
 import xarray as xr
 
 from gfmd_numba.scene.document import InputError, read_document
+from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
+_SHARE = 4  # of what a file of one surface may have: nothing is solved with it
 _SEAL = b"gfmd seal 1\n"
 _DIGEST_BYTES = hashlib.sha256().digest_size
 
@@ -48,12 +50,16 @@ def read_results(path: Path) -> xr.Dataset:
     """Dataset of a path as in `results_file`; raises InputError."""
     file = results_file(path)
     try:
+        check_regular(file, most_numbers() * _SHARE)
+    except ValueError as error:
+        raise InputError(f"{file}: given {error}; allowed: a netCDF file that gfmd has written") from None
+    try:
         if not _unaltered(file):  # the HDF5 library would find wrong numbers in it, or no end
             raise ValueError
         with xr.open_dataset(file, engine="netcdf4") as dataset:
             return dataset.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        given = "no file" if isinstance(error, FileNotFoundError) else "a file that is not netCDF or is damaged"
+    except (OSError, ValueError, RuntimeError):
+        given = "a file that is not netCDF or is damaged"
         raise InputError(f"{file}: given {given}; allowed: a netCDF file that gfmd has written") from None
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -32,11 +33,13 @@ _ROUNDING = 1e-12  # of the largest height, below which a range of heights is ro
 class Made:
     """Heights `[nx]` or `[ny, nx]` and their periods, in m or L_x; the mean power `[..., nx // 2 + 1]` of theory.
 
-    `power` is None for a measured field; `done` tells what was done to one.
+    `power` is None for a measured field; `done` tells what was done to one. The `unit` is "m", or "1" for L_x, which
+    is the size of a measured field along x.
     """
 
     heights: Reals
     lengths: tuple[float, ...]
+    unit: Literal["m", "1"]
     power: Reals | None
     done: tuple[str, ...] = ()
 
@@ -68,7 +71,7 @@ def make(file: SurfaceFile) -> Made:
         heights = recursive.surfaces(recursion, nx, file.seed, realisations)
     scaled = statistics.scaled(heights, lengths, surface.rms_height, surface.rms_gradient)
     factor = statistics.rms_height(scaled[0], lengths) / statistics.rms_height(heights[0], lengths)
-    return Made(scaled[0], lengths, power * factor**2)
+    return Made(scaled[0], lengths, "1" if file.length is None else "m", power * factor**2)
 
 
 def _self_affine(record: SelfAffineModel, dimension: int, period: float) -> SelfAffine:
@@ -94,10 +97,15 @@ def _measured(file: SurfaceFile, surface: MeasuredField) -> Made:
     lengths = measurement.lengths
     if lengths is not None and file.length is not None:
         raise ValueError("positions of its own, so that length has to be left out")
+    if measurement.unit == "m" and lengths is None and file.length is None:
+        raise ValueError("heights in m without positions, so that length is needed, the size along x in m")
+    if measurement.unit == "1" and file.length is not None:
+        raise ValueError("heights in units of the period, so that length has to be left out")
+    unit: Literal["m", "1"] = "m" if file.length is not None else measurement.unit or "1"
     if lengths is None:
         spacing = (file.length or 1.0) / shape[-1]
         lengths = tuple(n * spacing for n in shape)
     processed = process(measurement.heights, lengths, surface.detrend, surface.periodic, file.points)
     if np.ptp(processed.heights) <= _ROUNDING * abs(measurement.heights).max():
         raise ValueError("a flat surface once the trend is gone")
-    return Made(processed.heights, processed.lengths, None, processed.done)
+    return Made(processed.heights, processed.lengths, unit, None, processed.done)

@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+SMALLEST, LARGEST = 1e-30, 1e30  # of what a user gives: squares and products of all of it stay numbers
 RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, ser_json_inf_nan="constants")
 
 PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]

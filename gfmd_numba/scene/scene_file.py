@@ -151,17 +151,21 @@ def _nested(document: Document) -> Document:
 
 
 def existing_file(document: Document, location: Location, name: str, suffixes: tuple[str, ...]) -> str:
-    """Absolute path of an existing file of a known kind, its name relative to the document's folder."""
+    """Absolute path of an existing file of a known kind (any, if none is named), relative to the document's folder."""
     folder = Path() if document.path is None else document.path.parent
     file = folder / name
-    if file.suffix not in suffixes:
+    if suffixes and file.suffix not in suffixes:
         raise document.error(location, name, "a file ending in " + ", ".join(suffixes))
     if not os.path.isfile(file):
-        present = [p.name for p in folder.iterdir() if p.suffix in suffixes and p.is_file()]
-        raise document.error(
-            location,
-            name,
-            f"an existing file, unlike {'the folder ' if file.is_dir() else ''}{file}",
-            nearest(name, present),
-        )
+        kind = "the folder " if os.path.isdir(file) else "no regular file " if os.path.exists(file) else ""
+        hint = nearest(name, _files(folder, suffixes))
+        raise document.error(location, name, f"an existing file, unlike {kind}{file}", hint)
     return str(file.resolve())
+
+
+def _files(folder: Path, suffixes: tuple[str, ...]) -> list[str]:
+    """Names of the files of a kind in a folder, none if it may not be looked into."""
+    try:
+        return [each.name for each in folder.iterdir() if (not suffixes or each.suffix in suffixes) and each.is_file()]
+    except OSError:
+        return []

@@ -1,13 +1,13 @@
 """Surface files and the checks that need more than their records."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from gfmd_numba.scene.document import Document, read_document
+from gfmd_numba.scene.scene_file import existing_file
 from gfmd_numba.scene.surface_records import MeasuredField, SurfaceFile
-from gfmd_numba.scene.validation import nearest, validate
+from gfmd_numba.scene.validation import validate
 
 _ARRAYS = 16  # of the surface's size, that making it and its statistics may take
 
@@ -19,7 +19,8 @@ def load_surface(source: str | Path | Mapping[str, Any]) -> tuple[SurfaceFile, D
     if file.points is not None:
         _check_memory(document, file.points ** (file.dimension or 1))
     if isinstance(file.surface, MeasuredField):
-        file = file.model_copy(update={"surface": _existing(document, file.surface)})
+        measured = existing_file(document, ("surface", "file"), file.surface.file, ())
+        file = file.model_copy(update={"surface": file.surface.model_copy(update={"file": measured})})
     return file, document
 
 
@@ -30,13 +31,3 @@ def _check_memory(document: Document, samples: int) -> None:
     if needed > available:
         allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
         raise document.error(("points",), document.value(("points",)), allowed)
-
-
-def _existing(document: Document, surface: MeasuredField) -> MeasuredField:
-    folder = Path() if document.path is None else document.path.parent
-    file = folder / surface.file
-    if not os.path.isfile(file):
-        present = [path.name for path in folder.iterdir()]
-        hint = nearest(surface.file, present)
-        raise document.error(("surface", "file"), surface.file, f"an existing file, unlike {file}", hint)
-    return surface.model_copy(update={"file": str(file.resolve())})

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.roughness.measured import read_column
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError
+from gfmd_numba.scene.quantities import LARGEST
 
 Reals = npt.NDArray[np.float64]
 
@@ -79,9 +80,9 @@ def _read(document: Document, name: str, path: Path, nx: int | None) -> Reals:
         values = read_column(path)
     except ValueError as error:
         raise _refused(document, name, f"{path.name} ({error})", "one column of numbers") from None
-    if np.isinf(values).any():
-        where = int(np.flatnonzero(np.isinf(values))[0])
-        allowed = "finite numbers, and not-a-number where nothing is prescribed"
+    if (abs(values) > LARGEST).any():
+        where = int(np.argmax(abs(values) > LARGEST))
+        allowed = f"finite numbers of at most {LARGEST:g}, and not-a-number where nothing is prescribed"
         raise _refused(document, name, f"{path.name} ({values[where]} at index {where})", allowed)
     if not np.isfinite(values).any():
         raise _refused(document, name, f"{path.name} (no number)", "a number for at least one node")

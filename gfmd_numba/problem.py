@@ -19,6 +19,7 @@ from gfmd_numba.interface import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
 from gfmd_numba.scene import Interface as Interactions
+from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 
 Reals = npt.NDArray[np.float64]
 
@@ -161,8 +162,8 @@ def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, flo
     if slope <= 100.0 * rounding:
         size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
         raise ValueError(f"{size}: it is flat but for rounding")
-    if math.isinf(own):
-        raise ValueError("an rms gradient beyond the range of numbers")
+    if not SMALLEST <= own <= LARGEST:
+        raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     unit = heights / scale / (slope if gradient is None else gradient / scale)
     return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), own if gradient is None else gradient
 

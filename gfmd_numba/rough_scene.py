@@ -65,7 +65,11 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in heights.values()):
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
         raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
-    profile, rms_gradient = problem.profile(together, _asked_for(places, heights))
+    try:
+        profile, rms_gradient = problem.profile(together, _asked_for(places, heights))
+    except ValueError as error:
+        allowed = "surfaces that are rough, and not beyond all measure"
+        raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
     return Surfaces(bodies, profile, rms_gradient)
 
 

@@ -15,7 +15,7 @@ scene:
     tangential_displacement: held.npy
 """
 BESIDE = SCENE.replace("numerics:", "  boundary:\n    normal_traction: wave.csv\nnumerics:").replace("1/64", "1/2")
-VALUES = "a finite number, the same at every node, or the name of a .npy or .csv file with one value for each node"
+VALUES = "a number up to 1e30 in size, for every node, or the name of a .npy or .csv file with one value for each node"
 BEFORE = "bad.yaml:4:22: scene.boundary.normal_traction: given "
 LOADS = {
     "nothing prescribed": (
@@ -40,7 +40,8 @@ LOADS = {
     "text in a file": (("pull.csv", "words.csv"), f"{BEFORE}words.csv (could not convert string 'one' to float64"),
     "infinity in a file": (
         ("pull.csv", "endless.csv"),
-        f"{BEFORE}endless.csv (inf at index 3); allowed: finite numbers, and not-a-number where nothing is prescribed",
+        f"{BEFORE}endless.csv (inf at index 3); allowed: finite numbers of at most 1e+30, and not-a-number "
+        "where nothing is prescribed",
     ),
     "nothing in a file": (
         ("pull.csv", "nothing.csv"),

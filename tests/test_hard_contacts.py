@@ -161,7 +161,7 @@ def test_from_a_single_node_to_full_contact(tmp_path, shape):
 
 
 @pytest.mark.parametrize("nx", [100, 256, 257])
-@pytest.mark.parametrize("height", [0.0, 0.1, 1 / 3, 1e-300, 1e300])
+@pytest.mark.parametrize("height", [0.0, 0.1, 1 / 3, 1e-300, 1e30])
 def test_flat_on_flat_is_refused_whatever_rounding_makes_of_it(tmp_path, nx, height):
     """The transform of 257 equal heights is not zero but for its mean; it used to be taken for roughness."""
     np.save(tmp_path / "profile.npy", np.full(nx, height))
@@ -175,7 +175,7 @@ def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
     scene = scene_file(roughness={"method": "measured", "file": str(tmp_path / "profile.npy")})
     del scene["discretisation"]
     kappas = []
-    for offset, scale in ((0.0, 1.0), (1e4, 1.0), (0.0, 1e-250), (0.0, 1e250)):
+    for offset, scale in ((0.0, 1.0), (1e4, 1.0), (0.0, 1e-25), (0.0, 1e25)):
         np.save(tmp_path / "profile.npy", scale * (WAVE + offset))
         kappas.append(float(gfmd_numba.solve(scene)["kappa"]))
     np.testing.assert_allclose(kappas, kappas[0], rtol=1e-9)
@@ -184,7 +184,7 @@ def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
         gfmd_numba.solve(scene)
 
 
-@pytest.mark.parametrize("displacement", [0.002, 0.01, 1.0, 1e10, 1e300])
+@pytest.mark.parametrize("displacement", [0.002, 0.01, 1.0, 1e10, 1e30])
 def test_an_incompressible_body_needs_room(displacement):
     """Pushed further than volume is left below the punch, it was said to be in full contact under any pressure."""
     body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
@@ -208,7 +208,7 @@ def test_a_member_without_room_does_not_take_the_others_along():
 
 
 @pytest.mark.parametrize("nu", [-0.99, 0.0, 0.499999, 0.5])
-@pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e4, 1e300])
+@pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e4, 1e30])
 def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
     """The height of a very tall slab used to overflow where its effect was bounded."""
     for pressure in (0.05, 100.0):
@@ -222,7 +222,7 @@ def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
 
 def test_a_slab_without_a_height_is_refused():
     """Stiffnesses beyond the range of numbers used to be left out: full contact, and certified."""
-    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: at least 1e-12"):
+    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: from 1e-12 to 1e30"):
         gfmd_numba.solve(scene_file(body={"poissons_ratio": 0.5, "aspect_ratio": 1e-300}))
 
 

@@ -196,7 +196,7 @@ path: []
         (
             "path: []",
             "path: [{reduced_pressure: -0.1}]",
-            "9:27: path[0].reduced_pressure: given -0.1; allowed: a finite number above 0",
+            "9:27: path[0].reduced_pressure: given -0.1; allowed: a number from 1e-30 to 1e+30",
         ),
         (
             "{reduced_pressure: 0.05}",

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document
-from gfmd_numba.scene.quantities import RECORD, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Size, broken_rule
 from gfmd_numba.scene.records import Body, Measured, Numerics, Scene
 from gfmd_numba.scene.scene_file import load_scene, located_boundary, scene_document
 from gfmd_numba.scene.validation import validate
@@ -22,7 +22,7 @@ class LoadedBody(BaseModel):
     model_config = RECORD
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
-    length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+    length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
 
 
 class BoundaryFile(BaseModel):

@@ -1,18 +1,17 @@
 """Records of prescribed tractions and displacements, on a surface without a punch or beside one."""
 
-from math import inf
 from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, broken_rule
+from gfmd_numba.scene.quantities import LARGEST, RECORD, broken_rule
 
 COMPONENTS = ("normal", "tangential")
-VALUES = "a finite number, the same at every node, or the name of a .npy or .csv file with one value for each node"
+VALUES = "a number up to 1e30 in size, for every node, or the name of a .npy or .csv file with one value for each node"
 
 
 def _values(given: Any) -> float | str:
-    if type(given) in (int, float) and -inf < given < inf:
+    if type(given) in (int, float) and -LARGEST <= given <= LARGEST:
         return float(given)
     if isinstance(given, str) and given.endswith((".npy", ".csv")):
         return given

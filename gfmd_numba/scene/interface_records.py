@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Signed, Size, broken_rule
 
 
 class HardWall(BaseModel):
@@ -17,10 +17,10 @@ class Exponential(BaseModel):
     """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
 
     model_config = RECORD
-    work_of_adhesion: float = Field(
+    work_of_adhesion: Signed = Field(
         description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
     )
-    range: float = Field(gt=0, description="Interaction range, in m if the scene has a length, else in L_x")
+    range: Size = Field(description="Interaction range, in m if the scene has a length, else in L_x")
 
     @model_validator(mode="after")
     def _acts(self) -> Self:
@@ -33,11 +33,11 @@ class Cohesive(BaseModel):
     """Xu and Needleman's cohesive law of gap and slip together."""
 
     model_config = RECORD
-    work_of_adhesion: float = Field(gt=0, description="Energy per area in J/m^2 (E* L_x without moduli and length)")
-    normal_length: float = Field(
-        gt=0, description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
+    work_of_adhesion: Size = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    normal_length: Size = Field(
+        description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
     )
-    tangential_length: float = Field(gt=0, description="Slip over which it shears off, in m or L_x likewise")
+    tangential_length: Size = Field(description="Slip over which it shears off, in m or L_x likewise")
 
 
 class Friction(BaseModel):

@@ -1,12 +1,23 @@
 """What all records share: their configuration, the quantities that return and the error of a broken rule."""
 
+from math import inf
 from typing import Annotated
 
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-SMALLEST, LARGEST = 1e-30, 1e30  # of what a user gives: squares and products of all of it stay numbers
 RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, ser_json_inf_nan="constants")
+
+SMALLEST, LARGEST = 1e-30, 1e30  # whatever a user gives: all products of a scene, and their squares, stay finite
+Size = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
+Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+
+
+def _aspect_ratio(given: float) -> float:
+    if LARGEST < given < inf:
+        raise ValueError("neither that of a slab nor of a half-space")
+    return given
+
 
 PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]
 AspectRatio = Annotated[
@@ -15,17 +26,18 @@ AspectRatio = Annotated[
         ge=1e-12,  # far below, stiffnesses grow beyond the range of numbers
         allow_inf_nan=True,
         description="Thickness over period, z_m/L_x (dimensionless); inf: a half-space",
-        json_schema_extra={"allowed": "at least 1e-12, or .inf for a half-space"},
+        json_schema_extra={"allowed": "from 1e-12 to 1e30, or .inf for a half-space"},
     ),
+    AfterValidator(_aspect_ratio),
 ]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
-RmsGradient = Annotated[float, Field(gt=0, description="Root-mean-square gradient (dimensionless)")]
+RmsGradient = Annotated[Size, Field(description="Root-mean-square gradient (dimensionless)")]
 REDUCED_PRESSURE = (
     "Mean pressure p/(g E*) (dimensionless), g the rms gradient asked for; that of measured heights is their own, "
     "and independent surfaces add up in squares"
 )
-ReducedPressure = Annotated[float, Field(gt=0, description=REDUCED_PRESSURE)]
+ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
 EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]

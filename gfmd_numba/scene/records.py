@@ -23,6 +23,8 @@ from gfmd_numba.scene.quantities import (
     ReducedPressure,
     RmsGradient,
     Seed,
+    Signed,
+    Size,
     broken_rule,
 )
 
@@ -54,14 +56,11 @@ class Body(BaseModel):
     """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
 
     model_config = RECORD
-    youngs_modulus: float | None = Field(
-        None, gt=0, description="Young's modulus in Pa; None: stresses are in units of E*"
-    )
+    youngs_modulus: Size | None = Field(None, description="Young's modulus in Pa; None: stresses are in units of E*")
     poissons_ratio: PoissonsRatio
     aspect_ratio: AspectRatio = inf
-    stiffness_scale: float = Field(
+    stiffness_scale: Size = Field(
         1.0,
-        gt=0,
         description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
     )
     state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
@@ -81,7 +80,7 @@ class Loading(BaseModel):
 
     model_config = RECORD
     reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
-    displacement: float | None = Field(
+    displacement: Signed | None = Field(
         None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
     )
 
@@ -102,7 +101,7 @@ class Scene(BaseModel):
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
-    length: float | None = Field(None, gt=0, description="Period L_x in m; None: lengths are in units of L_x")
+    length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
     dimension: Literal[1, 2] = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
 
     @property
@@ -294,10 +293,10 @@ class Step(BaseModel):
 
     model_config = RECORD
     reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
-    displacement: float | None = Field(
+    displacement: Signed | None = Field(
         None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
     )
-    sliding: float | None = Field(
+    sliding: Signed | None = Field(
         None, description="Tangential displacement of the punch since first touch, in m or L_x likewise"
     )
 

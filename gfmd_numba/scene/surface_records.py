@@ -4,10 +4,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, Hurst, RmsGradient, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Hurst, RmsGradient, Seed, Size, broken_rule
 
-PositiveHurst = Annotated[float, Field(gt=0, le=1, description="Hurst exponent (dimensionless)")]
-Length = Annotated[float, Field(gt=0, description="Length in m, or in L_x without a length")]
+PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
+Length = Annotated[Size, Field(description="Length in m, or in L_x without a length")]
 
 
 class SelfAffineModel(BaseModel):
@@ -95,7 +95,7 @@ class _Scaled(BaseModel):
     """Random surface with either an rms height (m or L_x) or an rms gradient."""
 
     model_config = RECORD
-    rms_height: float | None = Field(None, gt=0, description="Rms height in m, or in L_x without a length")
+    rms_height: Size | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = None
 
     @model_validator(mode="after")
@@ -180,11 +180,13 @@ class SurfaceFile(BaseModel):
 
     model_config = RECORD
     surface: Texture
-    length: float | None = Field(
-        None, gt=0, description="Period L_x in m, of a measured field its size along x; None: lengths are in L_x"
+    length: Size | None = Field(
+        None, description="Period L_x in m, of a measured field its size along x; None: lengths are in L_x"
     )
     dimension: Literal[1, 2] | None = Field(None, description="1: a profile, 2: a map; a measured field has its own")
-    points: int | None = Field(None, ge=4, description="Grid points over L_x; None: those of a measured field")
+    points: int | None = Field(
+        None, ge=4, le=2**40, description="Grid points over L_x; None: those of a measured field"
+    )
     seed: Seed = 0
     realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
     hurst_range: HurstRange | None = Field(None, description="Where the Hurst exponent is fitted; None: nowhere")

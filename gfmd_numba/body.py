@@ -114,6 +114,8 @@ def _one(body: Body, length: float, order: int, contact: xr.Dataset, z: Reals, n
     failed = int(contact["status"]) != 0
     for field, (variable, kind, long_name) in _NAMES.items():
         scaled = np.full_like(values.u1, np.nan) if failed else getattr(values, field) * scale[kind]
+        if not failed and not np.isfinite(scaled).all():
+            raise InputError("contact: given one whose fields are not finite; allowed: what gfmd_numba.solve returns")
         dataset[variable] = (("z", "x"), scaled, {"long_name": long_name, "units": unit[kind]})
     stresses = (dataset[f"stress_{i}"].values for i in (1, 2, 3, 5))
     attributes = {"long_name": "von Mises's equivalent stress", "units": unit["stress"]}

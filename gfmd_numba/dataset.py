@@ -9,6 +9,7 @@ import xarray as xr
 
 from gfmd_numba.contact import Contact
 from gfmd_numba.dynamics import Status
+from gfmd_numba.dynamics.finiteness import finite_status
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.observables import MEASURES, gap, measure
 from gfmd_numba.problem import Effect, Problem, contact_modulus
@@ -118,8 +119,15 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
+    refuse_nonfinite(dataset)
     dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"}
     return dataset
+
+
+def refuse_nonfinite(dataset: xr.Dataset) -> None:
+    """Change a status that is ok where a result of one run, in its units, is not finite."""
+    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
+    dataset["status"].values = finite_status(results)
 
 
 def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
@@ -142,6 +150,7 @@ def campaign_dataset(
 ) -> xr.Dataset:
     """Dataset `(case, realisation)` of the measures of every case, already in file units."""
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, **attributes})
+    values = [case | {"status": finite_status(case)} for case in values]
     for m in MEASURES:
         stacked = np.stack([case[m.name] for case in values])
         dataset[m.name] = (

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.boundary import balanced, read_boundary
-from gfmd_numba.dataset import CONVENTIONS, measure_attributes, scales, units
+from gfmd_numba.dataset import CONVENTIONS, measure_attributes, refuse_nonfinite, scales, units
 from gfmd_numba.dynamics.prescribed import Deformed, deform
 from gfmd_numba.elasticity import surface
 from gfmd_numba.elasticity.surface import CoupledStiffness
@@ -87,5 +87,6 @@ def _dataset(scene: LoadedBody, deformed: Deformed) -> xr.Dataset:
         ("wall_time", "time spent in the solver", "s", deformed.wall_time),
     ):
         dataset[name] = ((), value, measure_attributes(name, kind, long_name))
+    refuse_nonfinite(dataset)
     dataset.attrs = {"Conventions": CONVENTIONS, "title": "loaded body"}
     return dataset

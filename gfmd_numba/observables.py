@@ -22,6 +22,7 @@ from gfmd_numba.contact_area import (
 )
 from gfmd_numba.contact_edges import EDGE_BIAS, perimeter_bias
 from gfmd_numba.dynamics import Status
+from gfmd_numba.dynamics.finiteness import finite_status
 from gfmd_numba.roughness import statistics
 
 Reals = npt.NDArray[np.float64]
@@ -239,10 +240,14 @@ MEASURES = (
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All measures of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
-    failed = contact.equilibrium.status != Status.ok
-    values = {}
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for m in MEASURES:
-            value = m.function(contact)
-            values[m.name] = np.where(failed, np.nan, value) if m.of == "contact" else value
-    return values
+    found = contact.equilibrium
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        values = {m.name: m.function(contact) for m in MEASURES}
+    fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}
+    if found.tangential is not None:
+        fields |= {"traction": found.tangential.traction, "sideways": found.tangential.displacement}
+    status = finite_status(values | fields)
+    for m in MEASURES:
+        if m.of == "contact":
+            values[m.name] = np.where(status != Status.ok, np.nan, values[m.name])
+    return values | {"status": status}

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba import grid, problem
-from gfmd_numba.dataset import contact_dataset, units
+from gfmd_numba.dataset import contact_dataset, refuse_nonfinite, units
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.fields import Elastic
 from gfmd_numba.problem import Problem, Profile, contact_modulus, effective_modulus
@@ -132,6 +132,7 @@ def dataset(scene: Scene, reduced: Problem, given: Surfaces, pressed: Pressed) -
             found[variable] = ("x", values * scale, {"long_name": long_name, "units": unit[kind]})
     attributes = {"long_name": "expected error of displacements, what the next order adds", "units": unit["height"]}
     found["expected_error"] = ((), pressed.expected_error * length, attributes)
+    refuse_nonfinite(found)
     return found
 
 

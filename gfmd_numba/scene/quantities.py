@@ -1,9 +1,9 @@
 """What all records share: their configuration, the quantities that return and the error of a broken rule."""
 
 from math import inf
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, ser_json_inf_nan="constants")
@@ -19,6 +19,12 @@ def _aspect_ratio(given: float) -> float:
     return given
 
 
+def _dimension(given: object) -> object:
+    if isinstance(given, bool):  # which equals 1
+        raise ValueError("no number")
+    return given
+
+
 PoissonsRatio = Annotated[float, Field(gt=-1, le=0.5, description="Poisson's ratio (dimensionless)")]
 AspectRatio = Annotated[
     float,
@@ -30,6 +36,7 @@ AspectRatio = Annotated[
     ),
     AfterValidator(_aspect_ratio),
 ]
+Dimension = Annotated[Literal[1, 2], BeforeValidator(_dimension)]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[Size, Field(description="Root-mean-square gradient (dimensionless)")]

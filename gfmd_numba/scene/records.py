@@ -15,6 +15,7 @@ from gfmd_numba.scene.quantities import (
     REDUCED_PRESSURE,
     Anisotropy,
     AspectRatio,
+    Dimension,
     EpsC,
     EpsF,
     EpsT,
@@ -102,7 +103,7 @@ class Scene(BaseModel):
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
     length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
-    dimension: Literal[1, 2] = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
+    dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
 
     @property
     def deformable(self) -> tuple[Body, ...]:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, Hurst, RmsGradient, Seed, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Dimension, Hurst, RmsGradient, Seed, Size, broken_rule
 
 PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
 Length = Annotated[Size, Field(description="Length in m, or in L_x without a length")]
@@ -183,7 +183,7 @@ class SurfaceFile(BaseModel):
     length: Size | None = Field(
         None, description="Period L_x in m, of a measured field its size along x; None: lengths are in L_x"
     )
-    dimension: Literal[1, 2] | None = Field(None, description="1: a profile, 2: a map; a measured field has its own")
+    dimension: Dimension | None = Field(None, description="1: a profile, 2: a map; a measured field has its own")
     points: int | None = Field(
         None, ge=4, le=2**40, description="Grid points over L_x; None: those of a measured field"
     )

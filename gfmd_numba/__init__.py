@@ -35,6 +35,7 @@ def body_fields(contact: xr.Dataset, z: ArrayLike | None = None, body: str = "bo
     """
     from gfmd_numba.body import body_fields as fields_of
 
+    _check_dataset("contact", contact, "solve")
     return fields_of(contact, z, body)
 
 
@@ -59,8 +60,13 @@ def run(path: str | Path, output: str | Path | None = None, workers: int = 0) ->
 
 def open_campaign(path: str | Path) -> xr.Dataset:
     """Results of a campaign, from its netCDF file or its output directory; raises InputError."""
-    from gfmd_numba.campaign.results import read_results
+    import os
 
+    from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.scene.document import InputError, brief
+
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path: given {brief(path)}; allowed: a netCDF file, or the output directory of a campaign")
     return read_results(Path(path))
 
 
@@ -68,6 +74,7 @@ def fit_tfc(dataset: xr.Dataset, **options: Any) -> xr.Dataset:
     """Fit kappa to its thermodynamic-fractal-continuum limit; options as in `gfmd_numba.analysis.fit_tfc`."""
     from gfmd_numba.analysis import fit_tfc as fit
 
+    _check_dataset("dataset", dataset, "open_campaign")
     return fit(dataset, **options)
 
 
@@ -75,4 +82,15 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory."""
     from gfmd_numba.analysis import contact_statistics as statistics
 
+    _check_dataset("dataset", dataset, "solve")
     return statistics(dataset)
+
+
+def _check_dataset(name: str, given: object, maker: str) -> None:
+    """Raise InputError, by the argument's name, unless a dataset is given."""
+    import xarray as xr
+
+    from gfmd_numba.scene.document import InputError, brief
+
+    if not isinstance(given, xr.Dataset):
+        raise InputError(f"{name}: given {brief(given)}; allowed: an xarray.Dataset, as gfmd_numba.{maker} returns")

@@ -1,6 +1,7 @@
 """Fields inside the body under a solved contact, as a dataset."""
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +12,11 @@ from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.fields import Elastic
 from gfmd_numba.problem import effective_modulus
 from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene.document import brief
 
 Reals = npt.NDArray[np.float64]
+
+Record = TypeVar("Record", BoundaryFile, SceneFile)
 
 _LEVELS = 101
 _NAMES = {
@@ -42,9 +46,7 @@ def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None, body: str =
     asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
     assert asked is not None  # _described's promise
     length = scene.length or 1.0
-    heights = (
-        _levels(asked, length) if z is None else _checked(asked, length, np.atleast_1d(np.asarray(z, dtype=float)))
-    )
+    heights = _levels(asked, length) if z is None else _checked(asked, length, _numbers(z))
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     steps = [_one(asked, length, order, whole.isel(step=i), heights, body) for i in range(whole.sizes["step"])]
     if "step" not in contact.dims:
@@ -59,10 +61,10 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
     if "scene" not in contact.attrs or not ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found):
         raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
     if "normal_traction" in contact:
-        scene: Scene | LoadedBody = BoundaryFile.model_validate_json(contact.attrs["scene"]).scene
+        scene: Scene | LoadedBody = _recorded(BoundaryFile, contact).scene
         names, order = ["body"], 0
     else:
-        file = SceneFile.model_validate_json(contact.attrs["scene"])
+        file = _recorded(SceneFile, contact)
         if file.scene.boundary is not None:
             raise InputError("contact: given one with a boundary; allowed: a contact without, or a loaded body")
         if file.scene.dimension == 2:
@@ -74,9 +76,26 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
     return scene, order
 
 
+def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
+    """Scene file that a dataset was solved from; raises InputError if its attribute is no such thing any more."""
+    try:
+        return record.model_validate_json(contact.attrs["scene"])
+    except ValueError:
+        raise InputError(
+            "contact: given one whose scene is unreadable; allowed: what gfmd_numba.solve returns"
+        ) from None
+
+
 def _levels(body: Body, length: float) -> Reals:
     lowest = 1.0 if np.isinf(body.aspect_ratio) else body.aspect_ratio
     return 0.0 - lowest * length * np.linspace(0.0, 1.0, _LEVELS) ** 2
+
+
+def _numbers(z: npt.ArrayLike) -> Reals:
+    try:
+        return np.atleast_1d(np.asarray(z, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(f"z: given {brief(z)}; allowed: a number, or one row of numbers") from None
 
 
 def _checked(body: Body, length: float, z: Reals) -> Reals:

@@ -62,7 +62,11 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     lacking = {*GROUP, *LIMITS, "case_id", "is_reference"} - {"anisotropy"} - set(map(str, dataset.variables))
     if not {"case", "realisation"} <= set(dataset.dims) or lacking:
         raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
-    if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
+    if (
+        not isinstance(variable, str)
+        or variable not in dataset
+        or set(dataset[variable].dims) != {"case", "realisation"}
+    ):
         present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
         raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
     mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()

@@ -59,6 +59,10 @@ def fit_tfc(
     """
     if exponents not in ("shared", "free"):
         raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
+    if not isinstance(fixed, Mapping | None):
+        raise ValueError(f"fixed is a mapping like {{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}}, not {fixed!r}")
+    if type(bootstrap) is not int or bootstrap < 0 or type(seed) is not int or seed < 0:
+        raise ValueError(f"bootstrap and seed are whole numbers of at least 0, not {bootstrap!r} and {seed!r}")
     ranges = {limit: exponent_range(limit, value) for limit, value in (fixed or {}).items()}
     members = collect(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gfmd_numba.scene.boundary_records import Boundary
-from gfmd_numba.scene.document import Document, Location, read_document
+from gfmd_numba.scene.document import Document, InputError, Location, brief, read_document
 from gfmd_numba.scene.records import Body, Discretisation, Measured, Roughness, Scene, SceneFile
 from gfmd_numba.scene.validation import nearest, validate
 
@@ -127,7 +127,16 @@ def scene_document(source: str | Path | Mapping[str, Any] | SceneFile) -> Docume
     """Document behind a scene, for messages that say where its values stand; raises InputError."""
     if isinstance(source, SceneFile):
         return Document(None, "", source.model_dump())
-    return _nested(Document(None, "", dict(source)) if isinstance(source, Mapping) else read_document(source))
+    return _nested(document_of(source, "scene"))
+
+
+def document_of(source: object, name: str) -> Document:
+    """Document of a YAML file or a mapping; raises InputError, by the argument's name, for anything else."""
+    if isinstance(source, Mapping):
+        return Document(None, "", dict(source))
+    if isinstance(source, str | os.PathLike):
+        return read_document(Path(source))
+    raise InputError(f"{name}: given {brief(source)}; allowed: the path of a YAML file, or a mapping of its content")
 
 
 def _nested(document: Document) -> Document:

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from gfmd_numba.scene.document import Document, read_document
-from gfmd_numba.scene.scene_file import existing_file
+from gfmd_numba.scene.document import Document
+from gfmd_numba.scene.scene_file import document_of, existing_file
 from gfmd_numba.scene.surface_records import MeasuredField, SurfaceFile
 from gfmd_numba.scene.validation import validate
 
@@ -14,7 +14,7 @@ _ARRAYS = 16  # of the surface's size, that making it and its statistics may tak
 
 def load_surface(source: str | Path | Mapping[str, Any]) -> tuple[SurfaceFile, Document]:
     """Checked surface of a YAML file or mapping, and the document itself; raises InputError."""
-    document = Document(None, "", dict(source)) if isinstance(source, Mapping) else read_document(source)
+    document = document_of(source, "source")
     file = validate(document, SurfaceFile)
     if file.points is not None:
         _check_memory(document, file.points ** (file.dimension or 1))

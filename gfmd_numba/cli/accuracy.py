@@ -64,7 +64,7 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
 
 def _show_study(study: str, points: list[Point]) -> None:
     """Print what one setting costs, and how far off kappa is."""
-    settings = {"": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
+    settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
     found = {
         "relative error": [f"{point.error:.2g}" for point in points],
         "processor time": [duration(point.seconds) for point in points],

@@ -50,7 +50,8 @@ def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bars:
+    console, hidden = Console(stderr=True), not sys.stderr.isatty()
+    with Progress(*columns, console=console, disable=hidden, redirect_stdout=False) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
             bar = bars.add_task(_state(done, total), total=total, completed=done)
@@ -68,6 +69,8 @@ def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
             return advance
 
         yield watch
+        for task in bars.tasks:
+            bars.update(task.id, description="blocks")
 
 
 def _state(finished: int, total: int) -> str:

@@ -45,9 +45,17 @@ print(ours.pyfftw is pyfftw)"""
     assert python(script) == "True\n"
 
 
-def test_solve_loads_neither_pictures_nor_statistics(tmp_path):
+def test_solve_loads_no_cluster_no_pictures_and_no_statistics(tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE)
-    names = ("matplotlib", "pyfftw.interfaces", "rich", "scipy.interpolate", "scipy.optimize", "scipy.stats")
+    names = (
+        "distributed",
+        "matplotlib",
+        "pyfftw.interfaces",
+        "rich",
+        "scipy.interpolate",
+        "scipy.optimize",
+        "scipy.stats",
+    )
     script = (
         "import sys; from gfmd_numba.cli import main\n"
         "try: main(sys.argv[1:])\n"

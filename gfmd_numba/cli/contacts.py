@@ -30,13 +30,14 @@ def solve(file: Path, output: Path) -> None:
     with without_collections():
         import gfmd_numba
         import gfmd_numba.single
+        from gfmd_numba.netcdf import netcdf
         from gfmd_numba.scene import input_files
 
     check_output(output, file, *input_files(file))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = gfmd_numba.solve(file)
-    dataset.to_netcdf(output, engine="netcdf4")
+    output.write_bytes(netcdf(dataset))
     click.echo(f"results  {printable(output)}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     shown = [name for name in _SHOWN if name in dataset]  # a loaded body has but the last

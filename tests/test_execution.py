@@ -37,6 +37,8 @@ class Poison:
     def hurst(self):
         if self.kind == "segfault":
             os.kill(os.getpid(), signal.SIGSEGV)
+        if self.kind == "freeze":
+            os.kill(os.getpid(), signal.SIGSTOP)
         if self.kind == "endless":
             re.match("(a|aa)+$", "a" * 100 + "b")  # like a compiled kernel, it does not let go of the interpreter
         raise ZeroDivisionError("poison")
@@ -137,7 +139,7 @@ def test_a_lost_scheduler_is_told(tmp_path, sound):
 def test_a_scheduler_that_is_refused(tmp_path, address, allowed):
     with (
         pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
-        connected(0, address, False, tmp_path),
+        connected(address, False, tmp_path, None),
     ):
         pass
 
@@ -147,7 +149,7 @@ def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
         address = cluster.scheduler_address
         monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
         with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):  # noqa: SIM117
-            with connected(0, address, False, tmp_path):
+            with connected(address, False, tmp_path, None):
                 pass
 
 

@@ -1,54 +1,31 @@
-"""The dask workers of a run: local processes, or an existing cluster that has to be fit for it."""
+"""An existing dask cluster, which has to be fit for a run."""
 
 import os
-import signal
-import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
-from multiprocessing import resource_tracker
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 from uuid import uuid4
 
 from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.scene import InputError
 
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+_HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
 
 
 @contextmanager
-def connected(count: int, address: str | None, insecure: bool, directory: Path) -> Iterator[Any]:
-    """Client of `count` local workers, or of the scheduler at an address; raises InputError."""
-    if address is None:
-        with _local(count) as client:
-            yield client
-        return
+def connected(address: str, insecure: bool, directory: Path, timeout: float | None) -> Iterator[Any]:
+    """Client of the scheduler at an address, whose workers are fit for a run; raises InputError.
+
+    Workers that freeze are replaced if blocks have a `timeout` in s; if not, by the scheduler's `worker-ttl`.
+    """
     with _existing(address, insecure) as client:
         _check_workers(client, directory)
-        yield client
-
-
-@contextmanager
-def _local(count: int) -> Iterator[Any]:
-    import dask
-    from distributed import Client, LocalCluster
-
-    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),  # who died with its worker is told at once
-        _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",  # any free port: None means 8787, which another run may hold
-            silence_logs="CRITICAL",
-        ) as cluster,
-        Client(cluster) as client,
-        _interrupts(True),
-    ):
-        yield client
+        with _frozen_replaced(client, timeout):
+            yield client
 
 
 @contextmanager
@@ -106,15 +83,32 @@ def _check_workers(client: Any, directory: Path) -> None:
 
 
 @contextmanager
-def _interrupts(allowed: bool) -> Iterator[None]:
-    """Let Ctrl-C interrupt this thread, or make it wait; threads and processes begun inside inherit that."""
-    if sys.platform == "win32":
+def _frozen_replaced(client: Any, timeout: float | None) -> Iterator[None]:
+    """Restart workers whose heart stops for longer than compiled code may hold it up."""
+    if timeout is None:
         yield
         return
-    resource_tracker.ensure_running()  # multiprocessing starts it on demand, and would let Ctrl-C through after that
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    over = Event()
+
+    def watch() -> None:
+        heard: dict[str, tuple[float, float]] = {}  # when the scheduler last heard of it, and when that was news here
+        while not over.wait(1.0):
+            try:
+                workers = client.scheduler_info(n_workers=-1)["workers"]
+                now = time.monotonic()
+                for name, worker in workers.items():
+                    if heard.get(name, (None,))[0] != worker["last_seen"]:
+                        heard[name] = worker["last_seen"], now
+                silent = [name for name in workers if now - heard[name][1] > timeout + _HEARTBEATS]
+                if silent:
+                    client.restart_workers(silent, raise_for_error=False)
+            except (OSError, ValueError, RuntimeError):  # the scheduler is lost, as the run itself will notice
+                return
+
+    thread = Thread(target=watch, daemon=True)
+    thread.start()
     try:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK if allowed else signal.SIG_BLOCK, {signal.SIGINT})
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        over.set()
+        thread.join()

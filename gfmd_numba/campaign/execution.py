@@ -1,8 +1,11 @@
-"""Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
+"""Solving a campaign's blocks, here, in other processes or on a cluster; a finished shard is the only proof of work."""
 
+import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
+from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -13,6 +16,7 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import connected
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.processes import Lost, answers
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
@@ -23,11 +27,14 @@ SECONDS = "seconds"  # what a block took, stored beside its measures
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]
 Finished = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
+Attempt = Callable[[list[Task], bool], Generator[tuple[Task, Failures | Lost]]]  # tasks, one at a time if True
+
+_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @dataclass(frozen=True)
 class Workers:
-    """Who does the work: `count` local dask processes (0: this one), or those of a dask scheduler at `address`.
+    """Who does the work: `count` local processes (0: this one), or those of a dask scheduler at `address`.
 
     An address beyond this machine without TLS has to be allowed as `insecure`.
     """
@@ -75,19 +82,22 @@ def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
 def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Finished) -> None:
     """Perform tasks until all are done or `finished` says to stop.
 
-    Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
-    then is kept.
+    Raises OSError where shards cannot be written or no process starts, ConnectionError when the scheduler is lost;
+    whatever was finished then is kept.
     """
     (directory / "shards").mkdir(exist_ok=True)
     if not tasks:
         return
-    if workers.count == 0 and workers.address is None:
+    if workers.address is not None:
+        with connected(workers.address, workers.insecure, directory, timeout) as client:
+            _twice(partial(_on_cluster, client, directory.resolve(), timeout), tasks, directory, timeout, finished)
+    elif workers.count == 0:
         for task in tasks:
             if not finished(len(task), perform(task, directory, timeout, mortal=False)):
                 return
-        return
-    with connected(workers.count, workers.address, workers.insecure, directory) as client:
-        _Submission(client, directory.resolve(), timeout, finished).all(tasks)
+    else:
+        single: list[Task] = [(block,) for task in tasks for block in task]
+        _twice(partial(_in_processes, workers.count, directory, timeout), single, directory, timeout, finished)
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:
@@ -100,71 +110,67 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         measure(solve(replace(tiny, numerics=problem.numerics.model_copy(update={"max_iterations": 100})), range(1)))
 
 
-@dataclass(frozen=True)
-class _Submission:
-    """Tasks on the workers of a dask client."""
+def _twice(attempt: Attempt, tasks: list[Task], directory: Path, timeout: float | None, finished: Finished) -> None:
+    """Perform tasks, and the blocks of those that lost their worker once more, alone.
 
-    client: Any
-    directory: Path
-    timeout: float | None
-    finished: Finished
-
-    def all(self, tasks: list[Task]) -> None:
-        """Perform tasks, a few in flight; the blocks of those that took a worker with them then once more, alone.
-
-        A worker that dies takes innocent tasks with it: only who dies alone is to blame.
-        """
-        in_flight = 2 * max(1, len(self.client.scheduler_info()["workers"]))
-        suspects: list[Block] = []
-        for task, failures in self._results(tasks, "perform", in_flight):
-            if failures is None:
-                suspects += unfinished(task, self.directory)
-                failures = {}
-                ended = len(task) - len(unfinished(task, self.directory))
-            else:
-                ended = len(task)
-            if not self.finished(ended, failures):
-                return
-        alone: list[Task] = []
-        for block in suspects:
-            if expired(_trace(self.directory, block.name)):
-                if not self.finished(1, {block.name: _too_long(self.timeout)}):
+    A worker that is lost takes innocent blocks with it: only what loses its worker alone is to blame, or what was late.
+    """
+    for alone in (False, True):
+        suspects: list[Task] = []
+        with closing(attempt(tasks, alone)) as outcomes:
+            for task, outcome in outcomes:
+                again: list[Block] = []
+                if isinstance(outcome, Lost):
+                    left = unfinished(task, directory)
+                    late = [b for b in left if expired(_trace(directory, b.name)) or outcome is Lost.late]
+                    again = [block for block in left if block not in late and not alone]
+                    lost = Failure("crashed", f"its worker {outcome.value}, also with nothing else at work")
+                    failures = {
+                        block.name: _too_long(timeout) if block in late else lost
+                        for block in left
+                        if block not in again
+                    }
+                else:
+                    failures = outcome
+                if not finished(len(task) - len(again), failures):
                     return
-            else:
-                alone.append((block,))
-        for task, failures in self._results(alone, "alone", 1):
-            if failures is None:
-                late = expired(_trace(self.directory, task[0].name))
-                died = Failure("crashed", "its worker died, also with nothing else at work")
-                failures = {task[0].name: _too_long(self.timeout) if late else died}
-            if not self.finished(1, failures):
-                return
+                suspects += [(block,) for block in again]
+        tasks = suspects
 
-    def _results(self, tasks: list[Task], verb: str, in_flight: int) -> Iterator[tuple[Task, Failures | None]]:
-        """Each task with its failures as it ends, None if it took its worker with it.
 
-        The scheduler remembers a task by `verb` and name: done again it needs another verb.
-        """
-        from distributed import KilledWorker, as_completed
-        from distributed.client import FutureCancelledError
+def _in_processes(
+    count: int, directory: Path, timeout: float | None, tasks: list[Task], alone: bool
+) -> Generator[tuple[Task, Failures | Lost]]:
+    """Each task with its failures as it ends, in local processes of one thread each."""
+    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
+    return answers(partial(perform, directory=directory, timeout=None), tasks, 1 if alone else count, timeout)
 
-        by_key = {f"{verb}-{task[0].name}": task for task in tasks}
-        submissions = (
-            self.client.submit(perform, task, self.directory, self.timeout, key=key, pure=False)
-            for key, task in by_key.items()
-        )
-        futures = as_completed(list(islice(submissions, in_flight)), loop=self.client.loop)
-        for future in futures:
-            failures: Failures | None
-            try:
-                failures = future.result()
-            except KilledWorker:
-                failures = None
-            except FutureCancelledError:
-                raise ConnectionError("the dask scheduler is lost") from None
-            yield by_key[future.key], failures
-            for following in islice(submissions, 1):
-                futures.add(following)
+
+def _on_cluster(
+    client: Any, directory: Path, timeout: float | None, tasks: list[Task], alone: bool
+) -> Generator[tuple[Task, Failures | Lost]]:
+    """Each task with its failures as it ends, a few in flight on a dask cluster; lost if it took workers with it."""
+    from distributed import KilledWorker, as_completed
+    from distributed.client import FutureCancelledError
+
+    in_flight = 1 if alone else 2 * max(1, len(client.nthreads()))
+    verb = "alone" if alone else "perform"  # the scheduler remembers a task by its key: done again it needs another
+    by_key = {f"{verb}-{task[0].name}": task for task in tasks}
+    submissions = (
+        client.submit(perform, task, directory, timeout, key=key, pure=False) for key, task in by_key.items()
+    )
+    futures = as_completed(list(islice(submissions, in_flight)), loop=client.loop)
+    for future in futures:
+        failures: Failures | Lost
+        try:
+            failures = future.result()
+        except KilledWorker:
+            failures = Lost.died
+        except FutureCancelledError:
+            raise ConnectionError("the dask scheduler is lost") from None
+        yield by_key[future.key], failures
+        for following in islice(submissions, 1):
+            futures.add(following)
 
 
 def _trace(directory: Path, name: str) -> Path:

@@ -1,6 +1,7 @@
 """From a campaign to its cases, and from cases to the distinct problems and blocks of work behind them."""
 
-from collections.abc import Iterable, Iterator
+from bisect import bisect
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -13,6 +14,7 @@ from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
+Range = tuple[int, int]  # first realisation, and the one after the last
 _PARTS = {
     "hurst": "roughness",
     "rms_gradient": "roughness",
@@ -81,11 +83,31 @@ def demand(cases: Iterable[Case]) -> dict[str, int]:
     return wanted
 
 
-def blocks(problem: Problem, realisations: int) -> Iterator[Block]:
-    """Blocks that together hold the realisations of one problem."""
+def blocks(problem: Problem, realisations: int, held: Iterable[Range] = ()) -> Iterator[Block]:
+    """Blocks that together hold the realisations of one problem, those of the `held` ranges as they are.
+
+    The last one may hold more than is wanted. A block that becomes held changes no other.
+    """
     size = max(1, _BLOCK_SAMPLES // problem.surface.nodes)
-    for first in range(0, realisations, size):
-        yield Block(problem, first, min(first + size, realisations))
+    stops: dict[int, int] = {}
+    for first, stop in held:
+        if first < stop <= first + size:
+            stops[first] = max(stop, stops.get(first, 0))
+    starts = sorted(stops)
+    first = 0
+    while first < realisations:
+        i = bisect(starts, first)
+        stop = stops.get(first, min(first + size, realisations, *starts[i : i + 1]))
+        yield Block(problem, first, stop)
+        first = stop
+
+
+def split(cases: Iterable[Case], held: Mapping[str, Iterable[Range]]) -> Iterator[Block]:
+    """All blocks of work of some cases, the largest grids first; `held` ranges by identity of their problem."""
+    cases = list(cases)
+    wanted = demand(cases)
+    for problem in distinct(cases):
+        yield from blocks(problem, wanted[problem.identity], held.get(problem.identity, ()))
 
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:

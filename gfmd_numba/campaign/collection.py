@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.campaign import failures, shards
-from gfmd_numba.campaign.cases import Case, blocks
+from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
@@ -20,7 +20,7 @@ from gfmd_numba.campaign.results import seal
 from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
-from gfmd_numba.problem import Problem, self_affine
+from gfmd_numba.problem import self_affine
 
 _RUN = "run.json"
 
@@ -61,7 +61,10 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     campaign = planned.campaign
     wanted = planned.demand
     longest = max(wanted.values())
-    measured = {p.identity: _measured(p, wanted[p.identity], longest, directory) for p in planned.problems}
+    blocks: dict[str, list[Block]] = {}
+    for block in planned.blocks_in(directory):
+        blocks.setdefault(block.problem.identity, []).append(block)
+    measured = {name: _measured(of_it, wanted[name], longest, directory) for name, of_it in blocks.items()}
     text = planned.document.text
     attributes = {
         "title": campaign.name,
@@ -98,16 +101,17 @@ def in_file_units(case: Case, measured: Measures) -> Measures:
     return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
 
 
-def _measured(problem: Problem, realisations: int, longest: int, directory: Path) -> Measures:
-    """Measures of a problem `[longest]` from its shards, dimensionless, and the seconds of each shard."""
+def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path) -> Measures:
+    """Measures of a problem `[longest]` from its blocks, dimensionless, and the seconds of each block."""
     parts = []
-    for block in blocks(problem, realisations):
+    for block in blocks:
         part = shards.read(shard_path(directory, block))
         if part is None:
             failure = failures.of(directory, block.name)
             status = Status.unfinished if failure is None else Status[failure.status]
             part = _nothing(block.stop - block.first, status)
-        parts.append(part)
+        asked = realisations - block.first  # the shard may hold more
+        parts.append({name: values[:asked] for name, values in part.items()})
     if longest > realisations:
         parts.append(_nothing(longest - realisations, Status.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
@@ -124,5 +128,5 @@ def _nothing(count: int, status: Status) -> Measures:
 
 def _failures(planned: Plan, directory: Path) -> list[str]:
     """One line for each block that failed."""
-    found = ((block, failures.of(directory, block.name)) for block in planned.blocks)
+    found = ((block, failures.of(directory, block.name)) for block in planned.blocks_in(directory))
     return [f"{block.name} {failure.status}: {failure.reason}" for block, failure in found if failure is not None]

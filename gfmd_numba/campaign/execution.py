@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gfmd_numba.campaign import shards
-from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cases import Block, Range
 from gfmd_numba.campaign.cluster import connected
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.processes import Lost, answers
@@ -47,6 +47,16 @@ class Workers:
 def shard_path(directory: Path, block: Block) -> Path:
     """Where the shard of a block lies."""
     return directory / "shards" / f"{block.name}.shard"
+
+
+def held(directory: Path) -> dict[str, list[Range]]:
+    """Ranges of realisations that shards in an output directory are named after, by identity of the problem."""
+    ranges: dict[str, list[Range]] = {}
+    for file in (directory / "shards").glob("*.shard"):
+        identity, *numbers = file.stem.rsplit("-", 2)
+        if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
+            ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
+    return ranges
 
 
 def perform(task: Task, directory: Path, timeout: float | None, mortal: bool = True) -> Failures:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import psutil
 
-from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand
+from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
 from gfmd_numba.campaign.cost import Cost, Told, predict
-from gfmd_numba.campaign.execution import Task, compile_kernels
+from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, Problem, self_affine
@@ -35,8 +35,12 @@ class Plan:
 
     @property
     def blocks(self) -> Iterator[Block]:
-        """All blocks of work."""
-        return (block for problem in self.problems for block in blocks(problem, self.demand[problem.identity]))
+        """All blocks of work, as long as nothing is finished."""
+        return split(self.cases, {})
+
+    def blocks_in(self, directory: Path) -> list[Block]:
+        """All blocks of work in an output directory, whose finished shards are taken as they are."""
+        return list(split(self.cases, held(directory)))
 
     @cached_property
     def demand(self) -> dict[str, int]:
@@ -83,8 +87,8 @@ class Plan:
                 reasons[tuple(differing)] += len(group) - 1
         return dict(reasons)
 
-    def only(self, conditions: Mapping[str, str]) -> list[Block]:
-        """Blocks of the cases that meet all conditions, name of a coordinate -> value; raises InputError."""
+    def only(self, conditions: Mapping[str, str]) -> list[Case]:
+        """Cases that meet all conditions, name of a coordinate -> value; raises InputError."""
         columns = coordinates(self.cases)
         chosen = np.ones(len(self.cases), dtype=bool)
         for name, given in conditions.items():
@@ -96,9 +100,7 @@ class Plan:
                 held = ", ".join(map(str, list(dict.fromkeys(columns[name]))[:10]))
                 raise InputError(f"--only: given {name}={given}; allowed: a value of the campaign, like {held}")
             chosen &= met
-        cases = [case for case, wanted in zip(self.cases, chosen, strict=True) if wanted]
-        wanted = demand(cases)
-        return [block for problem in distinct(cases) for block in blocks(problem, wanted[problem.identity])]
+        return [case for case, wanted in zip(self.cases, chosen, strict=True) if wanted]
 
     def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
         """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gfmd_numba.campaign import failures
-from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cases import Block, split
 from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.collection import collect, note
-from gfmd_numba.campaign.execution import Failures, Workers, compile_kernels, execute, unfinished
+from gfmd_numba.campaign.execution import Failures, Workers, compile_kernels, execute, held, unfinished
 from gfmd_numba.campaign.plan import check_memory, plan, tasks
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
@@ -52,11 +52,12 @@ def run(
     something else or another run, StoppedError where the disk or the cluster gives up.
     """
     planned = plan(path)
-    chosen = planned.only(choice.only) if choice.only else list(planned.blocks)
+    cases = planned.only(choice.only) if choice.only else planned.cases
     directory = Path(output if output is not None else planned.campaign.name)
     failed: Failures = {}
     with claimed(directory, planned.campaign.name, planned.document.text):
         try:
+            chosen = list(split(cases, held(directory)))
             todo = _todo(chosen, directory, choice)
             progress = watch(len(chosen), len(chosen) - len(todo)) if watch else lambda blocks: None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,7 +56,10 @@ def run(path: str | Path, output: str | Path | None = None, workers: int = 0) ->
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import run as run_campaign
 
-    return open_campaign(run_campaign(path, output, Workers(workers))[0])
+    results = open_campaign(run_campaign(path, output, Workers(workers))[0])
+    if results.attrs.get("validity"):
+        warnings.warn(results.attrs["validity"], stacklevel=2)
+    return results
 
 
 def open_campaign(path: str | Path) -> xr.Dataset:

@@ -69,7 +69,11 @@ def _heights(problem: Problem, realisations: range) -> Reals:
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
     if problem.interface.couples:
         return _coupled(problem)
-    q = grid.magnitudes(problem.surface.shape)
+    return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))
+
+
+def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
+    """Stiffness of the deformable bodies together at wave numbers q, where no tangential traction acts, in E*/L_x."""
     own = _condensed(problem.body, q)
     if problem.counter is None:
         return own

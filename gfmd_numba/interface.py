@@ -29,6 +29,12 @@ class Interface:
         """Whether tangential tractions act, so that both displacements have to be followed."""
         return self.friction is not None or self.cohesion is not None
 
+    @property
+    def softening(self) -> float:
+        """How fast its law softens at most as the gap opens, the largest -d2(energy)/d(gap)2; 0 without one."""
+        law = self.law or self.cohesion
+        return 0.0 if law is None else law.softening
+
 
 @dataclass(frozen=True)
 class Exponential:
@@ -44,6 +50,11 @@ class Exponential:
     def strength(self) -> float:
         """Traction at zero gap."""
         return self.work / self.length
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2 where no gap is negative, work / length^2 at zero gap; 0 for repulsion."""
+        return max(self.strength / self.length, 0.0)
 
     def energy(self, gap: Reals) -> Reals:
         """Energy per area of the surfaces at a gap."""
@@ -78,6 +89,11 @@ class XuNeedleman:
     work: float
     normal: float
     tangential: float
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2, work / normal^2 exp(-2) at the gap 2 normal without slip."""
+        return self.work / self.normal / self.normal * float(np.exp(-2.0))
 
     def energy(self, gap: Reals, slip: Reals) -> Reals:
         """Energy per area at a gap and a slip of the punch over the body."""

@@ -23,7 +23,7 @@ from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 
 Reals = npt.NDArray[np.float64]
 
-RESULTS_VERSION = 7  # raised whenever a change of the code changes a number: older shards are then not reused
+RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @dataclass(frozen=True)

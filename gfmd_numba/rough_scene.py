@@ -1,6 +1,5 @@
 """Rough deformable bodies from their scene to their dataset."""
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, isinf, prod
@@ -148,12 +147,6 @@ def doubt(given: Surfaces, found: xr.Dataset) -> str:
         f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
         f"displacements are expected to be off by {off} of the largest"
     )
-
-
-def warn(sentence: str) -> None:
-    """Warn the caller of `gfmd_numba.solve` of a doubt, if there is one."""
-    if sentence:
-        warnings.warn(sentence, stacklevel=4)
 
 
 def _heights(roughness: Roughness, file: SceneFile, seed: int, document: Document, location: Place) -> Reals:

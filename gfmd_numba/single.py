@@ -1,5 +1,6 @@
 """One contact from a scene file to a dataset."""
 
+import warnings
 from collections.abc import Iterator, Mapping
 from math import isinf
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba import contact, problem, rough_bodies, rough_scene
+from gfmd_numba import contact, law_resolution, problem, rough_bodies, rough_scene
 from gfmd_numba.boundary import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.dataset import contact_dataset, dropped_effects, load_attributes
 from gfmd_numba.roughness.measured import read_profile
@@ -22,12 +23,7 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
-    rough = rough_scene.surfaces(file, scene_document(source)) if scene.follows_topography else None
-    try:
-        surface, rms_gradient = _surface(file) if rough is None else (rough.profile, rough.rms_gradient)
-    except ValueError as error:
-        raise _unusable_profile(source, scene, error) from None
-    check_range(scene_document(source), scene, surface.nx)
+    rough, surface, rms_gradient = _surfaces(source, file)
     prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None
     for i, (scene, sliding) in enumerate(_path(file)):
@@ -54,10 +50,38 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     dataset.attrs["scene"] = file.model_dump_json()
     dataset.attrs["solver"] = reduced.numerics.solver
     dataset.attrs["dropped_effects"] = dropped_effects(effects)
-    if rough is not None:
-        dataset.attrs["validity"] = rough_scene.doubt(rough, dataset)
-        rough_scene.warn(dataset.attrs["validity"])
+    steep = "" if rough is None else rough_scene.doubt(rough, dataset)
+    doubts = [sentence for sentence in (steep, law_resolution.doubt(reduced, file.discretisation)) if sentence]
+    for sentence in doubts:
+        warnings.warn(sentence, stacklevel=3)
+    dataset.attrs["validity"] = "\n".join(doubts)
     return dataset
+
+
+def doubt(source: str | Path | Mapping[str, Any] | SceneFile) -> str:
+    """What is to be said of the interaction law of a scene before it is solved; nothing without doubt.
+
+    Raises InputError as `solve_scene` does for surfaces that cannot be used.
+    """
+    file = load_scene(source)
+    if not file.scene.interface.reaches_across:
+        return ""
+    _, surface, rms_gradient = _surfaces(source, file)
+    reduced, _ = problem.reduce(file.scene, surface, rms_gradient, file.numerics)
+    return law_resolution.doubt(reduced, file.discretisation)
+
+
+def _surfaces(
+    source: str | Path | Mapping[str, Any] | SceneFile, file: SceneFile
+) -> tuple[rough_scene.Surfaces | None, problem.RandomSurface | problem.Profile, float]:
+    """The rough deformable bodies, if any, the surface of the problem, and the rms gradient g it is in units of."""
+    rough = rough_scene.surfaces(file, scene_document(source)) if file.scene.follows_topography else None
+    try:
+        surface, rms_gradient = _surface(file) if rough is None else (rough.profile, rough.rms_gradient)
+    except ValueError as error:
+        raise _unusable_profile(source, file.scene, error) from None
+    check_range(scene_document(source), file.scene, surface.nx)
+    return rough, surface, rms_gradient
 
 
 def _joined(steps: list[xr.Dataset], path: list[tuple[Scene, float]]) -> xr.Dataset:

@@ -87,7 +87,7 @@ def test_a_short_repulsion_is_a_hard_wall():
 
 def nearly_flat(tmp_path, path, first, **interface):
     """An almost flat punch on a slab: the mean displacement is the only degree of freedom that counts."""
-    n = 32
+    n = 256
     np.save(tmp_path / "flat.npy", 1e-9 * np.cos(2 * np.pi * np.arange(n) / n))
     return gfmd_numba.solve(
         {

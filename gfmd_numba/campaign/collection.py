@@ -74,6 +74,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "fit": campaign.fit.model_dump_json(exclude_none=True),
         **({} if campaign.target is None else {"target": campaign.target}),
         "dropped_effects": dropped_effects(planned.effects),
+        "validity": planned.validity,
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions()),
         "git_commit": git_commit(),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import psutil
 
+from gfmd_numba import law_resolution
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
@@ -61,6 +62,16 @@ class Plan:
     def effects(self) -> tuple[Effect, ...]:
         """What became of the effects of all scenes, each sentence once."""
         return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
+
+    @property
+    def validity(self) -> str:
+        """What is to be said of interaction laws that the grids do not resolve, of the worst case; else nothing."""
+        doubtful = [case for case in self.cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
+        if not doubtful:
+            return ""
+        worst = max(doubtful, key=lambda case: law_resolution.resolution(case.problem))
+        sentence = law_resolution.doubt(worst.problem, worst.discretisation)
+        return f"in {len(doubtful)} of {len(self.cases)} cases {sentence}"
 
     @property
     def file_bytes(self) -> int:

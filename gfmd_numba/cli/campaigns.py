@@ -161,6 +161,8 @@ def run(
         sys.exit(SOME_FAILED)
     click.echo(f"results  {printable(results)}")
     dataset = gfmd_numba.open_campaign(results)
+    if dataset.attrs.get("validity"):
+        click.echo(f"gfmd: {dataset.attrs['validity']}", err=True)
     status = dataset["status"]
     meanings = status.attrs["flag_meanings"].split()
     to_do = int((status == meanings.index("unfinished")).sum())

@@ -46,8 +46,8 @@ def solve(file: Path, output: Path) -> None:
     else:
         for name in shown:
             click.echo(f"{name:24}{_figures(dataset[name])[0]:<14}{_unit(dataset, name)}".rstrip())
-    if dataset.attrs.get("validity"):
-        say("gfmd:", dataset.attrs["validity"], width=6, err=True)
+    for doubt in dataset.attrs.get("validity", "").splitlines():
+        say("gfmd:", doubt, width=6, err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
         say("gfmd:", f"the run is {', '.join(failed)}: those numbers are not to be used", width=6, err=True)

@@ -23,10 +23,14 @@ def check(file: Path) -> None:
     from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document
     from gfmd_numba.scene.surface_file import load_surface
 
-    name, data = printable(file), read_document(file).data
+    name, data, doubt = printable(file), read_document(file).data, ""
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
         campaign: Campaign = load_campaign(file)[0]
         click.echo(f"{name}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
+        if campaign.scene.interface.reaches_across:
+            from gfmd_numba.campaign.plan import plan
+
+            doubt = plan(file).validity
     elif isinstance(data, dict) and "surface" in data:
         load_surface(file)
         click.echo(f"{name}: a surface")
@@ -34,8 +38,14 @@ def check(file: Path) -> None:
         load_boundary(file)
         click.echo(f"{name}: a loaded body")
     else:
-        load_scene(file)
+        scene = load_scene(file).scene
         click.echo(f"{name}: a scene")
+        if scene.interface.reaches_across:
+            from gfmd_numba.single import doubt as doubt_of
+
+            doubt = doubt_of(file)
+    for sentence in doubt.splitlines():
+        say("gfmd:", sentence, width=6, err=True)
 
 
 @main.command()

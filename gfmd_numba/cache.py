@@ -3,27 +3,64 @@
 import atexit
 import os
 import shutil
+import stat
+import sys
 import tempfile
+import warnings
 from functools import cache
 from pathlib import Path
 
 import platformdirs
 
+KERNELS = "kernels"  # the folder whose files are code
+
 
 @cache
 def directory() -> Path:
-    """A folder of this user's own that can be written; GFMD_CACHE_DIR names another.
+    """Return a folder that only this user can write; GFMD_CACHE_DIR names another.
 
-    Without home, or where it may not be written, a temporary one for this process and those it starts.
+    Without home, or where it may not be written or others may write it, a temporary one for this process and those it
+    starts. Raises OSError where not even that can be had.
     """
     asked = os.environ.get("GFMD_CACHE_DIR")
     try:
         folder = Path(asked) if asked else platformdirs.user_cache_path("gfmd-numba")
-        folder.mkdir(parents=True, exist_ok=True)
+        make(folder)
         with tempfile.TemporaryFile(dir=folder):
+            pass
+        if _is_safe(folder):
             return folder
     except (OSError, RuntimeError):
-        folder = Path(tempfile.mkdtemp(prefix="gfmd-numba-"))
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        os.environ["GFMD_CACHE_DIR"] = str(folder)
-        return folder
+        pass
+    else:
+        warnings.warn(
+            f"the cache {folder} is not used: it belongs to somebody else, or others may write it; kernels are "
+            "compiled again (delete that folder, or name one of your own in GFMD_CACHE_DIR)",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    folder = Path(tempfile.mkdtemp(prefix="gfmd-numba-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ["GFMD_CACHE_DIR"] = str(folder)
+    return folder
+
+
+def make(folder: Path) -> None:
+    """Make a folder, and those above it that are missing, for this user alone."""
+    for missing in reversed([level for level in (folder, *folder.parents) if not level.exists()]):
+        missing.mkdir(mode=0o700, exist_ok=True)
+
+
+def is_private(state: os.stat_result) -> bool:
+    """Whether what has this state belongs to this user, and nobody else may write it."""
+    if sys.platform == "win32":
+        return True  # folders of users are their own there
+    return state.st_uid == os.geteuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _is_safe(folder: Path) -> bool:
+    """Whether nobody else can have put code into a cache, nor put another in its place."""
+    above = [level.stat().st_mode for level in folder.resolve().parents]
+    inside = [Path(level, name) for level, names, _ in os.walk(folder / KERNELS) for name in names]
+    own = [folder.stat(), *(level.lstat() for level in (folder / KERNELS, *inside) if os.path.lexists(level))]
+    return all(map(is_private, own)) and not any(mode & stat.S_IWOTH and not mode & stat.S_ISVTX for mode in above)

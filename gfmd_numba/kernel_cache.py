@@ -1,62 +1,60 @@
-"""Compiled kernels on disk: one folder for each state of their sources and compiler, discarded when damaged."""
+"""Compiled kernels on disk: each in a sealed file, in a folder for the state of their sources and their compiler."""
 
-import atexit
 import hashlib
-import json
 import os
-import shutil
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from gfmd_numba.cache import directory
+from gfmd_numba import cache as user_cache
+from gfmd_numba.atomic_file import replace
 
-_SEAL = "seal.json"
 _SOURCES = Path(__file__).parent / "kernels"
+_DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 @cache
-def folder() -> Path:
-    """Folder of the present kernels, checked; what is compiled until this process ends is sealed then."""
+def folder() -> Path | None:
+    """Return the folder of the present kernels, None where there is no place for one."""
     state = hashlib.sha256(f"{version('numba')} {version('llvmlite')} {sys.implementation.cache_tag}".encode())
     for source in sorted(_SOURCES.glob("*.py")):
         state.update(source.read_bytes())
-    path = directory() / "kernels" / state.hexdigest()[:16]
-    discard_damaged(path)
-    atexit.register(seal, path)
+    try:
+        path = user_cache.directory() / user_cache.KERNELS / state.hexdigest()[:16]
+        user_cache.make(path)
+    except OSError:
+        return None
     return path
 
 
-def seal(path: Path) -> None:
-    """Write down the digests of all files in a folder."""
-    digests = _digests(path)
-    if digests and digests != _sealed(path):
-        try:
-            temporary = path / f"{_SEAL}.{os.getpid()}.tmp"
-            temporary.write_text(json.dumps(digests))
-            os.replace(temporary, path / _SEAL)
-        except OSError:
-            pass  # unsealed kernels work all the same
+def save(name: str, code: bytes) -> None:
+    """Keep the code of a kernel under a name; without a word where that cannot be done."""
+    path = folder()
+    if path is not None:
+        with suppress(OSError):  # it is compiled again next time
+            replace(path / name, _seal(name, code) + code, mode=0o600)
 
 
-def discard_damaged(path: Path) -> None:
-    """Remove a folder in which a sealed file has changed."""
-    digests, sealed = _digests(path), _sealed(path)
-    if sealed and any(digests.get(name) != digest for name, digest in sealed.items()):
-        shutil.rmtree(path, ignore_errors=True)
-
-
-def _sealed(path: Path) -> dict[str, str]:
+def load(name: str) -> bytes | None:
+    """Code kept under a name; None if there is none, if it is damaged, or if somebody else may have written it."""
+    path = folder()
+    if path is None:
+        return None
     try:
-        content = json.loads((path / _SEAL).read_text())
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError):
-        content = None
-    return content if isinstance(content, dict) else {_SEAL: "damaged"}
+        with open(path / name, "rb", opener=_without_links) as file:
+            trusted = user_cache.is_private(os.fstat(file.fileno()))
+            content = file.read() if trusted else b""
+    except OSError:
+        return None
+    code = content[_DIGEST_BYTES:]
+    return code if content[:_DIGEST_BYTES] == _seal(name, code) else None
 
 
-def _digests(path: Path) -> dict[str, str]:
-    files = sorted(file for file in path.rglob("*.nb[ic]") if file.is_file())
-    return {str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+def _seal(name: str, code: bytes) -> bytes:
+    return hashlib.sha256(name.encode() + code).digest()
+
+
+def _without_links(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0))

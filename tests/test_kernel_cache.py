@@ -1,59 +1,132 @@
-"""Compiled kernels: found again, compiled again when damaged, and no reason to fail where nothing can be stored."""
+"""Compiled kernels: found again, compiled again when damaged, run only if this user has written them."""
 
+import hashlib
 import os
+import pickle
+import resource
 import subprocess
 import sys
 
 import pytest
 
-from gfmd_numba import kernel_cache
-
 COMPILE = """
+import os
 import numpy as np
 from gfmd_numba import kernels
 spectrum = np.ones((1, 4), dtype=complex)
 kernels.multiply(spectrum, np.full(4, 2.0), np.array([0]))
 assert (spectrum == 2.0).all()
-print(sum(kernels.multiply.stats.cache_hits.values()) if hasattr(kernels.multiply, "stats") else -1)
+print(sum(kernels.multiply.stats.cache_hits.values()) if hasattr(kernels.multiply, "stats") else -1, flush=True)
+os._exit(0)  # as after a kill: nothing is done at the end
 """
 
 
-def compile_in(folder, **environment):
+def compile_in(folder, before=None, **environment):
+    """Number of kernels found in a cache, and what is said meanwhile."""
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
     ran = subprocess.run(
         [sys.executable, "-c", COMPILE],
         env=surroundings | {"GFMD_CACHE_DIR": str(folder)} | environment,
+        preexec_fn=before,
         capture_output=True,
         text=True,
-        check=True,
     )
-    return int(ran.stdout)
+    assert ran.returncode == 0, ran.stderr
+    return int(ran.stdout), ran.stderr
 
 
-def test_kernels_are_compiled_once_and_again_when_damaged(tmp_path):
-    assert compile_in(tmp_path) == 0
-    assert compile_in(tmp_path) == 1
-    code = next(tmp_path.rglob("*.nbc"))
-    content = bytearray(code.read_bytes())
-    content[len(content) // 2] ^= 0xFF
-    code.write_bytes(content)
-    assert compile_in(tmp_path) == 0
-    assert compile_in(tmp_path) == 1
+def files(folder):
+    return [path for path in folder.rglob("*") if path.is_file()]
 
 
-@pytest.mark.parametrize("content", ["", "[]", "{", '{"gone.nbi": "0"}'])
-def test_a_damaged_seal_discards(tmp_path, content):
-    kernel = tmp_path / "kernel.nbi"
-    kernel.write_bytes(b"code")
-    kernel_cache.seal(tmp_path)
-    kernel_cache.discard_damaged(tmp_path)
-    assert kernel.exists()
-    (tmp_path / "seal.json").write_text(content)
-    kernel_cache.discard_damaged(tmp_path)
-    assert not kernel.exists()
+@pytest.mark.parametrize("damage", ["altered", "cut", "emptied", "zeroed"])
+def test_kernels_are_compiled_once_and_again_when_damaged(tmp_path, damage):
+    assert compile_in(tmp_path) == (0, "")
+    assert compile_in(tmp_path) == (1, "")
+    for code in files(tmp_path):
+        content = bytearray(code.read_bytes())
+        if damage == "altered":
+            content[len(content) // 2] ^= 0xFF
+        elif damage == "zeroed":
+            content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
+        else:
+            content = content[: len(content) // 2 if damage == "cut" else 0]
+        code.write_bytes(content)
+    assert compile_in(tmp_path) == (0, "")
+    assert compile_in(tmp_path) == (1, "")
+
+
+def test_a_cache_is_for_its_user_alone_whatever_the_umask(tmp_path):
+    cache = tmp_path / "new" / "cache"
+    compile_in(cache, before=lambda: os.umask(0))
+    assert files(cache)
+    assert {path.stat().st_mode & 0o777 for path in files(cache)} == {0o600}
+    folders = [tmp_path / "new", cache, *(path for path in cache.rglob("*") if path.is_dir())]
+    assert {path.stat().st_mode & 0o777 for path in folders} == {0o700}
+    assert compile_in(cache, before=lambda: os.umask(0)) == (1, "")
+
+
+class Witness:
+    """Code that leaves a file where it is run, and then ends the process."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return exec, (f"import os; open({str(self.path)!r}, 'w').close(); os._exit(1)",)
+
+
+def given_away(path):
+    if os.geteuid() != 0:
+        pytest.skip("only root can give files away")
+    os.chown(path, 65534, 65534)
+
+
+def linked(path):
+    path.rename(path.with_suffix(".moved"))
+    path.symlink_to(path.with_suffix(".moved"))
+
+
+DANGERS = {
+    "file of another": lambda cache, file: given_away(file),
+    "file that others may write": lambda cache, file: file.chmod(0o622),
+    "link": lambda cache, file: linked(file),
+    "cache of another": lambda cache, file: given_away(cache),
+    "cache that others may write": lambda cache, file: cache.chmod(0o777),
+    "cache that a group may write": lambda cache, file: cache.chmod(0o770),
+    "folder inside that others may write": lambda cache, file: file.parent.chmod(0o777),
+    "cache in a folder that others may write": lambda cache, file: cache.parent.chmod(0o777),
+    "nothing": lambda cache, file: None,
+}
+
+
+@pytest.mark.parametrize("danger", DANGERS)
+def test_nothing_is_run_that_somebody_else_may_have_put_there(tmp_path, danger):
+    """The seal is no secret: who can write a file can seal it, too."""
+    cache, witness = tmp_path / "open" / "cache", tmp_path / "witness"
+    compile_in(cache)
+    (file,) = files(cache)
+    code = pickle.dumps(Witness(witness))
+    file.write_bytes(hashlib.sha256(file.name.encode() + code).digest() + code)
+    DANGERS[danger](cache, file)
+    if danger == "nothing":
+        with pytest.raises(AssertionError):
+            compile_in(cache)
+        assert witness.exists()
+        return
+    hits, said = compile_in(cache)
+    assert not witness.exists()
+    assert hits == 0
+    whole = "cache" in danger or "inside" in danger
+    assert ("is not used: it belongs to somebody else, or others may write it" in said) == whole
 
 
 def test_no_cache_is_no_failure(tmp_path):
     """A file where the folder should be: not even root can write there."""
     (tmp_path / "file").touch()
-    assert compile_in(tmp_path / "file" / "cache", HOME=str(tmp_path / "file")) == 0
+    assert compile_in(tmp_path / "file" / "cache", HOME=str(tmp_path / "file"))[0] == 0
+
+
+def test_a_full_cache_disk_is_no_failure(tmp_path):
+    assert compile_in(tmp_path, before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))) == (0, "")
+    assert files(tmp_path) == []

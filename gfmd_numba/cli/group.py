@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
@@ -16,10 +16,14 @@ class _Gfmd(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; bad input exits with 2, an interrupt with 130."""
+        import warnings
+
         from gfmd_numba.scene.document import InputError
 
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _tell
+                return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
         except click.UsageError as error:
@@ -33,6 +37,18 @@ class _Gfmd(click.Group):
         except KeyboardInterrupt:
             click.echo("gfmd: interrupted; finished work is kept, the same command resumes", err=True)
             ctx.exit(INTERRUPTED)
+
+
+def _tell(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Show a warning as a sentence, without the line of the program that gave it."""
+    click.echo(f"gfmd: {message}", err=True)
 
 
 @click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})

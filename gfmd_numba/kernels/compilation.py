@@ -4,13 +4,16 @@ Kernels work in place on batches `[realisation, x]`, on the rows listed in `acti
 samples they hold (padding keeps each row aligned for the transforms).
 """
 
-import os
+import hashlib
+import pickle
 from collections.abc import Callable
 from typing import Any
 
 import numba
 import numpy as np
 import numpy.typing as npt
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 
 from gfmd_numba import kernel_cache
 
@@ -20,15 +23,41 @@ Flags = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 
-_config: Any = numba.config
-
-
 def jit(function: Callable[..., Any]) -> Any:
-    """Compile a kernel on its first call, or find it compiled; NUMBA_CACHE_DIR goes before our own folder."""
-    before = _config.CACHE_DIR
-    if "NUMBA_CACHE_DIR" not in os.environ:
-        _config.CACHE_DIR = str(kernel_cache.folder())
-    try:
-        return numba.njit(cache=True, error_model="numpy")(function)
-    finally:
-        _config.CACHE_DIR = before
+    """Compile a kernel on its first call, or find it compiled."""
+    kernel = numba.njit(error_model="numpy")(function)
+    if hasattr(kernel, "_cache"):  # a plain function without compiler has none
+        kernel._cache = _OnDisk(f"{function.__module__}.{function.__qualname__}")
+    return kernel
+
+
+class _OnDisk:
+    """What numba asks of a cache: the code of one kernel, for each signature.
+
+    numba's own unpickles its files, which run whatever code they hold, without asking who wrote them or whether they
+    are whole.
+    """
+
+    def __init__(self, kernel: str) -> None:
+        self._kernel = kernel
+
+    @property
+    def cache_path(self) -> str:
+        return str(kernel_cache.folder())
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        target.refresh()
+        code = kernel_cache.load(self._name(signature, target.codegen()))
+        return None if code is None else CompileResult._rebuild(target, *pickle.loads(code))
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        if not compiled.library.has_dynamic_globals:  # addresses of this process
+            kernel_cache.save(self._name(signature, compiled.codegen), dumps(compiled._reduce()))
+
+    def flush(self) -> None:
+        """Forget nothing: a kernel compiled anew takes the place of the old one."""
+
+    def _name(self, signature: Any, codegen: Any) -> str:
+        """File name of the code for a signature and a processor."""
+        key = hashlib.sha256(repr((signature, codegen.magic_tuple())).encode()).hexdigest()
+        return f"{self._kernel}-{key[:16]}.kernel"

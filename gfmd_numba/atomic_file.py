@@ -1,0 +1,80 @@
+"""Files that are whole or not there, whatever ends the writing: a kill, a full disk, an error."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_MARK = {"Software": "gfmd-numba"}
+TEMPORARY = r".*\.[0-9a-f]{32}\.tmp"  # names of what a kill may leave behind
+
+
+def replace(path: Path, content: bytes | memoryview, mode: int = 0o666) -> None:
+    """Write a file under a temporary name beside it, force it to disk, then give it its name.
+
+    A link is followed, and a file that is there passes on its permissions; a new one has `mode` less the umask.
+    Raises OSError with the name of the file; what stood there is then unharmed.
+    """
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(f"{target.name}.{uuid4().hex}.tmp")
+    try:
+        if target.exists() and not target.is_file():  # a device would be lost
+            raise FileExistsError(errno.EEXIST, "Not a regular file")
+        with open(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, mode), "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            shutil.copymode(target, temporary)
+        os.replace(temporary, target)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def create(path: Path, content: bytes) -> None:
+    """Write a new file; raises FileExistsError for one that is there, OSError as `replace` does."""
+    os.close(os.open(path, os.O_CREAT | os.O_EXCL, 0o666))
+    try:
+        replace(path, content)
+    except BaseException:
+        path.unlink()
+        raise
+
+
+def write_dataset(path: Path, dataset: xr.Dataset) -> None:
+    """Write a netCDF file as `replace` does."""
+    replace(path, netcdf(dataset))
+
+
+def netcdf(dataset: xr.Dataset) -> memoryview:
+    """Content of a netCDF file; made in memory, as the netCDF library does not say why a disk refused it."""
+    return dataset.to_netcdf(engine="netcdf4")
+
+
+def write_picture(path: Path, figure: Figure, dpi: int) -> None:
+    """Write a picture of the kind that its suffix names as `replace` does; a .png says that it is ours."""
+    content, kind = io.BytesIO(), path.suffix.removeprefix(".").lower()
+    figure.savefig(content, format=kind, dpi=dpi, metadata=_MARK if kind == "png" else None)
+    replace(path, content.getvalue())
+
+
+def is_ours(picture: Path) -> bool:
+    """Whether `write_picture` wrote a .png file, and nobody has edited it since."""
+    with open(picture, "rb") as file:
+        return b"Software\0gfmd-numba" in file.read(1000)
+
+
+_BINARY = getattr(os, "O_BINARY", 0)  # on Windows

@@ -46,7 +46,7 @@ def main():
             path.write_text(text)
             planned = plan(path)
             design = accuracy.design(planned, accuracy.pilot(planned), varied["target"], None)
-            written.write_text(accuracy.rewritten(planned, design, varied["target"]))
+            written.write_text(accuracy.rewritten(planned, design, varied["target"])[0])
             results = gfmd_numba.run(written, Path(folder) / "out")
         fit = gfmd_numba.fit_tfc(results, fixed={"eps_c": (1.5, 2.5), "eps_f": (0.5, 1.5), "eps_t": (0.5, 1.5)})
         achieved = (fit["kappa_tfc_error"] / fit["kappa_tfc"]).item()

@@ -90,7 +90,7 @@ def here(folder, hurst, limit):
     path.write_text(SCENE.format(seed=5, realisations=30, hurst=hurst) + HERE[hurst])
     planned = plan(path)
     design = accuracy.design(planned, accuracy.pilot(planned), TARGET, None)
-    text = accuracy.rewritten(planned, design, TARGET)
+    text, _ = accuracy.rewritten(planned, design, TARGET)
     off, claimed, seconds = [], [], []
     for seed in range(REPEATS):
         path.write_text(text.replace("seed: 5", f"seed: {100 + seed}"))

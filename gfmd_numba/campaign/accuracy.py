@@ -1,17 +1,23 @@
 """What a target of accuracy asks of a campaign: a pilot of every case of some groups, and the design it leads to."""
 
-import re
+import json
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import xarray as xr
+import yaml
 
 from gfmd_numba.analysis import Design, best_design, cheapest_design
 from gfmd_numba.campaign.cases import groups
 from gfmd_numba.campaign.collection import in_file_units
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.rewriting import with_values
+from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.contact import solve
 from gfmd_numba.dataset import campaign_dataset, units
 from gfmd_numba.observables import measure
@@ -21,6 +27,7 @@ from gfmd_numba.scene import InputError
 REALISATIONS = 40  # of the pilot
 _GROUPS = 3  # of equal physics, the first, the last and the one in the middle
 _RESIDUALS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
+_LONGEST_NAME = 100
 _RESIDUAL_SHARE = 0.1  # of the target that the solver's residual may use up
 
 
@@ -84,19 +91,36 @@ def loosest_residual(planned: Plan, target: float) -> float:
     return _RESIDUALS[-1]
 
 
-def rewritten(planned: Plan, chosen: Design, target: float | None) -> str:
-    """Text of the campaign with the realisations and the target of a design; raises InputError."""
-    mapping = asked(planned, chosen)
-    text = planned.document.text
-    text, replaced = re.subn(r"(?m)^realisations:.*$", f"realisations: {{{mapping}}}", text)
-    if replaced != 1:
+def rewritten(planned: Plan, chosen: Design, target: float | None) -> tuple[str, str]:
+    """Text of the campaign with the realisations and the target of a design, and its new name; raises InputError.
+
+    Under the old name its results would take the place of those of the first campaign.
+    """
+    goal = f"{chosen.error if target is None else target:.4g}"
+    name = f"{planned.campaign.name[: _LONGEST_NAME - len(goal) - 1]}-{goal}"
+    values = {"name": name, "realisations": f"{{{asked(planned, chosen)}}}", "target": goal}
+    text = with_values(planned.document.text, values)
+    if not _is_meant(planned.campaign, text, values):
         raise InputError(
-            "--write: given a campaign whose `realisations` are not on a line of their own; allowed: "
-            f"one that begins with `realisations:` (put `realisations: {{{mapping}}}` there)"
+            "--write: given a campaign file whose text cannot be changed with certainty; allowed: one of plain YAML "
+            f"(or write it yourself: {', '.join(f'`{key}: {value}`' for key, value in values.items())})"
         )
-    goal = chosen.error if target is None else target
-    text = re.sub(r"(?m)^target:.*\n?", "", text).rstrip("\n")
-    return f"{text}\ntarget: {goal:.4g}   # relative standard error of the limit; {chosen.error:.2%} is predicted\n"
+    return text, name
+
+
+def _is_meant(campaign: Campaign, text: str, values: Mapping[str, str]) -> bool:
+    """Whether a text reads as the campaign with other values, and with no other name by chance."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "campaign.yaml")
+        file.write_bytes(text.encode())
+        try:
+            found = load_campaign(file)[0]
+        except InputError:
+            return False
+    counts = yaml.safe_load(values["realisations"])
+    given = json.loads(found.realisations.model_dump_json(exclude_none=True))
+    expected = {"name": values["name"], "target": float(values["target"]), "realisations": found.realisations}
+    return bool(given == counts and found == campaign.model_copy(update=expected) and found.name != campaign.name)
 
 
 def asked(planned: Plan, chosen: Design) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -95,9 +96,12 @@ def _check_target(planned: Plan, name: str) -> None:
 
 def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
     from gfmd_numba.analysis import UnusableDataError
+    from gfmd_numba.atomic_file import create
     from gfmd_numba.campaign import accuracy
     from gfmd_numba.scene import InputError
 
+    if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
+        raise InputError(f"--write: given {printable(write)}; allowed: a new file in an existing folder")
     try:
         with waiting("planning from a pilot"):
             found = accuracy.pilot(planned)
@@ -120,9 +124,9 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
             price = "not to be had with these levels"
         click.echo(f"price         {goal:.1%}: {price}")
     if write is not None:
-        with open(write, "x", encoding="utf-8") as file:
-            file.write(accuracy.rewritten(planned, chosen, target))
-        click.echo(f"campaign      {printable(write)}")
+        text, name = accuracy.rewritten(planned, chosen, target)
+        create(write, text.encode())
+        say("campaign", f"{write}, named {name} (the results of {planned.campaign.name} stay)", width=14)
 
 
 @main.command()

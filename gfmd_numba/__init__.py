@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
+    from dask.distributed import Client
     from numpy.typing import ArrayLike
 
     from gfmd_numba.scene import BoundaryFile, SceneFile
@@ -47,16 +49,22 @@ def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
     return surface_dataset(source)
 
 
-def run(path: str | Path, output: str | Path | None = None, workers: int = 0) -> xr.Dataset:
-    """Run or resume a campaign file in this process and open its results.
+def run(
+    campaign: str | Path | Mapping[str, Any], output: str | Path | None = None, workers: int | Client = 0
+) -> xr.Dataset:
+    """Run or resume a campaign, a file or a mapping of its keys, and open its results; raises InputError.
 
-    `workers` above 0 are dask processes; as they import the calling script, the call must then stand under
-    `if __name__ == "__main__":`.
+    The output directory is by default named after the campaign. `workers` above 0 are local processes; as they import
+    the calling script, the call must then stand under `if __name__ == "__main__":`. A dask client has its cluster do
+    the work.
     """
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
+    from gfmd_numba.scene import InputError
 
-    results = open_campaign(run_campaign(path, output, Workers(workers))[0])
+    if not (output is None or isinstance(output, str | PathLike)):
+        raise InputError(f"output: given {output!r:.60}; allowed: the path of a directory")
+    results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     if results.attrs.get("validity"):
         warnings.warn(results.attrs["validity"], stacklevel=2)
     return results

@@ -18,7 +18,7 @@ from test_campaign import campaign
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import connected
-from gfmd_numba.campaign.execution import Workers, execute, shard_path
+from gfmd_numba.campaign.execution import Workers, check, execute, shard_path
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.scene import InputError
 
@@ -139,7 +139,7 @@ def test_a_lost_scheduler_is_told(tmp_path, sound):
 def test_a_scheduler_that_is_refused(tmp_path, address, allowed):
     with (
         pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
-        connected(address, False, tmp_path, None),
+        connected(address, None, False),
     ):
         pass
 
@@ -148,9 +148,8 @@ def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
         address = cluster.scheduler_address
         monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
-        with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):  # noqa: SIM117
-            with connected(address, False, tmp_path, None):
-                pass
+        with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):
+            check(Workers(address=address), tmp_path)
 
 
 class OtherVersions:

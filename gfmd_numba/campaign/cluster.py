@@ -1,6 +1,7 @@
 """An existing dask cluster, which has to be fit for a run."""
 
 import os
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,75 +17,91 @@ from gfmd_numba.scene import InputError
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
 
 
-@contextmanager
-def connected(address: str, insecure: bool, directory: Path, timeout: float | None) -> Iterator[Any]:
-    """Client of the scheduler at an address, whose workers are fit for a run; raises InputError.
-
-    Workers that freeze are replaced if blocks have a `timeout` in s; if not, by the scheduler's `worker-ttl`.
-    """
-    with _existing(address, insecure) as client:
-        _check_workers(client, directory)
-        with _frozen_replaced(client, timeout):
-            yield client
+def is_client(given: object) -> bool:
+    """Whether this is a dask client."""
+    distributed = sys.modules.get("distributed")  # without it nobody has one
+    return distributed is not None and isinstance(given, distributed.Client)
 
 
 @contextmanager
-def _existing(address: str, insecure: bool) -> Iterator[Any]:
+def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]:
+    """Client of the scheduler at an address, or the given one where there is none; raises InputError."""
+    if address is None:
+        if client.asynchronous or client.status != "running":
+            given = "asynchronous" if client.asynchronous else client.status
+            raise InputError(f"workers: given a dask client that is {given}; allowed: a connected, synchronous one")
+        yield client
+        return
+    with _client_of(address, insecure) as own:
+        yield own
+
+
+def _client_of(address: str, insecure: bool) -> Any:
+    """New client of the scheduler at an address; raises InputError."""
     from distributed import Client
     from distributed.comm.addressing import get_address_host, parse_address, resolve_address
 
     try:
         resolved = resolve_address(address)  # a client of a malformed address would go on failing in the background
         private = parse_address(resolved)[0] != "tcp" or ip_address(get_address_host(resolved)).is_loopback
-        if not (private or insecure):
-            raise InputError(
-                f"--scheduler: given {address}, on which anyone on the way can read and change the work; "
-                "allowed: a tls:// address, one of this machine, or --insecure beside it"
-            )
-        client = Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
     except (OSError, ValueError, KeyError) as error:
+        raise _unreachable(address, error) from None
+    if not (private or insecure):
         raise InputError(
-            f"--scheduler: given {address} ({error}); "
-            "allowed: the address of a running dask scheduler, like tcp://127.0.0.1:8786"
-        ) from None
-    with client:
-        yield client
+            f"--scheduler: given {address}, on which anyone on the way can read and change the work; "
+            "allowed: a tls:// address, one of this machine, or --insecure beside it"
+        )
+    try:
+        return Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
+    except (OSError, ValueError, KeyError) as error:
+        raise _unreachable(address, error) from None
 
 
-def _check_workers(client: Any, directory: Path) -> None:
-    """Raise InputError unless there are workers, with the same packages, that see the output directory."""
-    if not client.scheduler_info()["workers"]:
-        raise InputError("--scheduler: given one without workers; allowed: one with `dask worker`s connected to it")
+def _unreachable(address: str, error: Exception) -> InputError:
+    return InputError(
+        f"--scheduler: given {address} ({error}); "
+        "allowed: the address of a running dask scheduler, like tcp://127.0.0.1:8786"
+    )
+
+
+def check_workers(client: Any, directory: Path, option: str) -> None:
+    """Raise InputError unless there are workers, with the same packages, that see where the output directory is."""
+    if not client.nthreads():
+        raise InputError(f"{option}: given a cluster without workers; allowed: one with `dask worker`s connected to it")
     ours = versions()
     try:
         theirs = client.run(versions)
     except ImportError as error:
         raise InputError(
-            f"--scheduler: given workers without gfmd-numba ({error}); allowed: the same installation as here"
+            f"{option}: given workers without gfmd-numba ({error}); allowed: the same installation as here"
         ) from None
     for worker, installed in theirs.items():
         for name, here in ours.items():
             if installed.get(name) != here:
                 raise InputError(
-                    f"--scheduler: given {worker} with {name} {installed.get(name)}; allowed: {here}, as here"
+                    f"{option}: given {worker} with {name} {installed.get(name)}; allowed: {here}, as here"
                 )
-    token = directory / f".{uuid4().hex}.tmp"
+    folder = next(folder for folder in (directory.resolve(), *directory.resolve().parents) if folder.is_dir())
+    token = folder / f".{uuid4().hex}.tmp"
     token.touch()
     try:
-        seeing = client.run(os.path.exists, str(token.resolve()))
+        seeing = client.run(os.path.exists, str(token))
     finally:
         token.unlink()
     for worker, sees in seeing.items():
         if not sees:
             raise InputError(
-                f"--scheduler: given {worker}, which does not see {directory.resolve()}; "
+                f"{option}: given {worker}, which does not see {folder}; "
                 "allowed: an --output that all workers share under the same path"
             )
 
 
 @contextmanager
-def _frozen_replaced(client: Any, timeout: float | None) -> Iterator[None]:
-    """Restart workers whose heart stops for longer than compiled code may hold it up."""
+def frozen_replaced(client: Any, timeout: float | None) -> Iterator[None]:
+    """Restart workers that stay silent for longer than a block may hold them up.
+
+    Without a `timeout` in s for blocks, the scheduler's `worker-ttl` does that.
+    """
     if timeout is None:
         yield
         return

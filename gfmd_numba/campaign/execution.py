@@ -7,6 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,15 @@ import numpy as np
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block, Range
-from gfmd_numba.campaign.cluster import connected
+from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.processes import Lost, answers
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
 from gfmd_numba.problem import Problem, RandomSurface
+from gfmd_numba.scene import InputError
+from gfmd_numba.scene.document import brief
 
 SECONDS = "seconds"  # what a block took, stored beside its measures
 
@@ -34,14 +37,39 @@ _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA
 
 @dataclass(frozen=True)
 class Workers:
-    """Who does the work: `count` local processes (0: this one), or those of a dask scheduler at `address`.
+    """Who does the work: `count` local processes (0: this one), or a dask cluster.
 
-    An address beyond this machine without TLS has to be allowed as `insecure`.
+    The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
+    `insecure`, or that of a dask `client`.
     """
 
     count: int = 2
     address: str | None = None
     insecure: bool = False
+    client: Any = None
+
+    @property
+    def on_cluster(self) -> bool:
+        """Whether a dask cluster does the work."""
+        return self.address is not None or self.client is not None
+
+
+def workers_of(given: object) -> Workers:
+    """Workers of a number of processes or a dask client; raises InputError."""
+    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
+        return Workers(int(given))
+    if is_client(given):
+        return Workers(client=given)
+    raise InputError(
+        f"workers: given {brief(given)}; allowed: a number of processes from 0, or a dask.distributed.Client"
+    )
+
+
+def check(workers: Workers, directory: Path) -> None:
+    """Raise InputError unless workers can do their work for an output directory, which need not exist yet."""
+    if workers.on_cluster:
+        with connected(workers.address, workers.client, workers.insecure) as client:
+            check_workers(client, directory, "workers" if workers.address is None else "--scheduler")
 
 
 def shard_path(directory: Path, block: Block) -> Path:
@@ -98,8 +126,11 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
     (directory / "shards").mkdir(exist_ok=True)
     if not tasks:
         return
-    if workers.address is not None:
-        with connected(workers.address, workers.insecure, directory, timeout) as client:
+    if workers.on_cluster:
+        with (
+            connected(workers.address, workers.client, workers.insecure) as client,
+            frozen_replaced(client, timeout),
+        ):
             _twice(partial(_on_cluster, client, directory.resolve(), timeout), tasks, directory, timeout, finished)
     elif workers.count == 0:
         for task in tasks:

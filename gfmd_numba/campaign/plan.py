@@ -14,6 +14,7 @@ from gfmd_numba import law_resolution
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
+from gfmd_numba.campaign.source import Source
 from gfmd_numba.campaign.specification import Campaign, load_campaign
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import Effect, Problem, self_affine
@@ -124,9 +125,9 @@ class Plan:
         return max(cpu_seconds / max(1, workers), longest)
 
 
-def plan(path: str | Path) -> Plan:
-    """Plan of a campaign file; raises InputError."""
-    campaign, document = load_campaign(path)
+def plan(source: Source) -> Plan:
+    """Plan of a campaign file or mapping; raises InputError."""
+    campaign, document = load_campaign(source)
     cases = expand(campaign)
     return Plan(campaign, document, cases, distinct(cases))
 

@@ -9,8 +9,9 @@ from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.cases import Block, split
 from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.collection import collect, note
-from gfmd_numba.campaign.execution import Failures, Workers, compile_kernels, execute, held, unfinished
+from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, held, unfinished
 from gfmd_numba.campaign.plan import check_memory, plan, tasks
+from gfmd_numba.campaign.source import Source
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
 
@@ -40,7 +41,7 @@ _TWO_WORKERS, _ALL = Workers(), Choice()
 
 
 def run(
-    path: str | Path,
+    source: Source,
     output: str | Path | None = None,
     workers: Workers = _TWO_WORKERS,
     watch: Watch | None = None,
@@ -48,12 +49,13 @@ def run(
 ) -> tuple[Path, Failures]:
     """Run what is unfinished of a campaign and write its netCDF file into the output directory.
 
-    Returns the file and the blocks that failed; raises InputError for a bad campaign file or a directory that holds
-    something else or another run, StoppedError where the disk or the cluster gives up.
+    Returns the file and the blocks that failed; raises InputError for a bad campaign, for workers that cannot do it, or
+    for a directory that holds something else or another run, StoppedError where the disk or the cluster gives up.
     """
-    planned = plan(path)
+    planned = plan(source)
     cases = planned.only(choice.only) if choice.only else planned.cases
     directory = Path(output if output is not None else planned.campaign.name)
+    check(workers, directory)
     failed: Failures = {}
     with claimed(directory, planned.campaign.name, planned.document.text):
         try:

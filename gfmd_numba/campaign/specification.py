@@ -1,14 +1,15 @@
 """The campaign file: a scene, a reference discretisation, and what varies around it."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from math import inf, isinf, prod
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.document import Document, Location, read_document
+from gfmd_numba.campaign.source import Source, campaign_document, written
+from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.maps import ONLY_MAPS
 from gfmd_numba.scene.quantities import (
     RECORD,
@@ -245,10 +246,12 @@ class Campaign(BaseModel):
         return self
 
 
-def load_campaign(path: str | Path) -> tuple[Campaign, Document]:
-    """Checked campaign of a YAML file, and the document itself; raises InputError."""
-    document = read_document(path)
+def load_campaign(source: Source) -> tuple[Campaign, Document]:
+    """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError."""
+    document = campaign_document(source)
     campaign = validate(document, Campaign)
+    if document.path is None:
+        document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"

@@ -73,7 +73,11 @@ def test_poison_kills_no_other_task(tmp_path, sound):
     tasks = [sound[0], (*bad[0], *sound[1]), bad[1], *sound[2:], bad[2]]
     failures = perform_all(tasks, tmp_path, Workers(2), timeout=4.0)
     assert [failures[task[0].name].status for task in bad] == ["crashed", "crashed", "timeout"]
-    reasons = ("its worker died, also with nothing else at work", "ZeroDivisionError: poison", "case_timeout of 4 s")
+    reasons = (
+        "its worker died or froze, also with nothing else at work",
+        "ZeroDivisionError: poison",
+        "case_timeout of 4 s",
+    )
     for task, reason in zip(bad, reasons, strict=True):
         assert reason in failures[task[0].name].reason
     assert len(failures) == 3

@@ -1,11 +1,13 @@
-"""An existing dask cluster, which has to be fit for a run."""
+"""The dask workers of a run: local processes that speak TLS, or an existing cluster that has to be fit for it."""
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
+from multiprocessing import resource_tracker
 from pathlib import Path
 from threading import Event, Thread
 from typing import Any
@@ -15,6 +17,43 @@ from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.scene import InputError
 
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
+_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+_OF_A_RUN = {
+    "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
+    # the web servers of scheduler and workers cannot be switched off, but they need not say anything
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
+
+
+@contextmanager
+def local(count: int) -> Iterator[Any]:
+    """Client of `count` local workers of one thread each.
+
+    Scheduler and workers listen on loopback, where every user of the machine can connect. They accept only who has
+    the TLS key of this run, which never leaves the memory of its processes.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+    from distributed.security import Security
+
+    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
+    with (
+        dask.config.set(_OF_A_RUN),
+        _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            security=Security.temporary(),
+            scheduler_kwargs={"dashboard": False},
+            dashboard_address="127.0.0.1:0",  # any free port: None means 8787, which another run may hold
+            silence_logs="CRITICAL",
+        ) as cluster,
+        Client(cluster) as client,
+        _interrupts(True),
+    ):
+        yield client
 
 
 def is_client(given: object) -> bool:
@@ -129,3 +168,18 @@ def frozen_replaced(client: Any, timeout: float | None) -> Iterator[None]:
     finally:
         over.set()
         thread.join()
+
+
+@contextmanager
+def _interrupts(allowed: bool) -> Iterator[None]:
+    """Let Ctrl-C interrupt this thread, or make it wait; threads and processes begun inside inherit that."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # multiprocessing starts it on demand, and would let Ctrl-C through after that
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK if allowed else signal.SIG_BLOCK, {signal.SIGINT})
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

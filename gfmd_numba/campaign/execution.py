@@ -1,11 +1,9 @@
-"""Solving a campaign's blocks, here, in other processes or on a cluster; a finished shard is the only proof of work."""
+"""Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
 
-import os
 import time
 from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import islice
 from numbers import Integral
 from pathlib import Path
@@ -15,9 +13,8 @@ import numpy as np
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block, Range
-from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client
+from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.failures import Failure
-from gfmd_numba.campaign.processes import Lost, answers
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact import solve
 from gfmd_numba.observables import measure
@@ -26,18 +23,16 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import brief
 
 SECONDS = "seconds"  # what a block took, stored beside its measures
+_LOST = "its worker died or froze, also with nothing else at work"
 
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]
 Finished = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
-Attempt = Callable[[list[Task], bool], Generator[tuple[Task, Failures | Lost]]]  # tasks, one at a time if True
-
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @dataclass(frozen=True)
 class Workers:
-    """Who does the work: `count` local processes (0: this one), or a dask cluster.
+    """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
 
     The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
     `insecure`, or that of a dask `client`.
@@ -120,25 +115,22 @@ def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
 def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Finished) -> None:
     """Perform tasks until all are done or `finished` says to stop.
 
-    Raises OSError where shards cannot be written or no process starts, ConnectionError when the scheduler is lost;
-    whatever was finished then is kept.
+    Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
+    then is kept.
     """
     (directory / "shards").mkdir(exist_ok=True)
     if not tasks:
         return
-    if workers.on_cluster:
-        with (
-            connected(workers.address, workers.client, workers.insecure) as client,
-            frozen_replaced(client, timeout),
-        ):
-            _twice(partial(_on_cluster, client, directory.resolve(), timeout), tasks, directory, timeout, finished)
-    elif workers.count == 0:
+    if workers.count == 0 and not workers.on_cluster:
         for task in tasks:
             if not finished(len(task), perform(task, directory, timeout, mortal=False)):
                 return
-    else:
-        single: list[Task] = [(block,) for task in tasks for block in task]
-        _twice(partial(_in_processes, workers.count, directory, timeout), single, directory, timeout, finished)
+        return
+    cluster = (
+        connected(workers.address, workers.client, workers.insecure) if workers.on_cluster else local(workers.count)
+    )
+    with cluster as client, frozen_replaced(client, timeout):
+        _Submission(client, directory.resolve(), timeout, finished).all(tasks)
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:
@@ -151,67 +143,61 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         measure(solve(replace(tiny, numerics=problem.numerics.model_copy(update={"max_iterations": 100})), range(1)))
 
 
-def _twice(attempt: Attempt, tasks: list[Task], directory: Path, timeout: float | None, finished: Finished) -> None:
-    """Perform tasks, and the blocks of those that lost their worker once more, alone.
+@dataclass(frozen=True)
+class _Submission:
+    """Tasks on the workers of a dask client."""
 
-    A worker that is lost takes innocent blocks with it: only what loses its worker alone is to blame, or what was late.
-    """
-    for alone in (False, True):
-        suspects: list[Task] = []
-        with closing(attempt(tasks, alone)) as outcomes:
-            for task, outcome in outcomes:
-                again: list[Block] = []
-                if isinstance(outcome, Lost):
-                    left = unfinished(task, directory)
-                    late = [b for b in left if expired(_trace(directory, b.name)) or outcome is Lost.late]
-                    again = [block for block in left if block not in late and not alone]
-                    lost = Failure("crashed", f"its worker {outcome.value}, also with nothing else at work")
-                    failures = {
-                        block.name: _too_long(timeout) if block in late else lost
-                        for block in left
-                        if block not in again
-                    }
-                else:
-                    failures = outcome
-                if not finished(len(task) - len(again), failures):
-                    return
-                suspects += [(block,) for block in again]
-        tasks = suspects
+    client: Any
+    directory: Path
+    timeout: float | None
+    finished: Finished
 
+    def all(self, tasks: list[Task]) -> None:
+        """Perform tasks, a few in flight; the blocks of those that lost their worker then once more, alone.
 
-def _in_processes(
-    count: int, directory: Path, timeout: float | None, tasks: list[Task], alone: bool
-) -> Generator[tuple[Task, Failures | Lost]]:
-    """Each task with its failures as it ends, in local processes of one thread each."""
-    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
-    return answers(partial(perform, directory=directory, timeout=None), tasks, 1 if alone else count, timeout)
+        A worker that is lost takes innocent blocks with it: only what loses its worker alone is to blame, or was late.
+        """
+        for alone in (False, True):
+            suspects: list[Task] = []
+            with closing(self._outcomes(tasks, alone)) as outcomes:
+                for task, outcome in outcomes:
+                    left = [] if outcome is not None else unfinished(task, self.directory)
+                    failures = outcome or {}
+                    for block in left:
+                        if expired(_trace(self.directory, block.name)):
+                            failures[block.name] = _too_long(self.timeout)
+                        elif alone:
+                            failures[block.name] = Failure("crashed", _LOST)
+                    again = [block for block in left if block.name not in failures]
+                    if not self.finished(len(task) - len(again), failures):
+                        return
+                    suspects += [(block,) for block in again]
+            tasks = suspects
 
+    def _outcomes(self, tasks: list[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
+        """Each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
+        from distributed import KilledWorker, as_completed
+        from distributed.client import FutureCancelledError
 
-def _on_cluster(
-    client: Any, directory: Path, timeout: float | None, tasks: list[Task], alone: bool
-) -> Generator[tuple[Task, Failures | Lost]]:
-    """Each task with its failures as it ends, a few in flight on a dask cluster; lost if it took workers with it."""
-    from distributed import KilledWorker, as_completed
-    from distributed.client import FutureCancelledError
-
-    in_flight = 1 if alone else 2 * max(1, len(client.nthreads()))
-    verb = "alone" if alone else "perform"  # the scheduler remembers a task by its key: done again it needs another
-    by_key = {f"{verb}-{task[0].name}": task for task in tasks}
-    submissions = (
-        client.submit(perform, task, directory, timeout, key=key, pure=False) for key, task in by_key.items()
-    )
-    futures = as_completed(list(islice(submissions, in_flight)), loop=client.loop)
-    for future in futures:
-        failures: Failures | Lost
-        try:
-            failures = future.result()
-        except KilledWorker:
-            failures = Lost.died
-        except FutureCancelledError:
-            raise ConnectionError("the dask scheduler is lost") from None
-        yield by_key[future.key], failures
-        for following in islice(submissions, 1):
-            futures.add(following)
+        in_flight = 1 if alone else 2 * max(1, len(self.client.nthreads()))
+        verb = "alone" if alone else "perform"  # the scheduler remembers a task by its key: again it needs another
+        by_key = {f"{verb}-{task[0].name}": task for task in tasks}
+        submissions = (
+            self.client.submit(perform, task, self.directory, self.timeout, key=key, pure=False)
+            for key, task in by_key.items()
+        )
+        futures = as_completed(list(islice(submissions, in_flight)), loop=self.client.loop)
+        for future in futures:
+            failures: Failures | None
+            try:
+                failures = future.result()
+            except KilledWorker:
+                failures = None
+            except FutureCancelledError:
+                raise ConnectionError("the dask scheduler is lost") from None
+            yield by_key[future.key], failures
+            for following in islice(submissions, 1):
+                futures.add(following)
 
 
 def _trace(directory: Path, name: str) -> Path:

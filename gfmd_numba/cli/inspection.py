@@ -132,17 +132,10 @@ def _examine_contact() -> str:
 
 
 def _examine_workers() -> str:
-    from gfmd_numba.campaign.processes import Lost, answers
-
-    found = [answer for _, answer in answers(_versions_there, range(2), 2, 60.0)]
-    if any(isinstance(answer, Lost) for answer in found):
-        raise RuntimeError("they end when they are given work")
-    if any(answer != _versions_there(0) for answer in found):
-        raise RuntimeError("they have other packages than this process")
-    return f"{len(found)} started"
-
-
-def _versions_there(_: int) -> dict[str, str]:
     from gfmd_numba.campaign import provenance
+    from gfmd_numba.campaign.cluster import local
 
-    return provenance.versions()
+    with local(2) as client:
+        if client.submit(provenance.versions).result(timeout=60) != provenance.versions():
+            raise RuntimeError("they have other packages than this process")
+        return f"{len(client.nthreads())} started"

@@ -88,7 +88,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
 def test_poison_in_this_process(tmp_path, sound, monkeypatch):
     monkeypatch.setattr(Poison, "hurst", property(lambda self: time.sleep(60)))
     bad = poisoned(sound[0][0].problem, ["endless"])
-    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=0.5)
+    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
     assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
     assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
 
@@ -134,6 +134,24 @@ def test_a_lost_scheduler_is_told(tmp_path, sound):
 
         with pytest.raises(OSError, match="the dask scheduler is lost"):
             execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None, finished)
+
+
+def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
+    """The second begins while the first has the same blocks in flight."""
+    folders = [tmp_path / "first", tmp_path / "second"]
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+        workers = Workers(address=cluster.scheduler_address)
+
+        def finished(blocks, failed):
+            if not folders[1].exists():
+                folders[1].mkdir()
+                execute(sound, folders[1], workers, None, lambda *_: True)
+            return True
+
+        folders[0].mkdir()
+        execute(sound, folders[0], workers, None, finished)
+    for folder in folders:
+        assert all(shards.read(shard_path(folder, block)) is not None for task in sound for block in task)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
 
 import time
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -180,12 +180,16 @@ class _Submission:
         from distributed.client import FutureCancelledError
 
         in_flight = 1 if alone else 2 * max(1, len(self.client.nthreads()))
-        verb = "alone" if alone else "perform"  # the scheduler remembers a task by its key: again it needs another
-        by_key = {f"{verb}-{task[0].name}": task for task in tasks}
-        submissions = (
-            self.client.submit(perform, task, self.directory, self.timeout, key=key, pure=False)
-            for key, task in by_key.items()
-        )
+        at_work: dict[str, Task] = {}
+
+        def submitted() -> Iterator[Any]:
+            for task in tasks:
+                # its key is nobody else's, also on a scheduler that others use
+                future = self.client.submit(perform, task, self.directory, self.timeout, pure=False)
+                at_work[future.key] = task
+                yield future
+
+        submissions = submitted()
         futures = as_completed(list(islice(submissions, in_flight)), loop=self.client.loop)
         for future in futures:
             failures: Failures | None
@@ -195,7 +199,7 @@ class _Submission:
                 failures = None
             except FutureCancelledError:
                 raise ConnectionError("the dask scheduler is lost") from None
-            yield by_key[future.key], failures
+            yield at_work.pop(future.key), failures
             for following in islice(submissions, 1):
                 futures.add(following)
 

@@ -1,4 +1,8 @@
-"""SIGKILL workers and main process of a campaign at random moments, resume, and compare with the uninterrupted run."""
+"""SIGKILL a campaign in each phase of its life, resume, and compare with the uninterrupted run.
+
+The phases are start-up (before the first new shard), middle (before the last one; here workers are killed, too),
+collection (before the new netCDF file) and fit (before the end).
+"""
 
 import os
 import random
@@ -12,8 +16,10 @@ from pathlib import Path
 import psutil
 
 import gfmd_numba
+from gfmd_numba.campaign.plan import plan
 
-KILLS = 50
+KILLS = 15  # in each phase
+PHASES = {"start-up": 4.0, "middle": 6.0, "collection": 0.3, "fit": 4.0}  # s that a phase may last at most
 CAMPAIGN = """
 name: killed
 seed: 1
@@ -29,18 +35,58 @@ grid: {hurst: [0.3, 0.5, 0.8], reduced_pressure: [0.01, 0.05, 0.3]}
 """
 
 
-def start(campaign, out):
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(campaign), "-o", str(out)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+class Run:
+    """A run in a process of its own, and the phase it is in, by the files it leaves."""
 
+    def __init__(self, campaign, out, *options):
+        self.out, self.n_blocks = out, len(plan(campaign).blocks_in(out))
+        self.shards_before, self.results_before = self.n_shards(), self.results()
+        self.left_before = self.unfinished_results()
+        command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(campaign), "-o", str(out), *options]
+        self.process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        )
 
-def workers_of(process):
-    """The processes that compute: children of the main process that have used processor time."""
-    try:
-        children = psutil.Process(process.pid).children(recursive=True)
-        return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
-    except psutil.Error:
-        return []
+    def n_shards(self):
+        return len(list(self.out.glob("shards/*.shard")))
+
+    def results(self):
+        files = list(self.out.glob("*.nc"))
+        return files[0].stat().st_mtime_ns if files else None
+
+    def phase(self):
+        if self.results() != self.results_before:
+            return "fit"
+        if self.n_shards() == self.n_blocks:
+            collecting = self.shards_before < self.n_blocks or self.unfinished_results() - self.left_before
+            return "collection" if collecting else "start-up"
+        return "middle" if self.n_shards() > self.shards_before else "start-up"
+
+    def unfinished_results(self):
+        return set(self.out.glob("*.nc.*.tmp"))
+
+    def workers(self):
+        try:
+            children = psutil.Process(self.process.pid).children()
+            return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+        except psutil.Error:
+            return []
+
+    def kill_in(self, phase, rng):
+        """Kill it somewhere in a phase; return the phase it was in, None if it had ended."""
+        while self.process.poll() is None and self.phase() != phase:
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0.0, PHASES[phase]))
+        if self.process.poll() is not None:
+            return None
+        workers = self.workers()
+        if phase == "middle" and workers and rng.random() < 0.5:
+            now = self.phase()
+            rng.choice(workers).kill()
+            return now
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        return self.phase()
 
 
 def main():
@@ -51,47 +97,30 @@ def main():
         campaign.write_text(CAMPAIGN)
         begun = time.perf_counter()
         expected = gfmd_numba.run(campaign, folder / "reference").attrs["content_sha256"]
-        print(f"uninterrupted, in one process: {time.perf_counter() - begun:.0f} s, digest {expected[:16]}")
-        kills = {"worker": 0, "main process": 0}
+        print(f"uninterrupted, in one process: {time.perf_counter() - begun:.0f} s, digest {expected[:16]}", flush=True)
+        kills, of_workers = dict.fromkeys(PHASES, 0), 0
         campaigns = wrong = 0
-        while sum(kills.values()) < KILLS:
+        while min(kills.values()) < KILLS:
             out = folder / f"out{campaigns}"
-            while True:
-                process = start(campaign, out)
-                while process.poll() is None and sum(kills.values()) < KILLS:
-                    time.sleep(rng.uniform(0.0, 6.0))
-                    if process.poll() is not None:
-                        break
-                    workers = workers_of(process)
-                    if workers and rng.random() < 0.5:
-                        rng.choice(workers).kill()
-                        kills["worker"] += 1
-                    else:
-                        os.killpg(process.pid, signal.SIGKILL)
-                        process.wait()
-                        kills["main process"] += 1
-                if process.wait() == 0:
-                    break
-                if process.returncode == 3:  # a worker died twice under one block: it was given up by name
-                    subprocess.run(
-                        [
-                            sys.executable,
-                            "-m",
-                            "gfmd_numba.cli",
-                            "run",
-                            str(campaign),
-                            "-o",
-                            str(out),
-                            "--retry-failed",
-                        ],
-                        capture_output=True,
-                    )
-                    break
+            run = Run(campaign, out)
+            for phase in PHASES:
+                if kills[phase] >= KILLS:
+                    continue
+                found = run.kill_in(phase, rng)
+                if found is not None:
+                    kills[found] += 1
+                if run.process.poll() is None:
+                    of_workers += 1
+                else:
+                    run = Run(campaign, out)
+            if run.process.wait() == 3:  # a worker died twice under one block: it was given up by name
+                Run(campaign, out, "--retry-failed").process.wait()
             campaigns += 1
             found = gfmd_numba.open_campaign(out).attrs["content_sha256"]
             wrong += found != expected
-            print(f"campaign {campaigns}: kills so far {kills}, digest {found[:16]}")
-        print(f"{sum(kills.values())} kills in {campaigns} campaigns: {wrong} digests differ")
+            print(f"campaign {campaigns}: kills so far {kills}, digest {found[:16]}", flush=True)
+        total = f"{sum(kills.values())} kills, {of_workers} of them of a worker, in {campaigns} campaigns"
+        print(f"{total}: {wrong} digests differ")
 
 
 if __name__ == "__main__":

@@ -88,6 +88,9 @@ def dataset(scene: Scene, reduced: Problem, given: Surfaces, pressed: Pressed) -
     """What `contact_dataset` holds, with the heights and displacements of each body and the expected error."""
     found = contact_dataset(scene, reduced, given.rms_gradient, pressed.contact)
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
+        attributes = found[name].attrs
+        attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
     length, unit = scene.length or 1.0, units(scene)
     pressure = pressed.contact.equilibrium.pressure[0] * given.rms_gradient
     nx = len(pressure)

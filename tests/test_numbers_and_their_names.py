@@ -53,3 +53,19 @@ def test_surfaces_behind_a_stiffness_are_counted(adhesive):
     counted = contact_stiffness(gfmd_numba.solve(adhesive))["n_realisations"]
     assert np.issubdtype(counted.dtype, np.integer)
     assert counted.values.tolist() == [1, 1]
+
+
+def test_gradients_of_rough_bodies_are_said_to_be_of_all_heights(adhesive):
+    scene = yaml.safe_load(adhesive.read_text())["scene"]
+    rough = scene.pop("roughness") | {"file": str(adhesive.parent / "wave.npy")}
+    scene |= {"body": scene["body"] | {"roughness": rough}, "interface": {"hard_wall": {}}}
+    with pytest.warns(UserWarning, match="rms gradient"):
+        found = gfmd_numba.solve({"scene": scene})
+    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
+        assert "of the sum of the heights" in found[name].long_name
+    assert not any("of the punch" in variable.attrs.get("long_name", "") for variable in found.data_vars.values())
+
+
+def test_transforms_are_those_of_the_grid():
+    (transforms,) = (m for m in observables.MEASURES if m.name == "n_transforms")
+    assert transforms.long_name == "fast Fourier transforms of the whole grid"  # of nx nodes, or of nx^2

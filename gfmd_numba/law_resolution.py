@@ -35,7 +35,7 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
         remedy = f"eps_c = 1/{finer} (nx = {finer * waves})"
     return (
         f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
-        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, about 25 % too large at 0.9 and 90 % at 1.9. "
+        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, over 20 % too large at 0.9 and 80 % at 1.9. "
         f"Take {remedy}, or a longer range"
     )
 

@@ -60,8 +60,20 @@ def write_dataset(path: Path, dataset: xr.Dataset) -> None:
 
 
 def netcdf(dataset: xr.Dataset) -> memoryview:
-    """Content of a netCDF file; made in memory, as the netCDF library does not say why a disk refused it."""
-    return dataset.to_netcdf(engine="netcdf4")
+    """Content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
+
+    It is made in memory, as the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would import
+    all of dask.distributed, to ask whether a cluster is going to write the file.
+    """
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+
+    file = netCDF4.Dataset("in memory", "w", memory=1)
+    try:
+        dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    finally:
+        content: memoryview = file.close()
+    return content
 
 
 def write_picture(path: Path, figure: Figure, dpi: int) -> None:

@@ -14,6 +14,7 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
+from gfmd_numba.atomic_file import replace
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.cases import blocks
 from gfmd_numba.campaign.claim import claimed
@@ -295,12 +296,18 @@ def test_a_script_without_a_main_guard_may_run_a_campaign(tmp_path):
 
 def test_leftovers_of_a_killed_run_do_not_block_it(finished, tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
-    (out / "shards").mkdir(parents=True)
-    leftovers = [out / "campaign.yaml.1.tmp", out / "shards" / "a.shard.1.tmp", out / "small.nc.tmp", out / ".lock"]
+    out.mkdir(parents=True)
+    leftovers = [out / f"small.nc.{32 * '0'}.tmp", out / f".{32 * 'a'}.tmp"]
+    for leftover in (*leftovers, out / ".lock"):
+        leftover.touch()
+    with claimed(out, "small", path.read_text()):
+        assert not any(leftover.exists() for leftover in leftovers)
+    (out / "shards").mkdir()
+    leftovers += [out / "shards" / f"a.shard.{32 * '1'}.tmp", out / "shards" / "a.late.tmp"]
     for leftover in leftovers:
         leftover.touch()
     xr.testing.assert_identical(numbers(gfmd_numba.run(path, out)), numbers(finished))
-    assert [leftover.exists() for leftover in leftovers] == [False, False, False, True]
+    assert not any(leftover.exists() for leftover in leftovers)
 
 
 @pytest.mark.parametrize("text", ["", "name: [", "- list"])
@@ -308,7 +315,7 @@ def test_a_damaged_label_says_what_to_do(tmp_path, text):
     path, out = campaign(tmp_path), tmp_path / "out"
     gfmd_numba.run(path, out)
     (out / "campaign.yaml").write_text(text)
-    with pytest.raises(InputError, match=r"out/campaign.yaml: given a damaged copy .*delete the copy"):
+    with pytest.raises(InputError, match=r"out/campaign.yaml: given a copy .* that somebody has changed.*move it away"):
         gfmd_numba.run(path, out)
     (out / "campaign.yaml").unlink()
     gfmd_numba.run(path, out)
@@ -328,7 +335,7 @@ def test_one_run_at_a_time(tmp_path):
 def test_files_follow_the_umask(tmp_path):
     before = os.umask(0o027)
     try:
-        shards.replace(tmp_path / "file", b"")
+        replace(tmp_path / "file", b"")
     finally:
         os.umask(before)
     assert (tmp_path / "file").stat().st_mode & 0o777 == 0o640

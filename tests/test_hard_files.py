@@ -237,7 +237,7 @@ def test_a_clock_set_wrong_is_no_failure(tmp_path, shift):
     path, out = campaign(tmp_path), tmp_path / "out"
     run(path, out, Workers(0))
     next(out.glob("shards/*.shard")).unlink()
-    for file in (out / "campaign.yaml", *out.glob("shards/*.shard")):
+    for file in (out / ".gfmd-campaign", *out.glob("shards/*.shard")):
         os.utime(file, (time.time() + shift,) * 2)
     found = progress(out)
     assert found.done == found.blocks - 1

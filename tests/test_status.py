@@ -143,7 +143,7 @@ def test_status_of_a_running_campaign(tmp_path):
 def test_a_directory_of_no_campaign(tmp_path, command):
     ran = gfmd(command, tmp_path)
     assert ran.exit_code == 2
-    assert "given a directory without campaign.yaml; allowed: one that `gfmd run` made" in ran.output
+    assert "given a directory without .gfmd-campaign; allowed: one that `gfmd run` made" in ran.output
 
 
 def test_the_file_says_where_it_comes_from(finished):

@@ -2,26 +2,27 @@
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba import json_file
+from gfmd_numba.atomic_file import netcdf, replace
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
-from gfmd_numba.campaign.results import seal
+from gfmd_numba.campaign.results import sealed
 from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.dynamics import Status
 from gfmd_numba.observables import MEASURES
 from gfmd_numba.problem import self_affine
 
+NOTED = ("predicted_cpu_seconds_p50", "predicted_cpu_seconds_p90", "last_run_blocks", "last_run_seconds")
 _RUN = "run.json"
 
 Measures = dict[str, npt.NDArray[Any]]
@@ -30,49 +31,30 @@ Measures = dict[str, npt.NDArray[Any]]
 def collect(planned: Plan, directory: Path) -> Path:
     """Write what the finished shards hold to the campaign's netCDF file; the rest is marked in `status`."""
     path = directory / f"{planned.campaign.name}.nc"
-    temporary = directory / f"{path.name}.{uuid4().hex}.tmp"
-    try:
-        _assemble(planned, directory).to_netcdf(temporary, engine="netcdf4")
-        seal(temporary)
-        with open(temporary, "rb+") as file:
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    replace(path, sealed(netcdf(_assemble(planned, directory))))
     return path
 
 
-def note(directory: Path, **values: Any) -> None:
-    """Remember facts of a run, like its predicted time, for the file it will be collected into."""
-    shards.replace(directory / _RUN, json.dumps(noted(directory) | values).encode())
+def note(directory: Path, **values: float) -> None:
+    """Remember facts of a run, named in `NOTED`, for the file it will be collected into."""
+    json_file.write(directory / _RUN, noted(directory) | values)
 
 
-def noted(directory: Path) -> dict[str, Any]:
-    """What has been noted about the runs in a directory."""
-    try:
-        facts = json.loads((directory / _RUN).read_text())
-    except (OSError, ValueError):
-        return {}
-    return facts if isinstance(facts, dict) else {}
+def noted(directory: Path) -> dict[str, float]:
+    """What has been noted about the runs in a directory: numbers of `NOTED`, whatever else the file holds."""
+    facts = json_file.read(directory / _RUN)
+    return {name: facts[name] for name in NOTED if type(facts.get(name)) in (int, float) and 0 <= facts[name] < 2**53}
 
 
 def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
-    campaign = planned.campaign
     wanted = planned.demand
     longest = max(wanted.values())
     blocks: dict[str, list[Block]] = {}
     for block in planned.blocks_in(directory):
         blocks.setdefault(block.problem.identity, []).append(block)
     measured = {name: _measured(of_it, wanted[name], longest, directory) for name, of_it in blocks.items()}
-    text = planned.document.text
     attributes = {
-        "title": campaign.name,
-        "campaign": text,
-        "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "seed": campaign.seed,
-        "fit": campaign.fit.model_dump_json(exclude_none=True),
-        **({} if campaign.target is None else {"target": campaign.target}),
+        **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": planned.validity,
         "n_distinct_problems": len(planned.problems),
@@ -86,7 +68,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
-    dataset = campaign_dataset(coordinates(planned.cases), values, units(campaign.scene), attributes)
+    dataset = campaign_dataset(coordinates(planned.cases), values, units(planned.campaign.scene), attributes)
     dataset["case_seconds"] = (
         "case",
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
@@ -94,6 +76,27 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     )
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
+
+
+def described(planned: Plan) -> dict[str, Any]:
+    """Attributes of the results that follow from the campaign file alone."""
+    campaign, text = planned.campaign, planned.document.text
+    return {
+        "title": campaign.name,
+        "campaign": text,
+        "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "seed": campaign.seed,
+        "fit": campaign.fit.model_dump_json(exclude_none=True),
+        **({} if campaign.target is None else {"target": campaign.target}),
+    }
+
+
+def is_altered(results: xr.Dataset, planned: Plan) -> bool:
+    """Whether the numbers of results differ from their digest, or what they say of the campaign from its file."""
+    said = results.attrs
+    return content_digest(results) != said.get("content_sha256") or not all(
+        name in said and np.array_equal(said[name], value) for name, value in described(planned).items()
+    )
 
 
 def in_file_units(case: Case, measured: Measures) -> Measures:

@@ -1,17 +1,18 @@
 """Why some blocks have no result: kept beside the shards until they are tried again."""
 
-import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from gfmd_numba.campaign import shards
+from gfmd_numba import json_file
+from gfmd_numba.dynamics import Status
 
 _SUFFIX = ".failed"
+_STATUSES = [Status.crashed.name, Status.timeout.name]
 
 
 @dataclass(frozen=True)
 class Failure:
-    """How a block ended, a name of `Status`, and the reason in words."""
+    """How a block ended, `crashed` or `timeout`, and the reason in words."""
 
     status: str
     reason: str
@@ -19,7 +20,7 @@ class Failure:
 
 def record(directory: Path, name: str, failure: Failure) -> None:
     """Keep the failure of a block in a campaign's output directory."""
-    shards.replace(_path(directory, name), json.dumps(asdict(failure)).encode())
+    json_file.write(_path(directory, name), asdict(failure))
 
 
 def forget(directory: Path, name: str) -> None:
@@ -29,10 +30,9 @@ def forget(directory: Path, name: str) -> None:
 
 def of(directory: Path, name: str) -> Failure | None:
     """Failure of a block, None if there is none that can be read."""
-    try:
-        return Failure(**json.loads(_path(directory, name).read_text()))
-    except (OSError, ValueError, TypeError):
-        return None
+    found = json_file.read(_path(directory, name))
+    status, reason = found.get("status"), found.get("reason")
+    return Failure(status, reason) if status in _STATUSES and isinstance(reason, str) else None
 
 
 def _path(directory: Path, name: str) -> Path:

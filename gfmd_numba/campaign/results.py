@@ -13,11 +13,9 @@ _SEAL = b"gfmd seal 1\n"
 _DIGEST_BYTES = hashlib.sha256().digest_size
 
 
-def seal(file: Path) -> None:
-    """Append a digest of its content to a file, which netCDF readers do not look at."""
-    digest = hashlib.sha256(file.read_bytes()).digest()
-    with open(file, "ab") as end:
-        end.write(digest + _SEAL)
+def sealed(content: memoryview) -> bytes:
+    """Content of a file with its digest behind it, which netCDF readers do not look at."""
+    return b"".join((content, hashlib.sha256(content).digest(), _SEAL))
 
 
 def results_file(path: Path) -> Path:

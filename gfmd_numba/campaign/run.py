@@ -57,8 +57,8 @@ def run(
     directory = Path(output if output is not None else planned.campaign.name)
     check(workers, directory)
     failed: Failures = {}
-    with claimed(directory, planned.campaign.name, planned.document.text):
-        try:
+    try:
+        with claimed(directory, planned.campaign.name, planned.document.text):
             chosen = list(split(cases, held(directory)))
             todo = _todo(chosen, directory, choice)
             progress = watch(len(chosen), len(chosen) - len(todo)) if watch else lambda blocks: None
@@ -85,8 +85,8 @@ def run(
                 execute(tasks(todo, predicted, workers.count), directory, workers, timeout, finished)
                 note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
             results = collect(planned, directory)
-        except OSError as error:
-            raise StoppedError(f"{error}; finished work is kept, the same command resumes") from error
+    except OSError as error:
+        raise StoppedError(f"{error}; finished work is kept, the same command resumes") from error
     earlier = {block.name: failures.of(directory, block.name) for block in chosen}
     return results, {name: failure for name, failure in earlier.items() if failure is not None}
 

@@ -2,13 +2,13 @@
 
 import hashlib
 import io
-import os
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 import numpy.typing as npt
+
+from gfmd_numba.atomic_file import replace
 
 Arrays = dict[str, npt.NDArray[Any]]
 _MAGIC = b"gfmd shard 1\n"
@@ -40,17 +40,3 @@ def read(path: Path) -> Arrays | None:
 def _seal(path: Path, payload: bytes) -> bytes:
     """What a shard begins with; its name is the identity of the work, so the digest covers it too."""
     return _MAGIC + hashlib.sha256(path.name.encode() + payload).digest()
-
-
-def replace(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name, force it to disk, then give it its name."""
-    temporary = path.with_name(f"{path.name}.{uuid4().hex}.tmp")  # not mkstemp, whose files only the owner may read
-    try:
-        with open(temporary, "xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

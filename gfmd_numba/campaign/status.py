@@ -7,11 +7,10 @@ from pathlib import Path
 
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.claim import LABEL, at_work
+from gfmd_numba.campaign.claim import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.execution import shard_path
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.plan import Plan, plan
-from gfmd_numba.scene import InputError
 
 
 @dataclass(frozen=True)
@@ -42,10 +41,8 @@ class Verdict:
 
 def campaign_in(directory: Path) -> Plan:
     """Plan of the campaign whose output directory this is; raises InputError."""
-    label = directory / LABEL
-    if not label.is_file():
-        raise InputError(f"{directory}: given a directory without {LABEL}; allowed: one that `gfmd run` made")
-    return plan(label)
+    check_label(directory)
+    return plan(directory / LABEL)
 
 
 def progress(directory: Path) -> Progress:
@@ -53,7 +50,7 @@ def progress(directory: Path) -> Progress:
     planned = campaign_in(directory)
     blocks = planned.blocks_in(directory)
     done, failed, left, recent, total_recent = 0, {}, 0.0, 0.0, 0
-    begun = (directory / LABEL).stat().st_mtime
+    begun = (directory / MARK).stat().st_mtime
     retry = {}
     for block in blocks:
         try:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.arguments import check_output, file_argument, picture_beside
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
@@ -32,21 +32,24 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     half-space; then what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
     """
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
+    from gfmd_numba.atomic_file import write_dataset, write_picture
     from gfmd_numba.campaign import accuracy as targets
     from gfmd_numba.campaign import work_precision
     from gfmd_numba.campaign.plan import plan
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
+    picture = picture_beside(results)
+    check_output(results, file)
     points: list[work_precision.Point] = []
     for point in work_precision.studies(planned, realisations):
         if not points or points[-1].study != point.study:
             click.echo(f"study    {point.study}", err=True)
         points.append(point)
     dataset = work_precision.dataset(points)
-    dataset.to_netcdf(results, engine="netcdf4")
-    picture = results.with_suffix(".png")
-    plot_accuracy(dataset).savefig(picture, dpi=120)
+    write_dataset(results, dataset)
+    with waiting("drawing"):
+        write_picture(picture, plot_accuracy(dataset), dpi=120)
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
     if {case.limit for case in planned.cases} != {"reference"}:

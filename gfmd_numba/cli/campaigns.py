@@ -18,6 +18,8 @@ from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
 from gfmd_numba.printable import printable
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from gfmd_numba.campaign.plan import Plan
 
 
@@ -172,6 +174,7 @@ def run(
     to_do = int((status == meanings.index("unfinished")).sum())
     asked = int((status != meanings.index("not_asked")).sum())
     not_ok = asked - to_do - int((status == 0).sum())
+    drawn = True
     if to_do:
         say("note", f"{to_do} of {asked} simulations are not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):
@@ -180,7 +183,7 @@ def run(
         show_fit(fitted)
         if "target" in dataset.attrs:
             show_target(fitted, dataset.attrs["target"])
-        draw(dataset, fitted, results.with_suffix(".png"))
+        drawn = _draw(dataset, fitted, results.with_suffix(".png"))
     else:
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():
@@ -198,7 +201,23 @@ def run(
             width=6,
             err=True,
         )
+    if not_ok or not drawn:
         sys.exit(SOME_FAILED)
+
+
+def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
+    """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
+    from gfmd_numba.atomic_file import is_ours
+
+    try:
+        if picture.exists() and not is_ours(picture):
+            click.echo(f"note     {picture} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
+        else:
+            draw(dataset, fitted, picture)
+    except OSError as error:
+        click.echo(f"gfmd: {error}; the results are whole, `gfmd plot {picture.parent}` draws them", err=True)
+        return False
+    return True
 
 
 _directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
@@ -248,7 +267,7 @@ def collect(directory: Path) -> None:
 @_directory
 def verify(directory: Path) -> None:
     """Check every shard in an output DIRECTORY, and its netCDF file, against their digests."""
-    from gfmd_numba.campaign.provenance import content_digest
+    from gfmd_numba.campaign.collection import is_altered
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.campaign.status import campaign_in
     from gfmd_numba.campaign.status import verify as verify_shards
@@ -259,11 +278,11 @@ def verify(directory: Path) -> None:
         say("damaged", f"{name}: `gfmd run` computes it again")
     for name in verdict.foreign:
         say("foreign", f"{name}: of no case of this campaign; it is not used")
-    file = directory / f"{campaign_in(directory).campaign.name}.nc"
+    planned = campaign_in(directory)
+    file = directory / f"{planned.campaign.name}.nc"
     altered = False
     if file.exists():
-        dataset = read_results(file)
-        altered = content_digest(dataset) != dataset.attrs.get("content_sha256")
+        altered = is_altered(read_results(file), planned)
         state = "differs from its digest: `gfmd collect` writes it again" if altered else "sound"
         say("results", f"{file} {state}")
     if verdict.damaged or altered:

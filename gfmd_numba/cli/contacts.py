@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument
+from gfmd_numba.cli.arguments import check_output, file_argument, picture_beside
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
@@ -30,14 +30,14 @@ def solve(file: Path, output: Path) -> None:
     with without_collections():
         import gfmd_numba
         import gfmd_numba.single
-        from gfmd_numba.netcdf import netcdf
+        from gfmd_numba.atomic_file import write_dataset
         from gfmd_numba.scene import input_files
 
     check_output(output, file, *input_files(file))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = gfmd_numba.solve(file)
-    output.write_bytes(netcdf(dataset))
+    write_dataset(output, dataset)
     click.echo(f"results  {printable(output)}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     shown = [name for name in _SHOWN if name in dataset]  # a loaded body has but the last
@@ -107,25 +107,19 @@ def fields(file: Path, output: Path, body: str) -> None:
     """Write and draw displacement, strain and stress inside a body of the contact in FILE, left by `gfmd solve`."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
+    from gfmd_numba.atomic_file import write_dataset, write_picture
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.cli.fits import naming
 
-    picture = _picture(output)
+    picture = picture_beside(output)
     check_output(output, file)
     with waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(read_results(file), body=body)
-    dataset.to_netcdf(output, engine="netcdf4")
+    write_dataset(output, dataset)
     click.echo(f"fields   {printable(output)}")
     with naming(file), waiting("drawing"):
-        plot_body(dataset).savefig(picture, dpi=150)
+        write_picture(picture, plot_body(dataset), dpi=150)
     click.echo(f"picture  {printable(picture)}")
-
-
-def _picture(output: Path) -> Path:
-    picture = output.with_suffix(".png")
-    if picture == output:
-        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
-    return picture
 
 
 @main.command()
@@ -135,14 +129,19 @@ def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_surface
+    from gfmd_numba.atomic_file import write_dataset, write_picture
+    from gfmd_numba.scene.surface_file import load_surface
+    from gfmd_numba.scene.surface_records import MeasuredField
 
-    picture = _picture(output)
+    picture = picture_beside(output)
+    described = load_surface(file)[0].surface
+    check_output(output, file, *([Path(described.file)] if isinstance(described, MeasuredField) else []))
     with waiting("making the surface"):
         dataset = gfmd_numba.make_surface(file)
-    dataset.to_netcdf(output, engine="netcdf4")
+    write_dataset(output, dataset)
     click.echo(f"surface  {printable(output)}")
     with waiting("drawing"):
-        plot_surface(dataset).savefig(picture, dpi=150)
+        write_picture(picture, plot_surface(dataset), dpi=150)
     click.echo(f"picture  {printable(picture)}")
     for name, variable in dataset.data_vars.items():
         if not variable.dims:

@@ -15,6 +15,7 @@ from gfmd_numba.cli.arguments import (
     check_picture,
     exponents_option,
     fixed_option,
+    picture_beside,
     results_argument,
     variable_option,
 )
@@ -47,7 +48,9 @@ def fit(
         fitted = _fit(dataset, fixed, variable, exponents)
     show_fit(fitted)
     if output is not None:
-        fitted.to_netcdf(output, engine="netcdf4")
+        from gfmd_numba.atomic_file import write_dataset
+
+        write_dataset(output, fitted)
         click.echo(f"fit      {printable(output)}")
 
 
@@ -64,7 +67,7 @@ def plot(
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    picture = output or file.with_suffix(".png")
+    picture = output or picture_beside(file)
     check_output(picture, file, file.parent / "campaign.yaml")
     check_picture(picture)
     dataset = read_results(file)
@@ -111,8 +114,9 @@ def fit_options(
 def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     """Write the picture of a campaign with its fit, or of one contact without."""
     from gfmd_numba.analysis import plot_campaign, plot_contact
+    from gfmd_numba.atomic_file import write_picture
 
     with waiting("drawing"):
         figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
-        figure.savefig(path, dpi=150)
+        write_picture(path, figure, dpi=150)
     click.echo(f"picture  {printable(path)}")

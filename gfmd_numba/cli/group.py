@@ -22,7 +22,7 @@ class _Gfmd(click.Group):
 
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _tell
+                warnings.showwarning = _show_warning
                 return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
@@ -39,7 +39,7 @@ class _Gfmd(click.Group):
             ctx.exit(INTERRUPTED)
 
 
-def _tell(
+def _show_warning(
     message: Warning | str,
     category: type[Warning],
     filename: str,

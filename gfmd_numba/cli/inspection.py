@@ -75,12 +75,11 @@ def init(file: Path) -> None:
     """Write a campaign with comments to FILE, to begin with."""
     from importlib.resources import files
 
+    from gfmd_numba.atomic_file import create
     from gfmd_numba.scene.document import InputError
 
-    text = files("gfmd_numba.campaign").joinpath("template.yaml").read_text(encoding="utf-8")
     try:
-        with open(file, "x", encoding="utf-8") as new:
-            new.write(text)
+        create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
     except FileExistsError:
         raise InputError(f"{file}: given a file that exists; allowed: a new name") from None
     say("campaign", f"{file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")

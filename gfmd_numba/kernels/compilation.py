@@ -40,10 +40,7 @@ class _OnDisk:
 
     def __init__(self, kernel: str) -> None:
         self._kernel = kernel
-
-    @property
-    def cache_path(self) -> str:
-        return str(kernel_cache.folder())
+        self.cache_path = str(kernel_cache.folder())
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         target.refresh()

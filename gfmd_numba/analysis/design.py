@@ -14,6 +14,7 @@ from gfmd_numba.analysis.tfc import exponent_range
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.95  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
+_LARGE = 1.3  # standard errors by which a correction is found too large by one campaign in ten
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 
@@ -42,9 +43,12 @@ class _Ensemble:
     """What a pilot says of one group."""
 
     covariance: Array  # (case, case) of one realisation
-    columns: Array  # (case, parameter) of the linearised fit
+    columns: Array  # (case, parameter) of the fit at known exponents
+    slopes: Array  # (case, exponent) of those that are not known, for a correction of 1
+    corrections: Array  # (exponent) size of the correction of each
+    correction: NDArray[np.intp]  # (exponent) parameter that is the correction
+    known: Array  # (exponent) what is known of each before the campaign: 1 / variance
     level: NDArray[np.intp]  # (case)
-    known: Array  # (parameter) what is known of each before the campaign: 1 / variance
     kappa: float
     doubt: float  # factor on variances
 
@@ -165,13 +169,15 @@ def _ensemble(
     columns = np.column_stack([np.ones(len(powers)), powers])
     # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
     scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
-    slopes = (log_ratio * powers * np.hypot(beta, np.sqrt(scatter))[1:])[:, unsure]
     width = ends[unsure, 1] - ends[unsure, 0]
     return _Ensemble(
         covariance,
-        np.column_stack([columns, slopes]),
+        columns,
+        (log_ratio * powers)[:, unsure],
+        np.hypot(beta, np.sqrt(scatter))[1 + unsure],
+        1 + unsure,
+        np.nan_to_num(12.0 / width**2),  # of a uniform distribution
         level,
-        np.concatenate([np.zeros(1 + len(names)), np.nan_to_num(12.0 / width**2)]),  # of a uniform distribution
         float(beta[0]),
         float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),  # levels' shares are chosen by it, too
     )
@@ -209,12 +215,15 @@ def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
     dear = asked[(asked > 0) & (asked < before)]
     controlled = (fewest / dear).sum()
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    sure = ensemble.known == 0
-    variances = []
-    for x, known in ((ensemble.columns, ensemble.known), (ensemble.columns[:, sure], ensemble.known[sure])):
-        variances.append(np.linalg.pinv(x.T @ information @ x + np.diag(known), hermitian=True)[0, 0])
-    total, sampling = np.sqrt(variances) / abs(ensemble.kappa)
-    return float(total), float(sampling)
+    columns = ensemble.columns
+    sampling = np.linalg.pinv(columns.T @ information @ columns, hermitian=True)
+    # and by one that the campaign itself may take for too large
+    excess = _LARGE**2 * np.diag(sampling)[ensemble.correction]
+    both = np.hstack([columns, ensemble.slopes * np.sqrt(ensemble.corrections**2 + excess)])
+    known = np.diag(np.concatenate([np.zeros(columns.shape[1]), ensemble.known]))
+    total = np.linalg.pinv(both.T @ information @ both + known, hermitian=True)
+    error, of_surfaces = np.sqrt([total[0, 0], sampling[0, 0]]) / abs(ensemble.kappa)
+    return float(error), float(of_surfaces)
 
 
 def _enough(choice: _Choice, shares: Array, target: float) -> float:

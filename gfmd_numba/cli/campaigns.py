@@ -34,7 +34,6 @@ def plan(
     file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None, write: Path | None
 ) -> None:
     """Say what the campaign in FILE comes to and costs, without running it."""
-    from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
     from gfmd_numba.campaign.plan import plan as plan_campaign
 
     planned = plan_campaign(file)
@@ -44,18 +43,13 @@ def plan(
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another one in {whose} alone, which changes no number", width=14)
-    click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
-    largest = max(case.discretisation.nx for case in planned.cases)
-    click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
-    program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
-    click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides {program}")
-    check_memory(planned.blocks, workers)
-    click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
     if target or budget:
         _check_target(planned, target[0] if target else "")
         _show_design(planned, target[1] if target else None, budget, workers, write)
-    elif pilot:
-        _show_cost(planned, workers, pilot)
+    else:
+        _show_size(planned, workers)
+        if pilot:
+            _show_cost(planned, workers, pilot)
     for effect in planned.effects[:_MOST_EFFECTS]:
         say(effect.state, f"{effect.name}: {effect.reason}", width=14)
     if len(planned.effects) > _MOST_EFFECTS:
@@ -65,25 +59,43 @@ def plan(
 _MOST_EFFECTS = 50
 
 
-def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    from gfmd_numba.campaign.overhead import UNSURE, overhead
+def _show_size(planned: Plan, workers: int) -> None:
+    from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
 
+    click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
+    largest = max(case.discretisation.nx for case in planned.cases)
+    click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
+    program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
+    click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides {program}")
+    click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")
+    check_memory(planned.blocks, workers)
+
+
+def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
     with waiting("measuring what the problems cost"):
-        predicted, beside = planned.predicted_cost(pilot), overhead(planned)
+        predicted = planned.predicted_cost(pilot)
     contacts = predicted.quantile(0.5), predicted.quantile(0.9)
     walls = [planned.wall_time(predicted, seconds, workers) for seconds in contacts]
-    for name, of_contacts, others in (
-        ("CPU time", contacts, beside.cpu_seconds(workers)),
-        ("wall time", walls, beside.wall_seconds(workers)),
+    _show_times(planned, workers, contacts, (walls[0], walls[1]))
+    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
+    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
+
+
+def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tuple[float, float]) -> None:
+    """Print what a run takes: likely times of the contacts, and those not exceeded, with all that is beside them."""
+    from gfmd_numba.campaign.overhead import UNSURE, overhead
+
+    beside = overhead(planned)
+    for name, contacts, others in (
+        ("CPU time", cpu, beside.cpu_seconds(workers)),
+        ("wall time", wall, beside.wall_seconds(workers)),
     ):
-        likely, at_most = of_contacts[0] + others, of_contacts[1] + UNSURE * others
-        click.echo(f"{name:13} {duration(likely)}, with 90 % probability below {duration(at_most)}")
-    parts = {"contacts": contacts[0], "start": beside.start, "workers": workers * beside.worker}
+        at_most = duration(contacts[1] + UNSURE * others)
+        click.echo(f"{name:13} {duration(contacts[0] + others)}, with 90 % probability below {at_most}")
+    parts = {"contacts": cpu[0], "start": beside.start, "workers": workers * beside.worker}
     parts |= {"results": beside.results, "fit and picture": beside.fit}
     shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
     click.echo(f"of CPU time   {shown}")
-    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
-    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 
 
 def _check_target(planned: Plan, name: str) -> None:
@@ -100,6 +112,7 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
     from gfmd_numba.analysis import UnusableDataError
     from gfmd_numba.atomic_file import create
     from gfmd_numba.campaign import accuracy
+    from gfmd_numba.campaign.overhead import UNSURE
     from gfmd_numba.scene import InputError
 
     if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
@@ -115,13 +128,16 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
     parts = f"sampling {chosen.sampling:.2%}, exponents {chosen.exponents:.2%}"
     told = f"{chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}"
     say("error", told, width=14)
-    wall = chosen.seconds / max(1, workers)
-    click.echo(f"CPU time      {duration(chosen.seconds)}, {duration(wall)} with {workers} workers once started")
+    say("promised", accuracy.promise(found), width=14)
+    designed = accuracy.designed(planned, chosen)
+    _show_size(designed, workers)
+    walls = chosen.seconds / max(1, workers), UNSURE * chosen.seconds / max(1, workers)
+    _show_times(designed, workers, (chosen.seconds, UNSURE * chosen.seconds), walls)
     click.echo(f"residual      {accuracy.loosest_residual(planned, chosen.error):g} is enough for the solver")
     for goal in (0.1, 0.03, 0.01, 0.003):
         try:
             with waiting(f"planning for {goal:.1%}"):
-                price = duration(accuracy.design(planned, found, goal, None).seconds)
+                price = f"{duration(accuracy.design(planned, found, goal, None).seconds)} for the contacts"
         except UnusableDataError:
             price = "not to be had with these levels"
         click.echo(f"price         {goal:.1%}: {price}")

@@ -52,6 +52,9 @@ def show_target(fitted: xr.Dataset, target: float) -> None:
     missed = [f"{error:.2%}" for error in reached if not error <= target]
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
     say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
+    if missed:
+        promised = "a plan promises each group of its pilot the target with 90 % probability, not with certainty"
+        say("note", f"{promised}: plan this campaign again for more realisations")
 
 
 def show_means(dataset: xr.Dataset, variable: str) -> None:

@@ -46,13 +46,16 @@ def test_the_seconds_of_a_pilot_are_those_of_all_groups(tmp_path, patience, monk
     clock = SimpleNamespace(now=0.0)
     measured = accuracy._measured
 
+    def seconds(problem):
+        return 1e-6 * (problem.surface.nodes + 1000) * problem.mean_pressure**0.15
+
     def timed(problem, realisations):
-        clock.now += 1e-6 * realisations * (problem.surface.nodes + 1000)
+        clock.now += realisations * seconds(problem)
         return measured(problem, realisations)
 
     monkeypatch.setattr(accuracy, "_measured", timed)
     monkeypatch.setattr(accuracy, "time", SimpleNamespace(thread_time=lambda: clock.now))
-    total = sum(1e-6 * (problem.surface.nodes + 1000) for problem in planned.problems)
+    total = sum(map(seconds, planned.problems))
     patience(1e6)
     assert sum(accuracy.pilot(planned).seconds) == pytest.approx(total, rel=1e-9)
     patience(0.0)

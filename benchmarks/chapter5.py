@@ -5,15 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from finite_elements import Body, graded
 
-from gfmd_numba import grid, problem, rough_bodies
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.contact import problem
+from gfmd_numba.contact import two_step as rough_bodies
+from gfmd_numba.contact.problem import ElasticBody, Problem
+from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.fields import Elastic, Fields
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem
-from gfmd_numba.rough_bodies import RoughBody
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 NX = 2560  # 512 times 5: 9/20 and 11/20 are nodes of every grid and mesh
 COARSE, FINE = 320, 640

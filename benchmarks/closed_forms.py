@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from gfmd_numba import grid, reference
-from gfmd_numba.contact_edges import EDGE_BIAS
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.theory import closed_forms
 
 NUMERICS = Numerics(solver="verlet", residual=1e-10)
 AMPLITUDE, RADIUS = 0.01, 1.0
@@ -55,16 +56,16 @@ table(
     "Westergaard's wave, 5 to 60 % of full contact",
     2 ** np.arange(6, 14),
     lambda x: AMPLITUDE * np.cos(2 * np.pi * x),
-    lambda x, p: reference.westergaard_pressure(x, p, AMPLITUDE),
-    lambda p: reference.westergaard_half_width(p, AMPLITUDE),
+    lambda x, p: closed_forms.westergaard_pressure(x, p, AMPLITUDE),
+    lambda p: closed_forms.westergaard_half_width(p, AMPLITUDE),
     np.linspace(0.05, 0.6, 23) * np.pi * AMPLITUDE,
 )
 table(
     "Hertz line contact, half width 0.015 to 0.025 L_x",
     2 ** np.arange(9, 15),
     lambda x: -(x**2) / (2 * RADIUS),
-    lambda x, p: reference.hertz_line_pressure(x, p, RADIUS),
-    lambda p: reference.hertz_line_half_width(p, RADIUS),
+    lambda x, p: closed_forms.hertz_line_pressure(x, p, RADIUS),
+    lambda p: closed_forms.hertz_line_half_width(p, RADIUS),
     np.pi * np.linspace(0.015, 0.025, 23) ** 2 / (4 * RADIUS),
 )
 print("\nFull contact, self-affine: largest error of the pressure over its rms fluctuation")

@@ -7,10 +7,10 @@ import sys
 
 import numpy as np
 
-from gfmd_numba.contact import solve
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import measure
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 
 LEVELS = (2, 4, 8, 16, 32, 64)

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from gfmd_numba.contact import solve
-from gfmd_numba.interface import Exponential, Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.interface.laws import Exponential, Interface
 from gfmd_numba.scene import Numerics
 
 DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000

@@ -14,9 +14,9 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gfmd_numba.dynamics.equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
-from gfmd_numba.dynamics.regimes import update_matrix
 from gfmd_numba.elasticity import coupled
+from gfmd_numba.theory.equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
+from gfmd_numba.theory.regimes import update_matrix
 
 BASE = {"nx": 2048, "E": 0.7, "dt": 0.25, "nu": 0.2, "a": 1.0}
 RANGES = {

@@ -17,16 +17,17 @@ import numpy as np
 import yaml
 
 import gfmd_numba
-from gfmd_numba import grid, reference
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
-from gfmd_numba.contact_edges import EDGE_BIAS
-from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.scene import InputError, Numerics
 from gfmd_numba.scene.document import read_document
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.theory import closed_forms
 
 CAMPAIGN = """
 name: hard
@@ -166,7 +167,7 @@ def units():
     x = np.arange(256) / 256
     amplitude, load, modulus = 1e-4, 5e-5, 1e-3
     heights = amplitude * np.cos(2 * np.pi * x)
-    truth = 2 * reference.westergaard_half_width(load, amplitude)
+    truth = 2 * closed_forms.westergaard_half_width(load, amplitude)
     u, restoring = verlet(heights, load, 100_000, 1.9, 0.5, tolerance=1e-8 / modulus)
     naive = ((u >= heights.max() - heights) & (restoring < load)).mean()
     ours, seconds = certified(heights, load)
@@ -184,7 +185,7 @@ def edges():
     """Contact lengths over those of Westergaard, at loads that move the edges across the grid."""
     loads, amplitude, nx = np.linspace(0.03, 0.09, 31) * np.pi * 0.01, 0.01, 64
     heights = amplitude * np.cos(2 * np.pi * np.arange(nx) / nx)
-    truth = np.array([2 * reference.westergaard_half_width(load, amplitude) for load in loads])
+    truth = np.array([2 * closed_forms.westergaard_half_width(load, amplitude) for load in loads])
     begun = time.perf_counter()
     counted = np.array([certified(heights, load)[0].touching.mean() for load in loads])
     cost = (time.perf_counter() - begun) / len(loads)

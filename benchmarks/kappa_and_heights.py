@@ -12,14 +12,15 @@ import sys
 
 import numpy as np
 
-from gfmd_numba import grid, observables
-from gfmd_numba.contact import Contact
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.contact import observables
+from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Interface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import distribution, self_affine
 from gfmd_numba.roughness.amplitudes import complex_gaussian
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 HURST, PRESSURE, SHORTEST, RESOLUTION, SEED = 0.8, 0.007, 256, 4, 2018
 PERIODS = (1, 2, 4, 8, 16)  # L_x/lambda_l

@@ -11,15 +11,16 @@ import time
 
 import numpy as np
 
-from gfmd_numba import contact, grid
-from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.fourier import Convolution
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import measure
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
 
 SURFACES, RESIDUAL = 6, 1e-8
 
@@ -31,7 +32,7 @@ def problem(hurst, cut_off, nx, load, cut_on=2, anisotropy=1.0):
 
 
 def measured(*arguments, **options):
-    found = measure(contact.solve(problem(*arguments, **options), range(SURFACES)))
+    found = measure(solution.solve(problem(*arguments, **options), range(SURFACES)))
     assert (found["status"] == Status.ok).all()
     return found
 
@@ -103,7 +104,7 @@ def line_contact(hurst, nx, load, profiles=600):
     surface = RandomSurface(hurst, 8, 128, nx, 2018)
     numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
     asked = Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
-    found = measure(contact.solve(asked, range(profiles)))
+    found = measure(solution.solve(asked, range(profiles)))
     assert (found["status"] == Status.ok).all()
     return found["kappa"]
 
@@ -121,11 +122,11 @@ def one_transform(nx):
 
 def one_map(nx):
     """Time and memory of one map, in a process that has compiled its kernels."""
-    contact.solve(problem(0.8, 4, 32, 0.007), range(1))
+    solution.solve(problem(0.8, 4, 32, 0.007), range(1))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for hurst in (0.8, 0.3):
         begun = time.perf_counter()
-        made = contact.solve(problem(hurst, nx // 4, nx, 0.007), range(1))
+        made = solution.solve(problem(hurst, nx // 4, nx, 0.007), range(1))
         seconds, solved = time.perf_counter() - begun, made.equilibrium
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         floor = solved.n_transforms[0] * one_transform(nx)

@@ -9,12 +9,12 @@ import time
 
 import numpy as np
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import equilibrate
-from gfmd_numba.dynamics.pressed import PressedBody
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.pressure_iterate import PressedBody
 
 LOAD, RESIDUAL = 0.007, 1e-8
 GRIDS = {8192: 30, 32768: 6, 131072: 2}  # nx and how many surfaces the peers get

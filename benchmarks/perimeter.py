@@ -7,11 +7,11 @@ paraboloid. The contacts are along y or turned by random angles, where edges of 
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from gfmd_numba import grid
-from gfmd_numba.contact_edges import perimeter_bias
-from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.contact.edges import perimeter_bias
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
 
 IMAGES = 9.0336217  # sum of 1/r^3 over the square lattice without the origin
 NUMERICS = Numerics(solver="active_set_newton", residual=1e-8)

@@ -9,11 +9,11 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba import contact, observables
-from gfmd_numba.analysis import persson
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
+from gfmd_numba.theory import persson
 
 SURFACES, SEED = 20, 2018
 HURSTS = {0.3: "#0072B2", 0.8: "#D55E00"}
@@ -31,7 +31,7 @@ def press(hurst, body, load):
     """Measures of the contacts, the histogram of their pressures over s per node, and the mean squares of these."""
     numerics = Numerics(solver="active_set_newton", residual=1e-8)
     surface = RandomSurface(hurst, 2, 1024, 16384, SEED)
-    pressed = contact.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
+    pressed = solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     values = observables.measure(pressed)
     ratio = pressed.equilibrium.pressure / values["full_contact_pressure"][:, np.newaxis]

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import gfmd_numba
-from gfmd_numba.campaign import accuracy
+from gfmd_numba.campaign import design as accuracy
 from gfmd_numba.campaign.plan import plan
 
 CAMPAIGN = """

@@ -18,7 +18,7 @@ import numpy as np
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import accuracy
+from gfmd_numba.campaign import design as accuracy
 from gfmd_numba.campaign.plan import plan
 
 SCENE = """

@@ -8,7 +8,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gfmd_numba.dynamics import regimes
+from gfmd_numba.theory import regimes
 
 SCHEMES = {
     "position Störmer-Verlet": (regimes.position_verlet, "black"),

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from gfmd_numba.contact import solve
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import gap, measure
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.observables import gap, measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 
 SURFACES, SOLVERS = 8, ("verlet", "conjugate_gradients", "active_set_newton")

@@ -4,12 +4,12 @@ import time
 
 import numpy as np
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.fourier import Convolution
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 LOAD, SAMPLES = 0.007, 2**17
 LARGEST = {"active_set_newton": 2**20, "conjugate_gradients": 2**15, "verlet": 2**15}

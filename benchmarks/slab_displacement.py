@@ -5,8 +5,8 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba import grid
 from gfmd_numba.elasticity.fields import Elastic, displaced, fields
+from gfmd_numba.fourier import grid
 
 ASPECT_RATIO, POISSONS_RATIO, AMPLITUDE, NX = 0.25, 0.33, 5e-5, 400  # z_m / L_x, -, u_3 / L_x, -
 

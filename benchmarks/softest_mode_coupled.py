@@ -8,8 +8,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gfmd_numba.dynamics import slowest_mode
-from gfmd_numba.elasticity import coupled
+from gfmd_numba.elasticity import coupled, slowest_mode
 
 Q1 = 2 * np.pi  # k = 1
 HEIGHTS = np.geomspace(0.01, 10, 121)

@@ -8,8 +8,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from gfmd_numba.dynamics import damping, slowest_mode
-from gfmd_numba.elasticity import coupled
+from gfmd_numba.elasticity import coupled, slowest_mode
+from gfmd_numba.theory import damping
 
 Q1 = 2 * np.pi  # k = 1
 HEIGHTS = np.geomspace(0.01, 10, 121)

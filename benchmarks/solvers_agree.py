@@ -4,11 +4,11 @@ import time
 
 import numpy as np
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 SURFACES, NX = 30, 8192
 body = stiffness.half_space(grid.wavenumbers(NX))

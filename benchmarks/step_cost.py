@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics.equilibrium import Start, _coupled_solver, _solver
 from gfmd_numba.elasticity import stiffness, surface
-from gfmd_numba.fourier import Convolution
-from gfmd_numba.interface import Exponential, Interface, XuNeedleman
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import Start, _coupled_solver, _solver
 
 ROUNDS, LOAD = 15, 0.05
 

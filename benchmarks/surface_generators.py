@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import correlation, recursive, self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import Exponential, SelfAffine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 SURFACES, BATCHES = 200, 8
 PERIOD, ROLL_OFF = 10.0, 5.0  # um

@@ -23,10 +23,10 @@ def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> x
     from gfmd_numba.scene import BoundaryFile, SceneFile, has_no_punch
 
     if isinstance(scene, BoundaryFile) or (not isinstance(scene, SceneFile) and has_no_punch(scene)):
-        from gfmd_numba.loaded import solve_loaded
+        from gfmd_numba.simulate.loaded_body import solve_loaded
 
         return solve_loaded(scene)
-    from gfmd_numba.single import solve_scene
+    from gfmd_numba.simulate.contact import solve_scene
 
     return solve_scene(scene)
 
@@ -36,7 +36,7 @@ def body_fields(contact: xr.Dataset, z: ArrayLike | None = None, body: str = "bo
 
     z counts from its surface, negative inside; without z, 101 levels down to the base. Raises InputError for z outside.
     """
-    from gfmd_numba.body import body_fields as fields_of
+    from gfmd_numba.simulate.fields import body_fields as fields_of
 
     _check_dataset("contact", contact, "solve")
     return fields_of(contact, z, body)
@@ -44,7 +44,7 @@ def body_fields(contact: xr.Dataset, z: ArrayLike | None = None, body: str = "bo
 
 def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
     """Make one rough surface: a surface file or mapping in, heights and statistics beside theory out (m or L_x)."""
-    from gfmd_numba.surface import surface_dataset
+    from gfmd_numba.simulate.surface import surface_dataset
 
     return surface_dataset(source)
 

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import Status, equilibrate, equilibrium
-from gfmd_numba.dynamics.decays import Decays
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers import equilibrium
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.preconditioners.exponential_sum import Decays
 
 HALF_SPACE = (None, None)
 BODIES = [HALF_SPACE, (0.0, 10.0), (0.33, 0.1), (0.49, 1e-2), (0.5, 0.1), (0.5, 1e-2), (0.5, 1e-4)]

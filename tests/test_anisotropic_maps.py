@@ -3,20 +3,22 @@
 import numpy as np
 import pytest
 
-from gfmd_numba import contact, fit_tfc, observables, run, single
+from gfmd_numba import fit_tfc, run
 from gfmd_numba.analysis import contact_stiffness, plot_campaign
-from gfmd_numba.campaign.specification import load_campaign
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface, profile, random_surface
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface, profile, random_surface
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.scene import Discretisation, InputError, Numerics, Scene
+from gfmd_numba.simulate import contact as single
 
 WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}
 
 
 def pressed(surface, load=0.05):
     numerics = Numerics(solver="active_set_newton")
-    return contact.solve(
+    return solution.solve(
         Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics), range(1)
     )
 

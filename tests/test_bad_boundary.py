@@ -5,7 +5,7 @@ import pytest
 from test_bad_input import CAMPAIGN, SCENE, changed, complaint
 
 import gfmd_numba
-from gfmd_numba.campaign.specification import load_campaign
+from gfmd_numba.campaign.file import load_campaign
 
 LOADED = """\
 scene:

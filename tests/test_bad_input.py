@@ -3,7 +3,7 @@ import re
 import psutil
 import pytest
 
-from gfmd_numba.campaign.specification import load_campaign
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.scene import InputError, SceneFile, load_scene, read_document
 
 SCENE = """\

@@ -5,14 +5,15 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba import grid, kernels
-from gfmd_numba.boundary import tractions
-from gfmd_numba.dynamics import Status, equilibrate
-from gfmd_numba.dynamics.prescribed import deform
+from gfmd_numba import kernels
+from gfmd_numba.contact.problem import RandomSurface, reduce
+from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity import surface
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import RandomSurface, reduce
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import BoundaryFile, Numerics, Scene
+from gfmd_numba.solvers.boundary_value_problem import deform
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
 
 NX = 128
 X = np.arange(NX) / NX

@@ -14,15 +14,15 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
-from gfmd_numba.atomic_file import replace
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.cases import blocks
-from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage.atomic_file import replace
 
 SMALL = """
 name: small

@@ -17,7 +17,7 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli import main
-from gfmd_numba.dynamics import schemes
+from gfmd_numba.solvers import integrators
 
 CAMPAIGNS = Path(__file__).parent.parent / "campaigns"
 SCENE = """
@@ -138,8 +138,8 @@ def test_runs_that_do_not_converge_exit_with_3(tmp_path):
 
 def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
     path = campaign(tmp_path, **{"grid:": "numerics: {solver: verlet}\ngrid:"})
-    limit = schemes.stability_limit
-    monkeypatch.setattr(schemes, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    limit = integrators.stability_limit
+    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
     least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())
@@ -323,8 +323,8 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")
     assert gfmd("solve", scene, "-o", out).exit_code == 0
     assert "growing_wave" not in xr.load_dataset(out)
-    limit = schemes.stability_limit
-    monkeypatch.setattr(schemes, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    limit = integrators.stability_limit
+    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
     done = gfmd("solve", scene, "-o", out)
     assert done.exit_code == 3
     result = xr.load_dataset(out)
@@ -369,7 +369,7 @@ def test_doctor_finds_a_sound_installation():
 
 
 def test_doctor_finds_a_wrong_pressure(monkeypatch):
-    monkeypatch.setattr("gfmd_numba.reference.westergaard_pressure", lambda x, p, a: x + 1.0)
+    monkeypatch.setattr("gfmd_numba.theory.closed_forms.westergaard_pressure", lambda x, p, a: x + 1.0)
     said = gfmd("doctor")
     assert said.exit_code == 3
     assert "failed: ArithmeticError" in said.output

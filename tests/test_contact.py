@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba import grid, reference
-from gfmd_numba.contact_edges import EDGE_BIAS
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.theory import closed_forms
 
 SOLVERS = ["verlet", "conjugate_gradients", "active_set_newton", "gronbech_jensen", "fire"]
 AMPLITUDE = 0.01
@@ -28,8 +29,8 @@ def westergaard_errors(nx, load, solver):
     """Errors of the pressure over its peak (rms, and largest beyond 4 nodes from an edge), of the node count."""
     x = np.arange(nx) / nx - 0.5
     pressure = press(AMPLITUDE * np.cos(2 * np.pi * x), load, solver).pressure[0]
-    exact = reference.westergaard_pressure(x, load, AMPLITUDE)
-    half_width = reference.westergaard_half_width(load, AMPLITUDE)
+    exact = closed_forms.westergaard_pressure(x, load, AMPLITUDE)
+    half_width = closed_forms.westergaard_half_width(load, AMPLITUDE)
     error = abs(pressure - exact) / exact.max()
     inside = abs(abs(x) - half_width) > 4 / nx
     return np.sqrt((error**2).mean()), error[inside].max(), (pressure > 0).sum() - 2 * half_width * nx
@@ -61,8 +62,8 @@ def test_hertz_line_contact():
     for half_width in (0.015, 0.02, 0.025):
         load = np.pi * half_width**2 / (4 * radius)
         pressure = press(-(x**2) / (2 * radius), load).pressure[0]
-        exact = reference.hertz_line_pressure(x, load, radius)
-        length = 2 * reference.hertz_line_half_width(load, radius)
+        exact = closed_forms.hertz_line_pressure(x, load, radius)
+        length = 2 * closed_forms.hertz_line_half_width(load, radius)
         assert np.sqrt(((pressure - exact) ** 2).mean()) < 1e-3 * exact.max()
         assert abs((pressure > 0).sum() - 2 * EDGE_BIAS - length * nx) < 1.0
 

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from gfmd_numba import contact, grid, observables, reference
-from gfmd_numba.contact_edges import contact_length, perimeter_bias
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.edges import contact_length, perimeter_bias
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.theory import closed_forms
 
 NUMERICS = Numerics(solver="conjugate_gradients", residual=1e-10)
 
@@ -32,8 +34,8 @@ def row_of_cylinders(x):
 @pytest.mark.parametrize(
     ("height", "half_width", "bound"),
     [
-        (wave, lambda load: reference.westergaard_half_width(load, 0.01), 0.01),
-        (row_of_cylinders, lambda load: reference.hertz_line_half_width(load, 1.0), 0.05),
+        (wave, lambda load: closed_forms.westergaard_half_width(load, 0.01), 0.01),
+        (row_of_cylinders, lambda load: closed_forms.hertz_line_half_width(load, 1.0), 0.05),
     ],
 )
 def test_contact_length_is_right_to_a_small_part_of_a_spacing(height, half_width, bound):
@@ -110,7 +112,7 @@ def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
         lifted = load * images / (4.0 * np.pi)
         punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
         found = equilibrate(punch[np.newaxis], stiff, load, Numerics(solver="active_set_newton"))
-        made = contact.Contact(-punch[np.newaxis], punch[np.newaxis], found)
+        made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
         left += observables.contact_area_fraction(made)[0] - np.pi * a * b
         excess += observables.contact_area_fraction_counted(made)[0] - np.pi * a * b
     assert excess > 0.0

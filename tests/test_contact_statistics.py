@@ -5,11 +5,12 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba import contact, grid, observables
 from gfmd_numba.analysis import UnusableDataError, plot_statistics
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness, surface
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 
 LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
@@ -18,7 +19,7 @@ LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
 def pressed(load, body, realisations=3):
     numerics = Numerics(solver="active_set_newton", residual=1e-10)
     surface = RandomSurface(0.8, 2, 128, 1024, 5)
-    return contact.solve(Problem(surface, body, Interface(True), load, None, numerics), range(realisations))
+    return solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(realisations))
 
 
 @pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.4, 0.05)])
@@ -49,7 +50,7 @@ def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     """Parseval on both components: (K11 |v|^2 + K33 |u|^2 + 2 K13 Im(v u*)) / 2."""
     numerics = Numerics(solver="verlet", residual=1e-9)
     body, wall = ElasticBody(0.2, None), Interface(True, friction=friction)
-    result = contact.solve(Problem(RandomSurface(0.8, 2, 32, 256, 5), body, wall, 0.05, None, numerics), range(2))
+    result = solution.solve(Problem(RandomSurface(0.8, 2, 32, 256, 5), body, wall, 0.05, None, numerics), range(2))
     assert (result.equilibrium.status == 0).all()
     u = grid.coefficients(result.equilibrium.displacement)
     v = grid.coefficients(result.equilibrium.tangential.displacement)

@@ -6,8 +6,9 @@ import xarray as xr
 import yaml
 
 import gfmd_numba
-from gfmd_numba import grid, reference
 from gfmd_numba.analysis import UnusableDataError, contact_stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.theory import closed_forms
 
 AMPLITUDE = 0.01
 WAVE = {
@@ -40,7 +41,7 @@ def test_westergaard_in_closed_form(wave):
     """Differences of the closed form, whose error falls as the grid is refined; at light loads its slope as well."""
     full = np.pi * AMPLITUDE
     pressures = full * np.array([0.02, 0.021, 0.2, 0.21, 0.9, 0.91])
-    gaps = np.array([reference.westergaard_mean_gap(p, AMPLITUDE) for p in pressures])
+    gaps = np.array([closed_forms.westergaard_mean_gap(p, AMPLITUDE) for p in pressures])
     exact = np.diff(pressures) / -np.diff(gaps)
     coarse, fine = (contact_stiffness(wave(nodes, pressures)) for nodes in (512, 4096))
     error = abs(fine["stiffness"].values / exact - 1)
@@ -55,11 +56,11 @@ def test_westergaard_in_closed_form(wave):
 def test_mean_gap_of_the_closed_form():
     """From the amplitude without load to nothing in full contact, with the slope of a row of flat punches."""
     full = np.pi * AMPLITUDE
-    assert reference.westergaard_mean_gap(0.0, AMPLITUDE) == AMPLITUDE
-    assert reference.westergaard_mean_gap(full, AMPLITUDE) == pytest.approx(0.0, abs=1e-17)
-    width = reference.westergaard_half_width(0.4 * full, AMPLITUDE)
+    assert closed_forms.westergaard_mean_gap(0.0, AMPLITUDE) == AMPLITUDE
+    assert closed_forms.westergaard_mean_gap(full, AMPLITUDE) == pytest.approx(0.0, abs=1e-17)
+    width = closed_forms.westergaard_half_width(0.4 * full, AMPLITUDE)
     step = 1e-5 * full
-    gaps = [reference.westergaard_mean_gap(0.4 * full + s, AMPLITUDE) for s in (-step, step)]
+    gaps = [closed_forms.westergaard_mean_gap(0.4 * full + s, AMPLITUDE) for s in (-step, step)]
     assert (gaps[0] - gaps[1]) / (2 * step) == pytest.approx(-2 / np.pi * np.log(np.sin(np.pi * width)), rel=1e-6)
 
 

@@ -11,7 +11,7 @@ from test_hard_files import TINY
 
 import gfmd_numba
 from gfmd_numba.campaign import failures
-from gfmd_numba.campaign.claim import at_work, claimed
+from gfmd_numba.campaign.output_directory import at_work, claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
 

@@ -5,12 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import Status, damping, equilibrate
-from gfmd_numba.dynamics.certificate import pressure_scale
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.certificate import pressure_scale
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.theory import damping
 
 SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"]
 

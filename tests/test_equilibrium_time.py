@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.dynamics import damping
-from gfmd_numba.dynamics import equilibrium_time as et
 from gfmd_numba.elasticity import coupled
+from gfmd_numba.theory import damping
+from gfmd_numba.theory import equilibrium_time as et
 
 
 def march(stiffness, eta, dt, start, tolerance, steps):

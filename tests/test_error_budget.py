@@ -9,10 +9,10 @@ from scipy.optimize import minimize_scalar
 from test_tfc import ALPHA, REFERENCE, C, campaign, noisy
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.contact import solve
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import measure
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 
 RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}

@@ -4,9 +4,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba import grid
 from gfmd_numba.elasticity import coupled, fields, stiffness, surface, transfer
 from gfmd_numba.elasticity.fields import Elastic, Surface
+from gfmd_numba.fourier import grid
 
 RATIOS = [-0.9, 0.0, 0.25, 0.33, 0.4999, 0.4999999999, 0.5]
 BODIES = [Elastic(nu, a) for nu in (0.0, 0.33, 0.4999999, 0.5) for a in (None, 0.01, 0.3, 1.0, 50.0)]

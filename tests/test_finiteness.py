@@ -9,13 +9,14 @@ from test_bad_input import CAMPAIGN, complaint
 from test_campaign import campaign
 
 import gfmd_numba
-from gfmd_numba import contact, loaded
 from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run
-from gfmd_numba.campaign.specification import load_campaign
-from gfmd_numba.dynamics import Status
-from gfmd_numba.dynamics.finiteness import finite_status
+from gfmd_numba.contact import solution
 from gfmd_numba.scene import InputError, load_scene
+from gfmd_numba.simulate import loaded_body
+from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.solvers.finiteness import finite_status
 
 SCENE = """\
 length: 1e-4
@@ -106,7 +107,7 @@ def test_the_last_look_finds_what_is_not_finite():
 
 
 def _solve_with(monkeypatch, field, value):
-    solve = contact.solve
+    solve = solution.solve
 
     def spoiled(*arguments, **named):
         solved = solve(*arguments, **named)
@@ -114,7 +115,7 @@ def _solve_with(monkeypatch, field, value):
         values.flat[0] = value
         return replace(solved, equilibrium=replace(solved.equilibrium, **{field: values}))
 
-    monkeypatch.setattr(contact, "solve", spoiled)
+    monkeypatch.setattr(solution, "solve", spoiled)
     monkeypatch.setattr("gfmd_numba.campaign.execution.solve", spoiled)
 
 
@@ -141,9 +142,11 @@ def test_a_spoiled_rough_body_is_not_ok(monkeypatch):
 
 
 def test_a_spoiled_loaded_body_is_not_ok(monkeypatch):
-    deform = loaded.deform
+    deform = loaded_body.deform
     monkeypatch.setattr(
-        loaded, "deform", lambda *a: replace(found := deform(*a), displacement=np.full_like(found.displacement, np.inf))
+        loaded_body,
+        "deform",
+        lambda *a: replace(found := deform(*a), displacement=np.full_like(found.displacement, np.inf)),
     )
     body = {"poissons_ratio": 0.3, "aspect_ratio": 1.0}
     found = gfmd_numba.solve({"scene": {"body": body, "boundary": {"normal_traction": 0.1}}, "points": 16})

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gfmd_numba import grid
-from gfmd_numba.fourier import Convolution
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
 
 
 @pytest.mark.parametrize("n", [4, 7, 64, 101])

@@ -5,14 +5,14 @@ import pytest
 from test_kernels import both
 
 import gfmd_numba
-from gfmd_numba import grid, kernels
-from gfmd_numba.dynamics import equilibrate
-from gfmd_numba.dynamics.equilibrium import HARD_WALL as FREE
-from gfmd_numba.dynamics.equilibrium import _coupled_solver, _solver
+from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness, surface
-from gfmd_numba.interface import Interface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import HARD_WALL as FREE
+from gfmd_numba.solvers.equilibrium import _coupled_solver, _solver, equilibrate
 
 NX = 256
 BODIES = [surface.half_space(NX, 0.2), surface.slab(NX, 0.2, 0.1), surface.slab(NX, 0.49, 0.3)]

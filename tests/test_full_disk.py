@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from test_campaign import campaign
 from test_cli import SCENE
 
-from gfmd_numba.atomic_file import replace
 from gfmd_numba.campaign import shards, work_precision
 from gfmd_numba.cli import main
+from gfmd_numba.storage.atomic_file import replace
 
 SURFACE = """
 surface: {method: psd, spectrum: {model: self_affine, hurst: 0.8, cut_on: 0.01, roll_off: 0.5}, rms_gradient: 0.1}

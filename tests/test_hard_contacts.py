@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from test_contact import press, scene_file
 
 import gfmd_numba
-from gfmd_numba import grid
-from gfmd_numba.contact_edges import EDGE_BIAS
-from gfmd_numba.dynamics import Status, equilibrate
+from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
 
 quick = settings(derandomize=True, deadline=None, max_examples=25)
 

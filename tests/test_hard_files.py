@@ -17,9 +17,9 @@ from test_campaign import campaign
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.file import Values, load_campaign
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
-from gfmd_numba.campaign.specification import Values, load_campaign
 from gfmd_numba.campaign.status import progress
 from gfmd_numba.roughness.measured import read_profile
 from gfmd_numba.scene import InputError, load_scene

@@ -6,13 +6,14 @@ from scipy.special import lambertw
 from test_kernels import both
 
 import gfmd_numba
-from gfmd_numba import grid, kernels
-from gfmd_numba.dynamics import equilibrate
+from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity import surface as coupled_surface
-from gfmd_numba.interface import Exponential, Interface, XuNeedleman
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 
 @pytest.mark.parametrize("work", [0.3, -0.3])

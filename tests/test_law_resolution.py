@@ -8,14 +8,14 @@ import yaml
 from click.testing import CliRunner
 
 import gfmd_numba
-from gfmd_numba import grid
 from gfmd_numba.cli import main
-from gfmd_numba.dynamics import Start, equilibrate
+from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
+from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Exponential, Interface, XuNeedleman
-from gfmd_numba.law_resolution import COARSEST, doubt, resolution
-from gfmd_numba.problem import CounterBody, ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import Start, equilibrate
 
 AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
 ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}

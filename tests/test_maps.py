@@ -4,16 +4,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba import body_fields, contact, grid, observables, run, single
-from gfmd_numba.analysis.plots import plot_contact
-from gfmd_numba.dynamics import Status, collective, equilibrate
-from gfmd_numba.dynamics.collective import Collective
-from gfmd_numba.dynamics.neighbours import Neighbours
+from gfmd_numba import body_fields, run
+from gfmd_numba.analysis.plots.campaign import plot_contact
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.simulate import contact as single
+from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.preconditioners import far_field
+from gfmd_numba.solvers.preconditioners.far_field import Collective
+from gfmd_numba.solvers.preconditioners.near_field import Neighbours
 
 SOLVERS = ("active_set_newton", "conjugate_gradients")
 HALF_SPACE = ElasticBody(None, None)
@@ -72,7 +76,7 @@ def test_hertz_point_contact():
     load = 4.0 / 3.0 * a**3
     found = press(punch, load)
     assert found.pressure.max() == pytest.approx(1.5 * load / (np.pi * a**2), rel=0.01)
-    assert observables.n_segments(contact.Contact(-punch, punch, found))[0] == 1
+    assert observables.n_segments(solution.Contact(-punch, punch, found))[0] == 1
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
@@ -102,9 +106,9 @@ def test_transposed_map_gives_the_transposed_contact():
 
 
 def test_a_map_does_not_know_its_batch():
-    together = contact.solve(problem(), range(3)).equilibrium
+    together = solution.solve(problem(), range(3)).equilibrium
     for i in range(3):
-        alone = contact.solve(problem(), range(i, i + 1)).equilibrium
+        alone = solution.solve(problem(), range(i, i + 1)).equilibrium
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
 
 
@@ -131,13 +135,13 @@ def test_clusters_and_perimeter_on_the_torus():
     flags[0, 2, 1] = True
     pressure = flags.astype(float)
     equilibrium = press(np.zeros((1, 8, 8)), 1.0)
-    made = contact.Contact(pressure, pressure, type(equilibrium)(**{**vars(equilibrium), "touching": flags}))
+    made = solution.Contact(pressure, pressure, type(equilibrium)(**{**vars(equilibrium), "touching": flags}))
     assert observables.n_segments(made).tolist() == [3]
     assert [sides.tolist() for sides in observables.perimeter(made)] == [[6 + 2 + 2], [6 + 4 + 2]]
 
 
 def test_rms_gradient_over_the_contact_is_that_of_the_surface_in_full_contact():
-    made = contact.solve(problem(load=20.0), range(1))
+    made = solution.solve(problem(load=20.0), range(1))
     assert made.equilibrium.touching.all()
     assert observables.rms_gradient_contact(made) == pytest.approx(observables.rms_gradient(made), rel=1e-12)
     assert observables.contact_area_fraction(made) == 1.0
@@ -180,8 +184,8 @@ def columns(inverse, nodes):
 @pytest.mark.parametrize("slab", [None, (0.3, 0.1)])
 def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
     """Against dense algebra."""
-    monkeypatch.setattr(collective, "_TOLERANCE", 1e-12)
-    monkeypatch.setattr(collective, "_FEWEST", 4)
+    monkeypatch.setattr(far_field, "_TOLERANCE", 1e-12)
+    monkeypatch.setattr(far_field, "_FEWEST", 4)
     shape, rng = (96, 64), np.random.default_rng(0)
     nodes = np.flatnonzero(np.kron(rng.random((48, 32)) < 0.05, np.ones((2, 2))))
     stiff = body(shape, slab)
@@ -199,14 +203,14 @@ def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
 
 
 def test_newton_takes_few_transforms():
-    few = contact.solve(problem(256, 0.01, 64), range(1)).equilibrium.n_transforms
-    many = contact.solve(problem(256, 0.01, 64, "conjugate_gradients"), range(1)).equilibrium.n_transforms
+    few = solution.solve(problem(256, 0.01, 64), range(1)).equilibrium.n_transforms
+    many = solution.solve(problem(256, 0.01, 64, "conjugate_gradients"), range(1)).equilibrium.n_transforms
     assert few[0] < 90
     assert few[0] < 0.5 * many[0]
 
 
 def test_transforms_hardly_grow_with_the_map():
-    taken = [contact.solve(problem(nx, 0.02, nx // 4), range(1)).equilibrium.n_transforms[0] for nx in (256, 512)]
+    taken = [solution.solve(problem(nx, 0.02, nx // 4), range(1)).equilibrium.n_transforms[0] for nx in (256, 512)]
     assert taken[1] < 1.2 * taken[0]
 
 

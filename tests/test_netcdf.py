@@ -6,7 +6,7 @@ from test_cli import SCENE
 from test_start_up import python
 
 import gfmd_numba
-from gfmd_numba.atomic_file import netcdf
+from gfmd_numba.storage.atomic_file import netcdf
 
 
 def written(dataset, file):
@@ -42,7 +42,7 @@ def test_text_flags_and_gaps_are_written_as_xarray_writes_them(tmp_path):
 
 def test_writing_starts_no_cluster(tmp_path):
     script = (
-        "import sys, xarray; from gfmd_numba.atomic_file import netcdf\n"
+        "import sys, xarray; from gfmd_numba.storage.atomic_file import netcdf\n"
         "netcdf(xarray.Dataset({'kappa': ('case', [1.0])})); print('distributed' in sys.modules)"
     )
     assert python(script) == "False\n"

@@ -6,9 +6,9 @@ import yaml
 from click.testing import CliRunner
 
 import gfmd_numba
-from gfmd_numba import observables
 from gfmd_numba.analysis import contact_stiffness
 from gfmd_numba.cli import main
+from gfmd_numba.contact import observables
 
 COEFFICIENTS = [m.name for m in observables.MEASURES if m.name.startswith("kappa")]
 

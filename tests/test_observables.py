@@ -4,10 +4,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba import observables
-from gfmd_numba.contact import Contact
-from gfmd_numba.contact_edges import EDGE_BIAS
-from gfmd_numba.dynamics import Equilibrium, Status
+from gfmd_numba.contact import observables
+from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.solution import Contact
+from gfmd_numba.solvers.equilibrium import Equilibrium, Status
 
 
 def contact(touching, heights=None, status=Status.ok):

@@ -9,7 +9,7 @@ import pytest
 from test_cli import SCENE, gfmd
 
 from gfmd_numba.scene import InputError, load_scene, read_document, regular_file
-from gfmd_numba.surface import surface_dataset
+from gfmd_numba.simulate.surface import surface_dataset
 
 KINDS = ["pipe", "device", "socket", "link to a device"]
 

@@ -10,7 +10,7 @@ from test_campaign import SMALL, campaign, numbers
 from test_cli import SCENE
 
 import gfmd_numba
-from gfmd_numba.campaign.claim import claimed
+from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.cli import main
 from gfmd_numba.scene import InputError
 
@@ -123,14 +123,14 @@ def test_a_kill_while_a_directory_is_claimed_does_not_lock_its_owner_out(tmp_pat
     """After that many of the renames that put mark and copy there, first for one text, then for another."""
     out = tmp_path / "out"
     killed = (
-        "import os, sys, gfmd_numba.atomic_file\n"
+        "import os, sys, gfmd_numba.storage.atomic_file\n"
         "rename, left = os.replace, [int(sys.argv[1])]\n"
         "def replace(*names):\n"
         "    if left[0] == 0: os._exit(1)\n"
         "    left[0] -= 1\n"
         "    rename(*names)\n"
         "os.replace = replace\n"
-        "from gfmd_numba.campaign.claim import claimed\n"
+        "from gfmd_numba.campaign.output_directory import claimed\n"
         "from pathlib import Path\n"
         "for text in sys.argv[3:]:\n"
         "    with claimed(Path(sys.argv[2]), 'small', text): pass\n"

@@ -15,7 +15,7 @@ from gfmd_numba.cli import main
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
     """One that starts a process in 2 s, and fits in 3 s and 0.5 s a replicate of each group; it counts both."""
-    monkeypatch.setattr("gfmd_numba.cache.directory", lambda: tmp_path / "cache")
+    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
     (tmp_path / "cache").mkdir()
     seen = SimpleNamespace(now=0.0, starts=0, fits=[])
 

@@ -5,13 +5,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from gfmd_numba import contact, grid, observables
-from gfmd_numba.analysis import persson
+from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Interface
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Numerics
+from gfmd_numba.theory import persson
 
 HALF_SPACE, SLAB = ElasticBody(None, None), ElasticBody(0.33, 0.1)
 SURFACES = 20
@@ -21,7 +22,7 @@ def press(hurst, body, load):
     """Contacts in g E* of surfaces with 8 nodes to the shortest wave, and their measures."""
     numerics = Numerics(solver="active_set_newton", residual=1e-8)
     surface = RandomSurface(hurst, 2, 256, 4096, 2018)
-    pressed = contact.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
+    pressed = solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     return pressed, observables.measure(pressed)
 

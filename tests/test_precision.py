@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba import grid
-from gfmd_numba.contact import solve
-from gfmd_numba.dynamics.active_set_newton import ActiveSetNewton
+from gfmd_numba.contact.observables import gap, measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import gap, measure
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 
 SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
 NX = 1024

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.dynamics import damping, regimes, slowest_mode
-from gfmd_numba.dynamics.equilibrium_time import steps_to_equilibrium, time_constant
-from gfmd_numba.elasticity import coupled
+from gfmd_numba.elasticity import coupled, slowest_mode
+from gfmd_numba.theory import damping, regimes
+from gfmd_numba.theory.equilibrium_time import steps_to_equilibrium, time_constant
 
 SINH, COSH, PI = np.sinh, np.cosh, np.pi
 

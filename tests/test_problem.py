@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact import solve
-from gfmd_numba.interface import Interface
-from gfmd_numba.observables import contact_area_fraction
-from gfmd_numba.problem import ElasticBody, Problem, RandomSurface, reduce, stiffening
+from gfmd_numba.contact.observables import contact_area_fraction
+from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface, reduce, stiffening
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics, Scene
 
 SURFACE = RandomSurface(0.8, 2, 32, 128, 0)

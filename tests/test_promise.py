@@ -8,7 +8,7 @@ import xarray as xr
 from click.testing import CliRunner
 from test_campaign import campaign
 
-from gfmd_numba.campaign import accuracy
+from gfmd_numba.campaign import design as accuracy
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
 from gfmd_numba.cli.tables import show_target

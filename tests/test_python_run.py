@@ -10,8 +10,8 @@ from test_campaign import campaign, numbers
 
 import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run as run_campaign
-from gfmd_numba.campaign.specification import load_campaign
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import read_document
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.roughness import recursive, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.resampling import resample
 from gfmd_numba.roughness.spectra import SelfAffine
 
 METHODS = ("midpoint_displacement", "successive_addition")

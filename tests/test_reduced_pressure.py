@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign.specification import Campaign
+from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.scene import SceneFile
 
 GRADIENT, LOAD = 0.01, 0.05

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.dynamics import damping, regimes, schemes
-from gfmd_numba.dynamics.regimes import gronbech_jensen, position_verlet
 from gfmd_numba.elasticity import coupled
+from gfmd_numba.solvers import integrators
+from gfmd_numba.theory import damping, regimes
+from gfmd_numba.theory.regimes import gronbech_jensen, position_verlet
 
 
 def verlet_matrix(x, y):
@@ -90,7 +91,7 @@ def test_integrators_have_these_roots(name):
     """What the solvers step with is critical for the softest mode and stable for the stiffest by this theory."""
     softest, stiffest = 0.3, 20.0
     scheme = getattr(regimes, name)
-    stepper = getattr(schemes, name)(np.zeros((1, 1)), softest, stiffest, 0.999, 1.0)
+    stepper = getattr(integrators, name)(np.zeros((1, 1)), softest, stiffest, 0.999, 1.0)
     roots = [(1 + stepper.memory - stepper.push * k, np.array(stepper.memory)) for k in (softest, stiffest)]
     larger, smaller = regimes.roots(roots[0])
     assert abs(larger - smaller) < 1e-6

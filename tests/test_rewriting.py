@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from test_campaign import SMALL, campaign
 
 from gfmd_numba.analysis import Design
-from gfmd_numba.campaign import accuracy
+from gfmd_numba.campaign import design as accuracy
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rewriting import with_values
-from gfmd_numba.campaign.specification import load_campaign
 from gfmd_numba.cli import main
 from gfmd_numba.scene import InputError
 

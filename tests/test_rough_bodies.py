@@ -9,9 +9,9 @@ from click.testing import CliRunner
 from finite_elements import Body, graded
 
 import gfmd_numba
-from gfmd_numba import grid
-from gfmd_numba.campaign.specification import load_campaign
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import main
+from gfmd_numba.fourier import grid
 from gfmd_numba.scene import InputError
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba import grid
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine, statistics
 
 

@@ -5,7 +5,7 @@ from math import inf, isnan
 import pytest
 from pydantic import ValidationError
 
-from gfmd_numba.campaign.specification import Campaign, Fit, load_campaign
+from gfmd_numba.campaign.file import Campaign, Fit, load_campaign
 from gfmd_numba.scene import Discretisation, InputError, SceneFile, SelfAffine, load_scene, read_document
 
 NESTED = """\
@@ -211,9 +211,9 @@ def test_every_field_is_described(record):
 
 
 def test_start_up_imports_nothing_heavy():
-    code = "import sys, gfmd_numba.campaign.specification; print(*sys.modules)"
+    code = "import sys, gfmd_numba.campaign.file; print(*sys.modules)"
     modules = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    assert "gfmd_numba.campaign.specification" in modules
+    assert "gfmd_numba.campaign.file" in modules
     assert not {"numpy", "numba", "dask", "xarray", "scipy", "psutil"} & set(modules)
 
 

@@ -4,8 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba.dynamics import slowest_mode
-from gfmd_numba.elasticity import coupled, stiffness
+from gfmd_numba.elasticity import coupled, slowest_mode, stiffness
 
 ASPECTS = [0.003, 0.05, 0.2, 0.5, 1.0, 4.0]
 

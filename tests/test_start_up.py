@@ -9,7 +9,7 @@ from test_cli import SCENE
 
 from gfmd_numba.cli.imports import without_collections
 
-OURS = "import gfmd_numba.fourier as ours"
+OURS = "import gfmd_numba.fourier.convolution as ours"
 THEIRS = "import pyfftw, pyfftw.interfaces.numpy_fft, numpy as np"
 
 

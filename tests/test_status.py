@@ -10,7 +10,7 @@ from test_campaign import campaign, numbers
 
 import gfmd_numba
 from gfmd_numba.campaign import execution, failures
-from gfmd_numba.campaign.claim import claimed
+from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
 

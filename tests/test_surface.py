@@ -10,7 +10,7 @@ from test_cli import gfmd
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.spectra import KCorrelation
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.surface import surface_dataset
+from gfmd_numba.simulate.surface import surface_dataset
 
 SELF_AFFINE = {"model": "self_affine", "hurst": 0.8, "roll_off": 20e-6, "cut_on": 1e-6}
 K_CORRELATION = {"model": "k_correlation", "hurst": 0.7, "correlation_length": 4e-6}

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from finite_elements import Body, graded
 
-from gfmd_numba import grid
-from gfmd_numba.dynamics import equilibrate
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import equilibrate
 
 NX = 256
 X = np.arange(NX) / NX

@@ -7,7 +7,7 @@ from test_bad_input import complaint
 
 from gfmd_numba.roughness.measured import read_profile
 from gfmd_numba.scene import InputError
-from gfmd_numba.surface import surface_dataset
+from gfmd_numba.simulate.surface import surface_dataset
 
 HEIGHTS = 1e-3 * np.random.default_rng(0).normal(size=32)
 X = np.arange(32.0)

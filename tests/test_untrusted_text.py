@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from test_cli import SCENE, gfmd
 
-from gfmd_numba.printable import printable
 from gfmd_numba.scene import InputError, load_scene, read_document
+from gfmd_numba.scene.printable import printable
 from gfmd_numba.scene.surface_file import load_surface
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202e\u2066\u2028\r\nb"

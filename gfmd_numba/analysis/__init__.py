@@ -1,13 +1,13 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
-from gfmd_numba.analysis.accuracy_plots import plot_accuracy
-from gfmd_numba.analysis.body_plots import plot_body
+from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics, plot_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
-from gfmd_numba.analysis.design import Design, best_design, cheapest_design
-from gfmd_numba.analysis.plots import plot_campaign, plot_contact
+from gfmd_numba.analysis.plots.accuracy import plot_accuracy
+from gfmd_numba.analysis.plots.campaign import plot_campaign, plot_contact
+from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
-from gfmd_numba.analysis.surface_plots import plot_surface
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [

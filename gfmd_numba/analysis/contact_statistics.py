@@ -8,9 +8,9 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis import persson
-from gfmd_numba.analysis.plots import COLOURS, STYLE
+from gfmd_numba.analysis.plots.campaign import COLOURS, STYLE
 from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.theory import persson
 
 Reals = npt.NDArray[np.float64]
 

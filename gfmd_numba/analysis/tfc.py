@@ -15,7 +15,8 @@ from scipy.stats import norm
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
-from gfmd_numba.analysis.doubts import (
+from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
+from gfmd_numba.analysis.fit_warnings import (
     advice,
     doubtful,
     evidence,
@@ -25,7 +26,6 @@ from gfmd_numba.analysis.doubts import (
     realisations,
     shortage,
 )
-from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
 from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
 from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, processor_time
 

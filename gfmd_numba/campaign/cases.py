@@ -8,8 +8,8 @@ from itertools import product
 
 from pydantic import BaseModel
 
-from gfmd_numba.campaign.specification import AXES, Campaign
-from gfmd_numba.problem import Effect, Problem, random_surface, reduce, self_affine
+from gfmd_numba.campaign.file import AXES, Campaign
+from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce, self_affine
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 

@@ -9,18 +9,18 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba import json_file
-from gfmd_numba.atomic_file import netcdf, replace
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
-from gfmd_numba.dataset import campaign_dataset, dropped_effects, scaled, scales, units
-from gfmd_numba.dynamics import Status
-from gfmd_numba.observables import MEASURES
-from gfmd_numba.problem import self_affine
+from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
+from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.problem import self_affine
+from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.storage import json_file
+from gfmd_numba.storage.atomic_file import netcdf, replace
 
 NOTED = ("predicted_cpu_seconds_p50", "predicted_cpu_seconds_p90", "last_run_blocks", "last_run_seconds")
 _RUN = "run.json"

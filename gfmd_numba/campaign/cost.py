@@ -13,9 +13,9 @@ from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
 from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
-from gfmd_numba.contact import solve
-from gfmd_numba.observables import measure
-from gfmd_numba.problem import Problem, RandomSurface
+from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.solution import solve
 
 Reals = npt.NDArray[np.float64]
 Told = Callable[[float], None]  # of the share of something long that is done

@@ -3,8 +3,8 @@
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from gfmd_numba import json_file
-from gfmd_numba.dynamics import Status
+from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.storage import json_file
 
 _SUFFIX = ".failed"
 _STATUSES = [Status.crashed.name, Status.timeout.name]

@@ -12,9 +12,9 @@ import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.cases import Case, groups
+from gfmd_numba.campaign.file import Fit
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.run_times import remember, remembered
-from gfmd_numba.campaign.specification import Fit
 
 UNSURE = 1.25  # factor below which it stays with 90 % probability
 

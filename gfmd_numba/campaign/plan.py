@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import psutil
 
-from gfmd_numba import law_resolution
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
+from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.source import Source
-from gfmd_numba.campaign.specification import Campaign, load_campaign
-from gfmd_numba.observables import MEASURES
-from gfmd_numba.problem import Effect, Problem, self_affine
+from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.problem import Effect, Problem, self_affine
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
 

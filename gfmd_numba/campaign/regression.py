@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.problem import Problem, RandomSurface
 
 Reals = npt.NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.cases import Block, split
-from gfmd_numba.campaign.claim import claimed
 from gfmd_numba.campaign.collection import collect, note
 from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, held, unfinished
+from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import check_memory, plan, tasks
 from gfmd_numba.campaign.source import Source
 

@@ -4,7 +4,7 @@ import platform
 from importlib.metadata import version
 from pathlib import Path
 
-from gfmd_numba import cache, json_file
+from gfmd_numba.storage import cache, json_file
 
 
 def remembered() -> dict[str, float]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.atomic_file import replace
+from gfmd_numba.storage.atomic_file import replace
 
 Arrays = dict[str, npt.NDArray[Any]]
 _MAGIC = b"gfmd shard 1\n"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.claim import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.execution import shard_path
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan, plan
 
 

@@ -9,11 +9,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.file import AXES
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.specification import AXES
-from gfmd_numba.contact import solve
-from gfmd_numba.observables import measure
-from gfmd_numba.problem import ElasticBody, Problem, random_surface
+from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.problem import ElasticBody, Problem, random_surface
+from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import SINGLE_RESIDUAL
 
 Values = npt.NDArray[np.float64]

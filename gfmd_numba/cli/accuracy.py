@@ -18,7 +18,7 @@ from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.work_precision import Point
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 
 @main.command()
@@ -32,10 +32,10 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     half-space; then what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
     """
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
-    from gfmd_numba.atomic_file import write_dataset, write_picture
-    from gfmd_numba.campaign import accuracy as targets
+    from gfmd_numba.campaign import design as targets
     from gfmd_numba.campaign import work_precision
     from gfmd_numba.campaign.plan import plan
+    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")

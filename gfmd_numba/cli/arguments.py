@@ -104,8 +104,8 @@ def check_output(output: Path, *inputs: Path) -> None:
 
 def picture_beside(output: Path) -> Path:
     """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    from gfmd_numba.atomic_file import is_ours
     from gfmd_numba.scene.document import InputError
+    from gfmd_numba.storage.atomic_file import is_ours
 
     picture = output.with_suffix(".png")
     if picture == output:

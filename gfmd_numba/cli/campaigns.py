@@ -15,7 +15,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say, say_command
 from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,10 +110,10 @@ def _check_target(planned: Plan, name: str) -> None:
 
 def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
     from gfmd_numba.analysis import UnusableDataError
-    from gfmd_numba.atomic_file import create
-    from gfmd_numba.campaign import accuracy
+    from gfmd_numba.campaign import design as accuracy
     from gfmd_numba.campaign.overhead import UNSURE
     from gfmd_numba.scene import InputError
+    from gfmd_numba.storage.atomic_file import create
 
     if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
         raise InputError(f"--write: given {printable(write)}; allowed: a new file in an existing folder")
@@ -223,7 +223,7 @@ def run(
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
-    from gfmd_numba.atomic_file import is_ours
+    from gfmd_numba.storage.atomic_file import is_ours
 
     try:
         if picture.exists() and not is_ours(picture):

@@ -16,7 +16,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,9 +29,9 @@ def solve(file: Path, output: Path) -> None:
     """Solve the one contact or loaded body in the scene FILE and write its fields and scalars."""
     with without_collections():
         import gfmd_numba
-        import gfmd_numba.single
-        from gfmd_numba.atomic_file import write_dataset
+        import gfmd_numba.simulate.contact
         from gfmd_numba.scene import input_files
+        from gfmd_numba.storage.atomic_file import write_dataset
 
     check_output(output, file, *input_files(file))
     # warnings are told below, in the words of the file
@@ -107,9 +107,9 @@ def fields(file: Path, output: Path, body: str) -> None:
     """Write and draw displacement, strain and stress inside a body of the contact in FILE, left by `gfmd solve`."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
-    from gfmd_numba.atomic_file import write_dataset, write_picture
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.cli.fits import naming
+    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
     check_output(output, file)
@@ -129,9 +129,9 @@ def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
     import gfmd_numba
     from gfmd_numba.analysis import plot_surface
-    from gfmd_numba.atomic_file import write_dataset, write_picture
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.scene.surface_records import MeasuredField
+    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
     described = load_surface(file)[0].surface

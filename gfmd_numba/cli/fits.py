@@ -22,7 +22,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit, show_target
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +50,7 @@ def fit(
     if "target" in dataset.attrs and fitted.attrs["variable"] == fit_options(dataset, (), None, None)["variable"]:
         show_target(fitted, dataset.attrs["target"])
     if output is not None:
-        from gfmd_numba.atomic_file import write_dataset
+        from gfmd_numba.storage.atomic_file import write_dataset
 
         write_dataset(output, fitted)
         click.echo(f"fit      {printable(output)}")
@@ -116,7 +116,7 @@ def fit_options(
 def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     """Write the picture of a campaign with its fit, or of one contact without."""
     from gfmd_numba.analysis import plot_campaign, plot_contact
-    from gfmd_numba.atomic_file import write_picture
+    from gfmd_numba.storage.atomic_file import write_picture
 
     with waiting("drawing"):
         figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])

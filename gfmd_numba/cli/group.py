@@ -6,7 +6,7 @@ from typing import Any, TextIO
 
 import click
 
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 BAD_INPUT, SOME_FAILED, INTERRUPTED = 2, 3, 130
 

@@ -12,14 +12,14 @@ from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 
 
 @main.command()
 @file_argument
 def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
-    from gfmd_numba.campaign.specification import Campaign, load_campaign
+    from gfmd_numba.campaign.file import Campaign, load_campaign
     from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document
     from gfmd_numba.scene.surface_file import load_surface
 
@@ -41,7 +41,7 @@ def check(file: Path) -> None:
         scene = load_scene(file).scene
         click.echo(f"{name}: a scene")
         if scene.interface.reaches_across:
-            from gfmd_numba.single import doubt as doubt_of
+            from gfmd_numba.simulate.contact import doubt as doubt_of
 
             doubt = doubt_of(file)
     for sentence in doubt.splitlines():
@@ -56,7 +56,7 @@ def schema(kind: str) -> None:
 
     from pydantic import BaseModel
 
-    from gfmd_numba.campaign.specification import Campaign
+    from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_records import SurfaceFile
 
@@ -75,8 +75,8 @@ def init(file: Path) -> None:
     """Write a campaign with comments to FILE, to begin with."""
     from importlib.resources import files
 
-    from gfmd_numba.atomic_file import create
     from gfmd_numba.scene.document import InputError
+    from gfmd_numba.storage.atomic_file import create
 
     try:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
@@ -88,8 +88,8 @@ def init(file: Path) -> None:
 @main.command()
 def doctor() -> None:
     """Check this installation: packages, cache, kernels and transforms, workers."""
-    from gfmd_numba import cache
     from gfmd_numba.campaign import provenance
+    from gfmd_numba.storage import cache
 
     for name, installed in provenance.versions().items():
         say(name, installed, width=14)
@@ -112,18 +112,19 @@ def _examine_contact() -> str:
     """Press a wave and compare with Westergaard: kernels compile and transforms are scaled as they should be."""
     import numpy as np
 
-    from gfmd_numba import grid, reference
-    from gfmd_numba.dynamics import equilibrate
     from gfmd_numba.elasticity import stiffness
+    from gfmd_numba.fourier import grid
     from gfmd_numba.scene import Numerics
+    from gfmd_numba.solvers.equilibrium import equilibrate
+    from gfmd_numba.theory import closed_forms
 
     nx, amplitude, load = 256, 0.01, 0.01
     x = np.arange(nx) / nx - 0.5
     punch = amplitude * (1.0 - np.cos(2.0 * np.pi * x))[np.newaxis]
     solver = Numerics(solver="conjugate_gradients")
     found = equilibrate(punch, stiffness.half_space(grid.wavenumbers(nx)), load, solver)
-    expected = reference.westergaard_pressure(x, load, amplitude)
-    expected[np.abs(x) > reference.westergaard_half_width(load, amplitude)] = 0.0
+    expected = closed_forms.westergaard_pressure(x, load, amplitude)
+    expected[np.abs(x) > closed_forms.westergaard_half_width(load, amplitude)] = 0.0
     error = float(np.sqrt(np.mean((found.pressure[0] - expected) ** 2)) / expected.max())
     if error > 0.01:
         raise ArithmeticError(f"pressure under a wave is {error:.1%} off Westergaard's solution")

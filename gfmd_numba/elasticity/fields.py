@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import grid
 from gfmd_numba.elasticity import coupled, transfer
+from gfmd_numba.fourier import grid
 
 Reals = npt.NDArray[np.float64]
 Spectrum = npt.NDArray[np.complex128]

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import grid
 from gfmd_numba.elasticity import coupled
+from gfmd_numba.fourier import grid
 
 Reals = npt.NDArray[np.float64]
 

@@ -23,9 +23,9 @@ from math import factorial
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import grid
 from gfmd_numba.elasticity import coupled, fields
 from gfmd_numba.elasticity.fields import Elastic, Fields, Surface
+from gfmd_numba.fourier import grid
 
 Reals = npt.NDArray[np.float64]
 Spectrum = npt.NDArray[np.complex128]

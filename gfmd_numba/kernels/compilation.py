@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from gfmd_numba import kernel_cache
+from gfmd_numba.storage import kernel_cache
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

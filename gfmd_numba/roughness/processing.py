@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.roughness.resampling import resample
+from gfmd_numba.fourier.resampling import resample
 
 Reals = npt.NDArray[np.float64]
 

@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.roughness.amplitudes import stream
-from gfmd_numba.roughness.resampling import resample
 
 Reals = npt.NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import grid
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
 
 Reals = npt.NDArray[np.float64]

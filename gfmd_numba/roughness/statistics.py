@@ -6,7 +6,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import grid
+from gfmd_numba.fourier import grid
 
 Reals = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from gfmd_numba.printable import printable
+from gfmd_numba.scene.printable import printable
 from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
 
 Location = tuple[str | int, ...]

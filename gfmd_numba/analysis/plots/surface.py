@@ -1,0 +1,75 @@
+"""Picture of one surface: heights, spectrum, autocorrelation and height distribution beside theory."""
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gfmd_numba.analysis.plots.campaign import COLOURS, STYLE, scaled
+
+
+def plot_surface(dataset: xr.Dataset) -> Figure:
+    """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
+    with mpl.rc_context(STYLE):
+        figure = Figure((11.0, 7.6), dpi=150, layout="constrained")
+        heights, spectrum, correlation, distribution = figure.subplots(2, 2).ravel()
+        _draw_heights(heights, dataset)
+        _draw_spectrum(spectrum, dataset)
+        _draw_correlation(correlation, dataset)
+        _draw_distribution(distribution, dataset)
+        handles, labels = spectrum.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", ncols=3)
+    return figure
+
+
+def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    h, h_label = scaled(dataset["height"], "Height $h$", "L_x")
+    if h.ndim == 1:
+        axis.plot(x, h, color="0.25", lw=0.8)
+        axis.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
+        return
+    y, y_label = scaled(dataset["y"], "Position $y$", "L_x")
+    extent = (x[0], x[-1] + x[1], y[0], y[-1] + y[1])
+    image = axis.imshow(h, origin="lower", extent=extent, cmap="cividis", interpolation="none")
+    axis.figure.colorbar(image, ax=axis, label=h_label)
+    axis.set(xlabel=x_label, ylabel=y_label)
+
+
+def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
+    q, density = dataset["wavenumber"].values, dataset["spectral_density"].values
+    # a power of n independent waves scatters by 1 / sqrt(n)
+    spread = 1.0 / np.sqrt(dataset["waves"].values)
+    inside = density > 1e-14 * density.max()
+    bars = np.clip(density * spread, 0.0, 0.9 * density)[inside]
+    axis.errorbar(q[inside], density[inside], bars, fmt="o", ms=4, lw=1.0, color=COLOURS[0], label="surface")
+    if "spectral_density_theory" in dataset:
+        theory = dataset["spectral_density_theory"].values
+        drawn = theory > 1e-14 * theory.max()
+        axis.plot(q[drawn], theory[drawn], color=COLOURS[1], lw=1.5, label="theory")
+    unit = dataset["wavenumber"].attrs["units"].replace("m-1", "1/m").replace("1/m", " (1/m)")
+    density_unit = dataset["spectral_density"].attrs["units"]
+    density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
+    axis.set(xscale="log", yscale="log", xlabel="Wave number $q$" + unit.strip("1"), ylabel="$C(q)$" + density_label)
+
+
+def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
+    distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
+    axis.axhline(0.0, color="0.8", lw=0.8)
+    axis.plot(distance, dataset["autocorrelation"], color=COLOURS[0], lw=1.2)
+    if "autocorrelation_theory" in dataset:
+        axis.plot(distance, dataset["autocorrelation_theory"], color=COLOURS[1], lw=1.5)
+    axis.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
+
+
+def _draw_distribution(axis: Axes, dataset: xr.Dataset) -> None:
+    level = dataset["level"].values
+    axis.stairs(dataset["height_density"], _edges(level), color=COLOURS[0], fill=True, alpha=0.35)
+    axis.plot(level, dataset["height_density_gaussian"], color=COLOURS[1], lw=1.5)
+    axis.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
+
+
+def _edges(centres: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[float]:
+    step = centres[1] - centres[0]
+    return [*(centres - step / 2.0), centres[-1] + step / 2.0]

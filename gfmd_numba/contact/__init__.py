@@ -1,0 +1,1 @@
+"""The dimensionless contact problem, its solution and what is measured of it."""

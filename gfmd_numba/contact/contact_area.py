@@ -1,0 +1,96 @@
+"""Where a contact touches: its nodes, its separate parts, and its length or area with and without corrected edges."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import label
+
+from gfmd_numba.contact.edges import EDGE_BIAS, contact_length, perimeter_bias
+from gfmd_numba.contact.solution import Contact
+
+Reals = npt.NDArray[np.float64]
+
+
+def touching(contact: Contact) -> npt.NDArray[np.bool_]:
+    """Nodes in contact `[realisation, (y,) x]`: those on which the hard wall presses."""
+    return contact.equilibrium.touching
+
+
+def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
+    """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
+    now = touching(contact)
+    if now.ndim == 3:
+        return np.array([0 if each.all() else _clusters(each) for each in now])
+    return np.asarray(np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1))
+
+
+def _clusters(flags: npt.NDArray[np.bool_]) -> int:
+    """Clusters of flags `[y, x]` on a torus that touch with a side of a node."""
+    labels, count = label(flags)
+    joined = np.arange(count + 1)
+    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
+        for a, b in {(int(a), int(b)) for a, b in zip(one, other, strict=True) if a and b}:
+            joined[joined == joined[a]] = joined[b]
+    return len(set(joined[1:].tolist()))
+
+
+def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Number of neighbours along x, and along y, of a map of which one is in contact, one is not `[realisation]`."""
+    now = touching(contact)
+    along_x, along_y = (np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (2, 1))
+    return along_x, along_y
+
+
+def contact_area_fraction_counted(contact: Contact) -> Reals:
+    """Touching nodes over all nodes `[realisation]`."""
+    return np.asarray(mean_of_nodes(touching(contact)))
+
+
+def contact_area_fraction(contact: Contact) -> Reals:
+    """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
+    if contact.heights.ndim == 3:
+        sides = perimeter(contact)
+        edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
+        return np.asarray(contact_area_fraction_counted(contact) - edges)
+    nx = contact.heights.shape[1]
+    return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
+
+
+def contact_area_fraction_error(contact: Contact) -> Reals:
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
+    return np.asarray(np.sqrt(2.0 * n_segments(contact) / 12.0) / contact.heights.shape[1])
+
+
+def contact_area_fraction_edges(contact: Contact) -> Reals:
+    """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
+    return contact_length(contact.equilibrium.pressure, touching(contact))[0]
+
+
+def contact_area_fraction_edges_error(contact: Contact) -> Reals:
+    """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
+    if contact.heights.ndim == 3:
+        return _unknown(contact)
+    return contact_length(contact.equilibrium.pressure, touching(contact))[1]
+
+
+def mean_segment_length(contact: Contact) -> Reals:
+    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
+    if contact.heights.ndim > 2:
+        return _unknown(contact)
+    area, segments = contact_area_fraction(contact), n_segments(contact)
+    return np.asarray(np.where(area == 1.0, 1.0, area / segments))
+
+
+def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
+    """Mean over the nodes of each realisation."""
+    return np.asarray(field.mean(axis=tuple(range(1, field.ndim))))
+
+
+def _unknown(contact: Contact) -> Reals:
+    """Of what is known of profiles only."""
+    return np.full(len(contact.heights), np.nan)

@@ -1,0 +1,166 @@
+"""Results as xarray datasets in SI units: one contact, or a whole campaign."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.contact.observables import MEASURES, gap, measure
+from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
+from gfmd_numba.contact.solution import Contact
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.scene import LoadedBody, Scene
+from gfmd_numba.scene.quantities import REDUCED_PRESSURE
+from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.solvers.finiteness import finite_status
+
+CONVENTIONS = "CF-1.11"
+RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
+
+
+def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
+    """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
+    height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
+    return {
+        "1": 1.0,
+        "E*/stiffness": 1.0 / scene.body.stiffness_scale,
+        "gradient": rms_gradient,
+        "height": height,
+        "pressure": pressure,
+        "energy": pressure * height,
+        "s": 1.0,
+    }
+
+
+def units(scene: Scene | LoadedBody) -> dict[str, str]:
+    """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
+    height, pressure = "m" if scene.length else "1", "Pa" if scene.body.youngs_modulus else "1"
+    named = [unit for unit in (pressure, height) if unit != "1"]
+    return {
+        "1": "1",
+        "E*/stiffness": "1",
+        "gradient": "1",
+        "height": height,
+        "pressure": pressure,
+        "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
+        "s": "s",
+    }
+
+
+def load_attributes(scene: Scene) -> dict[str, dict[str, str]]:
+    """CF attributes of what a loading prescribes, by the name of its coordinate."""
+    height = units(scene)["height"]
+    return {
+        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
+        "punch_displacement": {"long_name": "displacement of the punch beyond first touch", "units": height},
+        "sliding": {"long_name": "tangential displacement of the punch since first touch", "units": height},
+    }
+
+
+def dropped_effects(effects: Iterable[Effect]) -> str:
+    """One line for each effect of the scene that was left out of the computation."""
+    return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
+
+
+def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
+    """CF attributes of a measure."""
+    attributes: dict[str, Any] = {"long_name": long_name, "units": unit}
+    if name == "status":
+        attributes["flag_values"] = np.array([s.value for s in Status], dtype=np.int8)
+        attributes["flag_meanings"] = " ".join(s.name for s in Status)
+    if name.startswith("kappa"):
+        attributes["comment"] = (
+            "not-a-number where the mean pressure is not above 0: under tension area has no such law"
+        )
+    return attributes
+
+
+def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
+    """Fields over x, or (y, x), and scalars of the first realisation of a contact.
+
+    Displacements count from the unloaded body on a slab, and from their own mean on a half-space, whose mean
+    displacement has no reference.
+    """
+    scale, unit = scales(scene, rms_gradient), units(scene)
+    displacement = contact.equilibrium.displacement[0]
+    if problem.displacement is None:
+        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
+    tangential = contact.equilibrium.tangential
+    sideways = None if tangential is None else tangential.displacement[0]
+    if contact.deflected is not None:
+        displacement = displacement + contact.deflected[1]
+        sideways = None if sideways is None else sideways + contact.deflected[0]
+    fields = {
+        "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
+        "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
+        "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
+        "gap": ("height", "gap between the surfaces", gap(contact)[0]),
+    }
+    if tangential is not None:
+        fields |= {
+            "tangential_displacement": ("height", "tangential displacement of the body", sideways),
+            "tangential_traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
+        }
+    dims = ("x",) if scene.dimension == 1 else ("y", "x")
+    along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
+    dataset = xr.Dataset()
+    for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
+        attributes = {"long_name": f"position {along[dim]}", "units": unit["height"]}
+        dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
+    dataset.coords["rms_gradient_target"] = ((), rms_gradient, RMS_GRADIENT_TARGET)
+    for name, (kind, long_name, values) in fields.items():
+        dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
+    values = measure(contact)
+    for m in MEASURES:
+        attributes = measure_attributes(m.name, unit[m.unit], m.long_name)
+        dataset[m.name] = ((), scaled(values[m.name][0], scale[m.unit]), attributes)
+    if contact.equilibrium.growing_wave is not None:
+        attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
+        dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
+    refuse_nonfinite(dataset)
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"}
+    return dataset
+
+
+def refuse_nonfinite(dataset: xr.Dataset) -> None:
+    """Change a status that is ok where a result of one run, in its units, is not finite."""
+    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
+    dataset["status"].values = finite_status(results)
+
+
+def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
+    """Values in file units; counts and flags keep their integer type."""
+    return values if factor == 1.0 else values * factor
+
+
+def _uniform_compression(scene: Scene, problem: Problem) -> float:
+    body = scene.body
+    if problem.mean_pressure is None or np.isinf(body.aspect_ratio):
+        return 0.0
+    return problem.mean_pressure / stiffness.uniform(body.effective_poissons_ratio, body.aspect_ratio)
+
+
+def campaign_dataset(
+    coordinates: Mapping[str, list[Any]],
+    values: list[dict[str, npt.NDArray[Any]]],
+    unit: Mapping[str, str],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """Dataset `(case, realisation)` of the measures of every case, already in file units."""
+    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, **attributes})
+    values = [case | {"status": finite_status(case)} for case in values]
+    for m in MEASURES:
+        stacked = np.stack([case[m.name] for case in values])
+        dataset[m.name] = (
+            ("case", "realisation"),
+            stacked,
+            measure_attributes(m.name, unit[m.unit], m.long_name),
+        )
+    dataset = dataset.assign_coords(realisation=np.arange(dataset.sizes["realisation"]))
+    told = {
+        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
+        "rms_gradient_target": RMS_GRADIENT_TARGET,
+    }
+    return dataset.assign_coords({name: ("case", column, told.get(name)) for name, column in coordinates.items()})

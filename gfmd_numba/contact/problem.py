@@ -1,0 +1,301 @@
+"""The plan of one contact: the dimensionless problem a scene reduces to, what was dropped, and its identity.
+
+A frictionless hard wall on a linear body scales: with heights in g L_x and stresses in g E* (g the rms gradient)
+neither E, L_x nor g is left, and Poisson's ratio matters only through the stiffness of a finite slab.
+"""
+
+import hashlib
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from functools import cached_property, lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.contact.tractions import Tractions
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
+from gfmd_numba.roughness import statistics
+from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
+from gfmd_numba.scene import Interface as Interactions
+from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+
+Reals = npt.NDArray[np.float64]
+
+RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
+
+
+@dataclass(frozen=True)
+class RandomSurface:
+    """An ensemble of self-affine profiles `[nx]` or maps `[nx, nx]`; wave indices count periods in L_x.
+
+    `anisotropy` is the ratio of correlation lengths, y over x, of a map.
+    """
+
+    hurst: float
+    cut_on_index: int
+    cut_off_index: int
+    nx: int
+    seed: int
+    dimension: int = 1
+    anisotropy: float = 1.0
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface, (nx,) or (ny, nx)."""
+        return (self.nx,) * self.dimension
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return math.prod(self.shape)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The user's own profile `[nx]`, or the sum of several, in g L_x."""
+
+    nx: int
+    digest: str
+    heights: Reals = field(repr=False, compare=False)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface."""
+        return (self.nx,)
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return self.nx
+
+
+@dataclass(frozen=True)
+class ElasticBody:
+    """An elastic body; `aspect_ratio` is None for a half-space, `poissons_ratio` where it does not matter."""
+
+    poissons_ratio: float | None
+    aspect_ratio: float | None
+
+
+@dataclass(frozen=True)
+class CounterBody:
+    """A second deformable body in place of the rigid punch; `share` is its part of the compliance 1/E*, E*/E_2*."""
+
+    body: ElasticBody
+    share: float
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What became of one effect of the scene (on, off, condensed or dropped) and why."""
+
+    name: str
+    state: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Heights in g L_x, stresses in g E*; one of the two loads is None."""
+
+    surface: RandomSurface | Profile
+    body: ElasticBody
+    interface: Interface
+    mean_pressure: float | None
+    displacement: float | None
+    numerics: Numerics
+    tractions: Tractions | None = None
+    counter: CounterBody | None = None
+
+    @cached_property
+    def identity(self) -> str:
+        """Hash of everything that decides the numbers: equal problems are solved once."""
+        surface = asdict(self.surface)
+        surface.pop("heights", None)
+        content = {
+            "results_version": RESULTS_VERSION,
+            "surface": surface,
+            "body": asdict(self.body),
+            "interface": asdict(self.interface),
+            "mean_pressure": self.mean_pressure,
+            "displacement": self.displacement,
+            "numerics": self.numerics.model_dump(exclude={"topography_order"}),  # of rough bodies, after this
+        }
+        if self.tractions is not None:
+            content["tractions"] = self.tractions.digest
+        if self.counter is not None:
+            content["counter"] = asdict(self.counter)
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def self_affine(scene: Scene) -> SelfAffine:
+    """Roughness of a scene that asks for random surfaces; raises TypeError for any other."""
+    if not isinstance(scene.roughness, SelfAffine):
+        raise TypeError("a random surface needs roughness.method psd of the punch")
+    return scene.roughness
+
+
+def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> RandomSurface:
+    """Ensemble of surfaces a scene with `psd` roughness asks for at one discretisation."""
+    roughness = self_affine(scene)
+    return RandomSurface(
+        hurst=roughness.hurst,
+        cut_on_index=discretisation.cut_on_index,
+        cut_off_index=discretisation.cut_off_index,
+        nx=discretisation.nx,
+        seed=seed,
+        dimension=scene.dimension,
+        anisotropy=roughness.anisotropy or 1.0,
+    )
+
+
+def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, float]:
+    """Profile in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
+
+    Raises ValueError for a flat profile, without roughness to speak of, or one too large for its gradient.
+    """
+    scale, slope = scaled_gradient(heights)
+    rounding = len(heights) * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
+    own = slope * scale
+    if slope <= 100.0 * rounding:
+        size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
+        raise ValueError(f"{size}: it is flat but for rounding")
+    if not SMALLEST <= own <= LARGEST:
+        raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
+    unit = heights / scale / (slope if gradient is None else gradient / scale)
+    return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), own if gradient is None else gradient
+
+
+def scaled_gradient(heights: Reals) -> tuple[float, float]:
+    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
+    scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
+    return scale, float(statistics.rms_gradient(heights / scale))
+
+
+def reduce(
+    scene: Scene,
+    surface: RandomSurface | Profile,
+    rms_gradient: float,
+    numerics: Numerics,
+    tractions: Tractions | None = None,
+) -> tuple[Problem, tuple[Effect, ...]]:
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's."""
+    loading = scene.loading
+    displacement = None
+    if loading.displacement is not None:
+        displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
+    length = rms_gradient * (scene.length or 1.0)
+    energy = length * rms_gradient * contact_modulus(scene)
+    interface, interactions = _interface(scene.interface, scene.body, length, energy)
+    exact = displacement is not None or interface.law is not None  # a jump may hang on any small difference
+    tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
+    body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
+    solver = numerics.solver
+    if solver == "auto":
+        linear = interface.law is None and not interface.couples
+        solver = "active_set_newton" if linear else "verlet"
+    numerics = _decided(numerics, solver)
+    pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
+    counter = None
+    if scene.counter_body is not None:
+        other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
+        counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
+    problem = Problem(surface, body, interface, pressure, displacement, numerics, tractions, counter)
+    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
+    if scene.body.stiffness_scale != 1.0:
+        wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
+        effects = (Effect("stiffness scale", "on", wrong), *effects)
+    return problem, effects
+
+
+def effective_modulus(body: Body) -> float:
+    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
+
+    E* is E / (1 - nu^2) in plane strain and E in plane stress.
+    """
+    if body.youngs_modulus is None:
+        return body.stiffness_scale
+    plane = 1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0
+    return body.stiffness_scale * body.youngs_modulus / plane
+
+
+def contact_modulus(scene: Scene | LoadedBody) -> float:
+    """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
+    if isinstance(scene, LoadedBody) or scene.counter_body is None:
+        return effective_modulus(scene.body)
+    return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
+
+
+@lru_cache
+def _decided(numerics: Numerics, solver: str) -> Numerics:
+    """Numerics without what has been decided by now: equal problems have equal ones."""
+    return numerics.model_copy(update={"solver": solver, "effects": "exact"})
+
+
+@lru_cache(maxsize=4096)
+def _body(
+    asked: Body, interface: Interface, mean_matters: bool, loaded: bool, tolerance: float
+) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    nu, aspect_ratio = asked.effective_poissons_ratio, asked.aspect_ratio
+    condensed = Effect(
+        "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
+    )
+    coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
+    if math.isinf(aspect_ratio):
+        off = Effect("slab", "off", "the body is a half-space")
+        if interface.couples:
+            return ElasticBody(nu, None), (coupled, off)
+        if loaded:  # tangential tractions move the surface up and down by nu
+            return ElasticBody(nu, None), (condensed, off)
+        unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
+        return ElasticBody(None, None), (condensed, off, unknown)
+    if interface.couples:
+        return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "its mean displacement counts"))
+    effect = stiffening(nu, aspect_ratio)
+    name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
+    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
+    rounding = np.finfo(float).eps / 2
+    if mean_matters or loaded or effect > max(rounding, tolerance):
+        return ElasticBody(nu, aspect_ratio), (condensed, Effect(name, "on", bound))
+    below = "double precision" if effect <= rounding else f"numerics.effects = {tolerance:g}"
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below {below}"))
+
+
+@lru_cache(maxsize=4096)
+def _interface(asked: Interactions, body: Body, length: float, energy: float) -> tuple[Interface, tuple[Effect, ...]]:
+    wall, exponential, cohesive, friction = asked.hard_wall, asked.exponential, asked.cohesive, asked.friction
+    law = cohesion = None
+    if exponential is not None:
+        law = Exponential(exponential.work_of_adhesion / energy, exponential.range / length)
+    if cohesive is not None:
+        cohesion = XuNeedleman(
+            cohesive.work_of_adhesion / energy, cohesive.normal_length / length, cohesive.tangential_length / length
+        )
+    effects = [
+        _as_asked("hard wall", wall),
+        _as_asked("exponential law", exponential),
+        _as_asked("cohesive law", cohesive),
+        _as_asked("friction", friction),
+    ]
+    coefficient = None if friction is None else friction.coefficient
+    if coefficient is not None and math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5:
+        coefficient = None
+        reason = "an incompressible half-space has no tangential displacement under normal load"
+        effects[-1] = Effect("friction", "dropped", reason)
+    return Interface(wall is not None, law, coefficient, cohesion), tuple(effects)
+
+
+def _as_asked(name: str, record: object) -> Effect:
+    return Effect(name, "off", "not in the scene") if record is None else Effect(name, "on", "in the scene")
+
+
+def stiffening(poissons_ratio: float, aspect_ratio: float) -> float:
+    """Largest relative stiffening of any wave by the rigid base, that of the longest wave."""
+    k = min(2.0 * np.pi * aspect_ratio, 1e3)  # far beyond any effect, and its square is a number
+    ratio = stiffness.slab_factor(np.array([k]), poissons_ratio)[0] - 1.0
+    # below rounding the exact ratio is out of reach; its leading term is not
+    kappa = 3.0 - 4.0 * poissons_ratio
+    tail = (1.0 + kappa**2 + 4.0 * k**2 + 4.0 * kappa * k) * math.exp(-2.0 * k) / kappa
+    return float(ratio) if abs(ratio) > 1e-12 else tail

@@ -1,0 +1,73 @@
+"""Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.solution import Contact
+from gfmd_numba.elasticity import topography
+from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.elasticity.topography import Response
+from gfmd_numba.solvers.equilibrium import Equilibrium, Status
+
+Reals = npt.NDArray[np.float64]
+
+STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
+_MOST_ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class RoughBody:
+    """A deformable body, its stress-free topography `[nx]` of zero mean in L_x, and its part E*/E_i* of 1/E*."""
+
+    elastic: Elastic
+    heights: Reals
+    share: float
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
+
+    `expected_error` is what the next order would add to any displacement (L_x).
+    """
+
+    contact: Contact
+    responses: tuple[Response, ...]
+    expected_error: float
+
+
+def solve(
+    problem: Problem, bodies: tuple[RoughBody, ...], gradient: float, order: int, before: Equilibrium | None = None
+) -> Pressed:
+    """Press rough bodies together; the profile of the problem is the sum of all heights, in units of `gradient`.
+
+    Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
+    residual of the problem; where it does not, the run is not converged.
+    """
+    raised = np.zeros((1, problem.surface.nx))
+    for round_ in range(_MOST_ROUNDS):
+        solved = solution.solve(problem, range(1), before, raised=raised)
+        before = solved.equilibrium
+        responses = _responses(solved, bodies, gradient, order)
+        new = sum((response.u3 for response in responses), np.zeros(problem.surface.nx)) / gradient
+        moved = float(abs(new - raised[0]).max())
+        enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
+        if solved.equilibrium.status[0] != Status.ok or moved <= enough:
+            break
+        if round_ < _MOST_ROUNDS - 1:
+            raised[0] = new
+    else:
+        failed = np.full_like(solved.equilibrium.status, Status.not_converged)
+        solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
+    following = _responses(solved, bodies, gradient, order + 1)
+    return Pressed(solved, responses, sum(response.last for response in following))
+
+
+def _responses(solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int) -> tuple[Response, ...]:
+    """Response of each body; its unit of stress is its own modulus, in which the pressure is lower by its share."""
+    pressure = solved.equilibrium.pressure[0] * gradient
+    return tuple(topography.respond(body.share * pressure, body.heights, body.elastic, order) for body in bodies)

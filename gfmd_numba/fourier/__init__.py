@@ -1,0 +1,1 @@
+"""The periodic grid, the transform convention, planned transforms and resampling."""

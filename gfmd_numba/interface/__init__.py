@@ -1,0 +1,1 @@
+"""Laws that act between the surfaces."""

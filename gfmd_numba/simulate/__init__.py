@@ -1,0 +1,1 @@
+"""One file or record in, one dataset out."""

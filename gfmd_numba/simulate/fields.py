@@ -1,0 +1,148 @@
+"""Fields inside the body under a solved contact, as a dataset."""
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from gfmd_numba.contact.dataset import CONVENTIONS
+from gfmd_numba.contact.problem import effective_modulus
+from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene.document import brief
+
+Reals = npt.NDArray[np.float64]
+
+Record = TypeVar("Record", BoundaryFile, SceneFile)
+
+_LEVELS = 101
+_NAMES = {
+    "u1": ("displacement_1", "length", "displacement along x"),
+    "u3": ("displacement_3", "length", "displacement along z, out of the body"),
+    "strain1": ("strain_1", "1", "strain along x"),
+    "strain3": ("strain_3", "1", "strain along z"),
+    "strain5": ("strain_5", "1", "engineering shear strain in the plane"),
+    "stress1": ("stress_1", "stress", "stress along x, tension positive"),
+    "stress2": ("stress_2", "stress", "stress out of the plane, tension positive"),
+    "stress3": ("stress_3", "stress", "stress along z, tension positive"),
+    "stress5": ("stress_5", "stress", "shear stress in the plane"),
+}
+
+
+def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None, body: str = "body") -> xr.Dataset:
+    """Displacement, strain and stress `(z, x)`, of a path `(step, z, x)`, inside a body of a solved contact.
+
+    `z` counts from the mean plane of the undeformed surface, negative inside, in m (L_x without a length); by default
+    101 levels from the surface down to the base or, in a half-space, to L_x, denser near the surface. Stresses are in
+    Pa (E* without a modulus), numbered as Voigt does. (x, z) of a rough body are labels, its places while it was flat:
+    `formed_1` and `formed_3` (u'' of thesis 5.2) take them to the stress-free body. A `counter_body` is seen in axes of
+    its own, z out of it. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the
+    body and for a dataset that no contact was solved for. Thesis (2.4) to (2.6), (5.6).
+    """
+    scene, order = _described(contact, body)
+    asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
+    assert asked is not None  # _described's promise
+    length = scene.length or 1.0
+    heights = _levels(asked, length) if z is None else _checked(asked, length, _numbers(z))
+    whole = contact if "step" in contact.dims else contact.expand_dims("step")
+    steps = [_one(asked, length, order, whole.isel(step=i), heights, body) for i in range(whole.sizes["step"])]
+    if "step" not in contact.dims:
+        return steps[0]
+    joined = xr.concat(steps, "step", data_vars="all", coords="minimal", compat="override", join="exact")
+    return joined.assign_coords({name: given for name, given in contact.coords.items() if given.dims == ("step",)})
+
+
+def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
+    """Scene of a dataset and the order its topography was followed to; raises InputError."""
+    found = contact.variables.keys()
+    if "scene" not in contact.attrs or not ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found):
+        raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
+    if "normal_traction" in contact:
+        scene: Scene | LoadedBody = _recorded(BoundaryFile, contact).scene
+        names, order = ["body"], 0
+    else:
+        file = _recorded(SceneFile, contact)
+        if file.scene.boundary is not None:
+            raise InputError("contact: given one with a boundary; allowed: a contact without, or a loaded body")
+        if file.scene.dimension == 2:
+            raise InputError("contact: given one of dimension 2; allowed: a contact of dimension 1, over x alone")
+        names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
+        scene, order = file.scene, file.numerics.topography_order
+    if body not in names:
+        raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
+    return scene, order
+
+
+def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
+    """Scene file that a dataset was solved from; raises InputError if its attribute is no such thing any more."""
+    try:
+        return record.model_validate_json(contact.attrs["scene"])
+    except ValueError:
+        raise InputError(
+            "contact: given one whose scene is unreadable; allowed: what gfmd_numba.solve returns"
+        ) from None
+
+
+def _levels(body: Body, length: float) -> Reals:
+    lowest = 1.0 if np.isinf(body.aspect_ratio) else body.aspect_ratio
+    return 0.0 - lowest * length * np.linspace(0.0, 1.0, _LEVELS) ** 2
+
+
+def _numbers(z: npt.ArrayLike) -> Reals:
+    try:
+        return np.atleast_1d(np.asarray(z, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(f"z: given {brief(z)}; allowed: a number, or one row of numbers") from None
+
+
+def _checked(body: Body, length: float, z: Reals) -> Reals:
+    lowest = -body.aspect_ratio * length
+    outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
+    if z.ndim != 1 or outside.any():
+        given = f"{z[outside][0]:g}" if z.ndim == 1 else f"an array of shape {z.shape}"
+        allowed = f"one row of heights from the surface, in the unit of x, {lowest:g} (the base) to 0"
+        raise InputError(f"z: given {given}; allowed: {allowed}")
+    return z
+
+
+def _one(body: Body, length: float, order: int, contact: xr.Dataset, z: Reals, name: str) -> xr.Dataset:
+    modulus = effective_modulus(body)
+    elastic = Elastic(body.effective_poissons_ratio, None if np.isinf(body.aspect_ratio) else body.aspect_ratio)
+    nx = contact.sizes["x"]
+    along = contact.get("tangential_traction", xr.zeros_like(contact["x"])).values / modulus
+    normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values
+    flat = fields.loaded(along, normal / modulus, elastic)
+    formed = None
+    if f"{name}_height" in contact:
+        topography_ = contact[f"{name}_height"].values / length
+        response = topography.respond(-normal / modulus, topography_, elastic, order)
+        values = topography.rough_fields(flat, response, z / length, elastic)
+        formed = fields.fields(topography.forming(topography_, elastic), nx, z / length, elastic)
+    else:
+        values = fields.fields(flat, nx, z / length, elastic)
+    if body.state == "plane_stress":
+        values = replace(values, stress2=np.zeros_like(values.stress2))
+    dataset = xr.Dataset(coords={"z": z, "x": contact["x"]})
+    stress_unit = (contact["pressure"] if "pressure" in contact else contact["normal_traction"]).attrs["units"]
+    unit = {"length": contact["x"].attrs["units"], "stress": stress_unit, "1": "1"}
+    scale = {"length": length, "stress": modulus, "1": 1.0}
+    dataset["z"].attrs = {"long_name": "height above the undeformed surface", "units": unit["length"]}
+    failed = int(contact["status"]) != 0
+    for field, (variable, kind, long_name) in _NAMES.items():
+        scaled = np.full_like(values.u1, np.nan) if failed else getattr(values, field) * scale[kind]
+        if not failed and not np.isfinite(scaled).all():
+            raise InputError("contact: given one whose fields are not finite; allowed: what gfmd_numba.solve returns")
+        dataset[variable] = (("z", "x"), scaled, {"long_name": long_name, "units": unit[kind]})
+    stresses = (dataset[f"stress_{i}"].values for i in (1, 2, 3, 5))
+    attributes = {"long_name": "von Mises's equivalent stress", "units": unit["stress"]}
+    dataset["von_mises"] = (("z", "x"), fields.von_mises(*stresses), attributes)
+    if formed is not None:
+        for variable, moved in (("formed_1", formed.u1), ("formed_3", formed.u3)):
+            attributes = {"long_name": "displacement that forms the topography", "units": unit["length"]}
+            dataset[variable] = (("z", "x"), moved * length, attributes)
+    dataset["pressure"] = ("x", -normal, {"long_name": "pressure on the surface", "units": unit["stress"]})
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": "fields inside the body", "scene": contact.attrs["scene"]}
+    return dataset

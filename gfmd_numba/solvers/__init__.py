@@ -1,0 +1,1 @@
+"""Methods that find static equilibrium, and the certificate of what they found."""

@@ -1,0 +1,154 @@
+"""Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.solvers.preconditioners.exponential_sum import Decays
+from gfmd_numba.solvers.preconditioners.far_field import Collective
+from gfmd_numba.solvers.pressure_iterate import PressedBody
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+# others take more transforms, but not many: chosen for half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8
+_COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of the grid its contact is guessed on
+_COARSEST = 256  # nodes up to which all begin in contact
+_COARSE_STEPS = 6  # on a coarser grid, whose contact
+_SETTLED = 0.02  # may still change by this share
+_LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error of the first pressure on a contact, and
+_TIGHTEN = 0.1  # of the next one over that of the last,
+_TIGHTEN_MAP = 0.5  # at least, and at most
+_AHEAD = 0.1  # of the share of nodes that changed
+_INNER_ITERATIONS = 40
+
+
+class ActiveSetNewton(PressedBody):
+    """Pressure of a batch, found by guessing the contact: its nodes alone then pose a linear problem.
+
+    Nodes under tension leave, overlapping ones join. Where neighbours are drawn along by a displaced node, as on a
+    half-space, the contact of exact solutions shrinks towards that of the equilibrium. The linear problems are
+    solved by conjugate gradients, ever more exactly. Preconditioned by decays on profiles, they take some transforms
+    whatever the grid; on maps, by neighbours and what is far away, a few more for each doubling of nx. The first guess
+    comes from the waves that a coarser grid holds.
+    """
+
+    check_every = 1
+
+    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None, residual: float) -> None:
+        super().__init__(punch, stiffness, load)
+        rows, n = len(punch), self.field.n
+        self.changed = np.full(rows, n)  # nodes by the last step, out of
+        self.touching = np.full(rows, n)
+        self._coarse_transforms = np.zeros(rows)
+        if n > _COARSEST:
+            self._guess(punch, stiffness, load)
+        self._contact = self.pressure > 0.0
+        self._inverse: Decays | Collective
+        self._is_map = len(self.field.shape) == 2
+        if self._is_map:
+            self._inverse = Collective(stiffness, self.field.shape)
+        else:
+            self._inverse = Decays(self.compliance.astype(np.float64) * n, n)
+        self._target = 0.2 * residual  # the certificate's measure is a slightly different one
+        self._tolerance = np.full(rows, _LOOSE_MAP if self._is_map else _LOOSE)
+        self._nodes = np.empty(n, dtype=np.int64)
+        self._closing, self._pressure_change, self._uniform = np.empty((3, n))
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        return self.field.n_transforms + np.ceil(self._coarse_transforms).astype(np.int64)
+
+    def advance(self, active: Rows) -> None:
+        """Solve for the pressure on the contact of each active row, and revise its contact."""
+        n = self.field.n
+        for row in active.reshape(-1, 1):
+            i = row[0]
+            count = kernels.contact_nodes(self._contact[i], n, self._nodes)
+            spent = self._inverse.transforms
+            self._close_gap(row, count)
+            self._coarse_transforms[i] += self._inverse.transforms - spent
+            changed = kernels.revise_contact(
+                self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, n, self.load[i],
+                self.rounding[i], self.free_mean,
+            )  # fmt: skip
+            tighter = _TIGHTEN * self._tolerance[i]
+            if self._is_map and changed:  # its inner iterations converge slower: no digit before the contact has it
+                tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
+            self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
+            self.changed[i], self.touching[i] = changed, count
+
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions; costs two transforms a row."""
+        return self.violation(active)
+
+    def _close_gap(self, row: Rows, count: int) -> None:
+        """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
+        field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
+        p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
+        r, z, uniform, inverse = self._closing, self._pressure_change, self._uniform, self._inverse
+        if self.changed[i]:
+            field.apply(self.compliance, row, source=0)
+            kernels.open_gap(field.result[i], self.wall[i], n, gap)
+        if count == 0:
+            return
+        kernels.closing_displacement(gap, nodes, count, r, self.free_mean)
+        inverse.factor(nodes, count)
+        if self.free_mean:
+            z[:count] = 1.0
+            inverse.solve(z, uniform)
+        last = 0.0
+        for _ in range(_INNER_ITERATIONS):
+            inverse.solve(r, z)
+            energy, error = kernels.newton_error(r, z, uniform, p, nodes, count, self.rounding[i], self.free_mean)
+            if not error > self._tolerance[i]:
+                break
+            kernels.newton_direction(z, last, energy, nodes, count, n, t)
+            last = energy
+            field.apply(self.compliance, row, source=1)
+            kernels.newton_update(p, gap, t, field.result[i], energy, nodes, count, n, r, self.free_mean)
+
+    def _guess(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
+        """Begin with the pressure of the waves that a coarser grid holds."""
+        n, fine_shape = self.field.n, self.field.shape
+        shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
+        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in punch])  # bits of a row alone
+        smooth = smooth.astype(punch.dtype)
+        coarse = ActiveSetNewton(smooth, _of_coarser(stiffness, shape), load, _SETTLED)
+        active = np.arange(len(punch))
+        for _ in range(_COARSE_STEPS):
+            coarse.advance(active)
+            active = active[coarse.changed[active] > _SETTLED * coarse.touching[active]]
+        m = coarse.field.n
+        for fine, p in zip(self.pressure, coarse.pressure, strict=True):
+            p = p[:m].reshape(shape)
+            # of nodes beside the contact, whose pressure would be interpolated too, those nearer to it than not
+            inside = _interpolated((p > 0.0).astype(np.float64), fine_shape) >= 0.5
+            fine[:n] = np.where(inside, _interpolated(p, fine_shape), 0.0).ravel()
+        if load is not None:
+            self.pressure[:, :n] *= (load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
+        cost = m * np.log(m) / (n * np.log(n))
+        self._coarse_transforms = coarse.n_transforms * cost
+
+
+def _of_coarser(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
+    """Stiffness of the waves that a coarser grid holds."""
+    along_x = np.arange(shape[-1] // 2 + 1)
+    if len(shape) == 1:
+        return stiffness[along_x]
+    along_y = np.fft.fftfreq(shape[0], 1.0 / shape[0]).astype(np.int64)
+    return stiffness[np.ix_(along_y, along_x)]
+
+
+def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
+    """Periodic values between their nodes, linearly in each direction."""
+    for axis, n in enumerate(shape):
+        x = np.arange(n) * (values.shape[axis] / n)
+        values = np.apply_along_axis(_interpolated_along, axis, values, x)
+    return values
+
+
+def _interpolated_along(p: Reals, x: Reals) -> Reals:
+    return np.asarray(np.interp(x, np.arange(p.size + 1), np.append(p, p[0])))

@@ -1,0 +1,132 @@
+"""Damped dynamics of both displacements where tractions are prescribed at some nodes, displacements at the others.
+
+Without a punch this is a linear boundary-value problem: no node may be touched or let go.
+"""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.elasticity.surface import CoupledStiffness
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.theory.damping import critical_damping, stability_limit
+
+Reals = npt.NDArray[np.float64]
+
+_CHECK_EVERY = 10  # iterations between two looks at the residual
+
+
+@dataclass(frozen=True)
+class Deformed:
+    """Displacements and tractions `[component, x]`, tangential then normal (L_x, E*), and how they were reached.
+
+    `residual` is the largest unbalanced traction of a free node over the largest traction of any, or over that of
+    the softest wave with the amplitude of the prescribed displacement if that is more.
+    """
+
+    displacement: Reals
+    traction: Reals
+    status: Status
+    residual: float
+    n_iterations: int
+    n_transforms: int
+    wall_time: float
+
+
+def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, numerics: Numerics) -> Deformed:
+    """Displace and load the surface of a body node by node `[component, x]`, tangential then normal (L_x, E*).
+
+    `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
+    component without any prescribed displacement must be 0 if its mean stiffness is 0; that of an incompressible
+    slab, which is infinite, makes the mean normal displacement 0 and asks for at least one free node.
+    """
+    started = time.perf_counter()
+    relaxation = _Relaxation(stiffness, traction, displacement, numerics)
+    iterations, residual = 0, relaxation.residual()
+    while residual > numerics.residual and iterations < numerics.max_iterations:
+        steps = min(_CHECK_EVERY, numerics.max_iterations - iterations)
+        for _ in range(steps):
+            relaxation.advance()
+        iterations += steps
+        residual = relaxation.residual()
+    status = Status.ok if residual <= numerics.residual else Status.not_converged
+    field, n = relaxation.field, displacement.shape[1]
+    return Deformed(
+        displacement=relaxation.displacement[:, :n].copy(),
+        traction=field.result[:, :n] + relaxation.excess[:, np.newaxis],
+        status=status if np.isfinite(residual) else Status.nonfinite,
+        residual=residual,
+        n_iterations=iterations,
+        n_transforms=int(field.n_transforms.sum()),
+        wall_time=time.perf_counter() - started,
+    )
+
+
+class _Relaxation:
+    """Both displacements and the tractions that restore them; two transform pairs a step.
+
+    `excess` is the uniform pressure of an incompressible slab: the multiplier of its mean normal displacement, 0.
+    """
+
+    def __init__(self, stiffness: CoupledStiffness, traction: Reals, displacement: Reals, numerics: Numerics) -> None:
+        n = displacement.shape[1]
+        self._free = np.isnan(displacement)
+        self._traction = np.where(self._free, traction, 0.0)
+        self._rigid = bool(np.isinf(stiffness.k33[0]))
+        elastic = replace(stiffness, k33=np.concatenate(([0.0], stiffness.k33[1:]))) if self._rigid else stiffness
+        smaller, larger = elastic.principal()
+        softest, stiffest = float(smaller[smaller > 0.0].min()), float(larger.max())
+        self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
+        dt = numerics.time_step * stability_limit(softest, stiffest, numerics.damping)
+        self._push = dt * dt
+        self._memory = 1.0 - numerics.damping * critical_damping(softest, dt) * dt * dt
+        self.field = Convolution(2, n)
+        self._symbols = [self.field.symbol(k) for k in (elastic.k11, elastic.k13, elastic.k33)]
+        (self.displacement,) = self.field.sources
+        self.displacement[:, :n] = self._start(elastic, displacement)
+        self._last = self.displacement.copy()
+        self.excess = np.zeros(2)
+        self._rows = np.arange(2)
+        self._restore()
+
+    def advance(self) -> None:
+        """Make one time step."""
+        kernels.prescribed_step(
+            self.displacement, self._last, self.field.result, self._traction, self._free, self.excess, self.field.n,
+            self._memory, self._push,
+        )  # fmt: skip
+        self._restore()
+
+    def residual(self) -> float:
+        """Largest unbalanced traction over the largest traction; costs no transform."""
+        worst, peak = kernels.prescribed_violation(
+            self.field.result, self._traction, self._free, self.excess, self.field.n
+        )
+        if worst == 0.0:
+            return 0.0
+        peak = max(peak, self._least_peak)
+        return float(worst / peak) if peak > 0.0 else np.inf
+
+    def _start(self, elastic: CoupledStiffness, displacement: Reals) -> Reals:
+        """The response to the tractions alone, moved to where the displacement is prescribed."""
+        start = np.stack(elastic.deflection(*self._traction))
+        for u, given, free in zip(start, displacement, self._free, strict=True):
+            if not free.all():
+                u += (given - u)[~free].mean()
+                u[~free] = given[~free]
+        if self._rigid:
+            start[1, self._free[1]] -= start[1].sum() / self._free[1].sum()
+        return start
+
+    def _restore(self) -> None:
+        rows = self._rows
+        self.field.forward(rows)
+        kernels.couple(self.field.spectrum, *self._symbols, rows[:1], 1)
+        self.field.inverse(rows)
+        if self._rigid:
+            self.excess[1] = kernels.free_mean(self.field.result, self._traction, self._free, 1, self.field.n)

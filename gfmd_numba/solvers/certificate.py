@@ -1,0 +1,44 @@
+"""The certificate of a contact: how far displacement and traction are from static equilibrium."""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.fourier import grid
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+
+class Certificate:
+    """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
+
+    `worst`: traction on a free node or tension on a touching one. `peak`: the largest pressure of the wall.
+    `imbalance`: the mean traction that nothing carries.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self.worst, self.peak, self.imbalance = np.zeros((3, rows))
+
+    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
+        """Measure displacements that do not penetrate."""
+        kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance)
+
+    def residual(self, load: Reals, active: Rows, strength: float = 0.0) -> Reals:
+        """Worst violation over the largest pressure, or imbalance over the load if that is larger `[active]`.
+
+        Tractions of an interaction law may be far larger than the pressure: `strength` is a floor to the latter.
+        """
+        worst, peak = self.worst[active], np.maximum(self.peak[active], strength)
+        # nothing touches and nothing is violated: the surfaces are apart
+        local = np.divide(worst, peak, out=np.where(worst > 0.0, np.inf, worst), where=peak > 0.0)
+        loaded = load[active] > 0.0
+        balance = np.divide(self.imbalance[active], load[active], out=np.zeros_like(worst), where=loaded)
+        return np.maximum(local, balance)
+
+
+def pressure_scale(punch: Reals, stiffness: Reals) -> Reals:
+    """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*."""
+    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
+    waves = grid.coefficients(punch, stiffness.ndim).reshape(len(punch), -1)[:, 1:]
+    return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))

@@ -1,0 +1,44 @@
+"""Constrained conjugate gradients on the pressure (Polonsky & Keer, Wear 231:206, 1999)."""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.solvers.pressure_iterate import PressedBody
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+
+class ConjugateGradients(PressedBody):
+    """Pressure of a batch; two forward and two inverse transforms an iteration."""
+
+    check_every = 10
+
+    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
+        super().__init__(punch, stiffness, load)
+        self._norm, self._step, self._keep = np.zeros((3, len(punch)))
+
+    def advance(self, active: Rows) -> None:
+        """Make one iteration in the active rows."""
+        self._open_gap(active)
+        field, n = self.field, self.field.n
+        kernels.cg_direction(
+            self.pressure, self.gap, self.direction, self._norm, self._keep, self.rounding, active, n,
+            self.free_mean,
+        )  # fmt: skip
+        field.apply(self.compliance, active, source=1)
+        kernels.cg_update(
+            self.pressure, field.result, self.gap, self.direction, self.load, self._step, self._keep, active, n,
+            self.free_mean,
+        )  # fmt: skip
+
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions; costs four transforms a row."""
+        self._open_gap(active)
+        return self.violation(active)
+
+    def _open_gap(self, active: Rows) -> None:
+        field = self.field
+        field.apply(self.compliance, active, source=0)
+        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean)

@@ -1,0 +1,1 @@
+"""Approximate inverses of the compliance on the nodes in contact."""

@@ -1,0 +1,70 @@
+"""A batch of bodies under a pressure, as the solvers that iterate on the pressure see it: profiles or maps, flat."""
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.solvers.certificate import Certificate
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+
+class PressedBody:
+    """Pressure of a batch, the gap it leaves and the certificate of both; the pressure begins uniform.
+
+    `load` is the prescribed mean pressure `[realisation]`, or None where the displacement of the punch is
+    prescribed; only then may the stiffness at q = 0 be non-zero (or infinite, for an incompressible slab).
+    """
+
+    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
+        rows, shape = len(punch), punch.shape[1:]
+        punch, stiffness = punch.reshape(rows, -1), stiffness.ravel()
+        self.free_mean = load is not None
+        self._rigid_mean = not np.isfinite(stiffness[0])
+        # an incompressible slab keeps its volume: below the mean of the punch there is no room for it
+        self._impossible = punch.mean(axis=1) < 0.0
+        self.field = Convolution(rows, *shape, sources=3, dtype=punch.dtype)
+        n = self.field.n
+        self.pressure, self.direction, self.displacement = self.field.sources
+        self.restoring = self.field.result
+        self.wall = aligned_rows(rows, n, punch.dtype)
+        self.wall[:, :n] = punch
+        softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
+        start = -softest * punch.min(axis=1) if load is None else load
+        self.load = np.zeros(rows) if load is None else load
+        self.pressure[:, :n] = start[:, np.newaxis]
+        with np.errstate(divide="ignore"):
+            compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
+        self.compliance = self.field.symbol(compliance)
+        self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
+        self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
+        self.gap = aligned_rows(rows, n, punch.dtype)
+        self.certificate = Certificate(rows)
+        self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation."""
+        return self.field.n_transforms
+
+    def violation(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions by the nearest displacement that does not penetrate.
+
+        Leaves it in `displacement` and its restoring traction in `restoring`; costs two transforms a row.
+        """
+        field, n = self.field, self.field.n
+        kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement)
+        field.apply(self._stiffness, active, source=2)
+        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+            self.load[active] = self.pressure[active, :n].mean(axis=1)
+        self.certificate.look(self.displacement, field.result, self.wall, self.load, active, n)
+        if self._rigid_mean:
+            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
+        residual = self.certificate.residual(self.load, active)
+        if self._rigid_mean:
+            self.certificate.worst[self._impossible] = np.inf
+            residual[self._impossible[active]] = np.inf
+        return residual

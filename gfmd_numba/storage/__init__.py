@@ -1,0 +1,1 @@
+"""Where things are kept: cache folders, compiled kernels, and files written whole or not at all."""

@@ -1,0 +1,60 @@
+"""Compiled kernels on disk: each in a sealed file, in a folder for the state of their sources and their compiler."""
+
+import hashlib
+import os
+import sys
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from gfmd_numba.storage import cache as user_cache
+from gfmd_numba.storage.atomic_file import replace
+
+_SOURCES = Path(__file__).parent.parent / "kernels"
+_DIGEST_BYTES = hashlib.sha256().digest_size
+
+
+@cache
+def folder() -> Path | None:
+    """Return the folder of the present kernels, None where there is no place for one."""
+    state = hashlib.sha256(f"{version('numba')} {version('llvmlite')} {sys.implementation.cache_tag}".encode())
+    for source in sorted(_SOURCES.glob("*.py")):
+        state.update(source.read_bytes())
+    try:
+        path = user_cache.directory() / user_cache.KERNELS / state.hexdigest()[:16]
+        user_cache.make(path)
+    except OSError:
+        return None
+    return path
+
+
+def save(name: str, code: bytes) -> None:
+    """Keep the code of a kernel under a name; without a word where that cannot be done."""
+    path = folder()
+    if path is not None:
+        with suppress(OSError):  # it is compiled again next time
+            replace(path / name, _seal(name, code) + code, mode=0o600)
+
+
+def load(name: str) -> bytes | None:
+    """Code kept under a name; None if there is none, if it is damaged, or if somebody else may have written it."""
+    path = folder()
+    if path is None:
+        return None
+    try:
+        with open(path / name, "rb", opener=_without_links) as file:
+            trusted = user_cache.is_private(os.fstat(file.fileno()))
+            content = file.read() if trusted else b""
+    except OSError:
+        return None
+    code = content[_DIGEST_BYTES:]
+    return code if content[:_DIGEST_BYTES] == _seal(name, code) else None
+
+
+def _seal(name: str, code: bytes) -> bytes:
+    return hashlib.sha256(name.encode() + code).digest()
+
+
+def _without_links(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0))

@@ -16,12 +16,9 @@ side from geometry.)
 """
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import sici
 
-Reals = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+from gfmd_numba.arrays import Flags, Indices, Reals
 
 # A touching stretch of N nodes is shorter than N dx: on average over its position by this many dx at each of its two
 # ends, 1/4 - c.
@@ -38,7 +35,7 @@ _A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
 _LEAST_NODES = 6
 
 
-def perimeter_bias(facing_x: Counts, facing_y: Counts) -> Reals:
+def perimeter_bias(facing_x: Indices, facing_y: Indices) -> Reals:
     """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
     sides = np.maximum(facing_x + facing_y, 1)
     return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, np.linspace(0.0, 1.0, 11), _PERIMETER_BIAS))

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
@@ -20,8 +20,6 @@ from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
 from gfmd_numba.scene import Interface as Interactions
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-
-Reals = npt.NDArray[np.float64]
 
 RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
 

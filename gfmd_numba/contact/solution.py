@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import ElasticBody, Problem, Profile
 from gfmd_numba.elasticity import stiffness, surface
 from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import Equilibrium, Start, equilibrate
-
-Reals = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

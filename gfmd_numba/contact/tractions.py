@@ -6,13 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measured import read_column
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError
 from gfmd_numba.scene.quantities import LARGEST
-
-Reals = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
@@ -12,8 +12,6 @@ from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.fields import Elastic
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.solvers.equilibrium import Equilibrium, Status
-
-Reals = npt.NDArray[np.float64]
 
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 _MOST_ROUNDS = 30

@@ -13,11 +13,9 @@ broadcasts with k; it is at most 1/2, and any lower value is served (s = C44/C11
 """
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
-
-Reals = npt.NDArray[np.float64]
 
 
 def c11(poissons_ratio: Reals | float) -> Reals:

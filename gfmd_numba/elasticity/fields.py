@@ -6,21 +6,18 @@ Lengths in L_x, stresses in E*; z counts from the undeformed surface and is nega
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import coupled, transfer
 from gfmd_numba.fourier import grid
-
-Reals = npt.NDArray[np.float64]
-Spectrum = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
 class Surface:
     """Fourier coefficients `[nx // 2 + 1]` of both displacements of a surface (L_x) and its mean tractions (E*)."""
 
-    u1: Spectrum
-    u3: Spectrum
+    u1: Complexes
+    u3: Complexes
     mean_traction: tuple[float, float]
 
 
@@ -93,7 +90,7 @@ def compliance(nx: int, body: Elastic) -> tuple[Reals, Reals, Reals]:
     return 1.0 / tangential, lead / normal, 1.0 / normal
 
 
-def deflection(t1: Spectrum, t3: Spectrum, yielding: tuple[Reals, Reals, Reals]) -> tuple[Spectrum, Spectrum]:
+def deflection(t1: Complexes, t3: Complexes, yielding: tuple[Reals, Reals, Reals]) -> tuple[Complexes, Complexes]:
     """Coefficients of both displacements under those of both tractions."""
     c11, c13, c33 = yielding
     return c11 * t1 - 1j * c13 * t3, c33 * t3 + 1j * c13 * t1
@@ -114,7 +111,7 @@ def fields(surface: Surface, nx: int, z: Reals, body: Elastic) -> Fields:
     return Fields(*(grid.signal(np.array(spectra), nx) for spectra in zip(*rows, strict=True)))
 
 
-def spectra(surface: Surface, depth: float, nx: int, body: Elastic) -> tuple[Spectrum, ...]:
+def spectra(surface: Surface, depth: float, nx: int, body: Elastic) -> tuple[Complexes, ...]:
     """Coefficients of all fields at one depth, in the order of `Fields`."""
     nu, aspect_ratio = body.poissons_ratio, body.aspect_ratio
     q, shear, kappa = grid.wavenumbers(nx)[1:], float(coupled.c44(nu)), 3.0 - 4.0 * nu

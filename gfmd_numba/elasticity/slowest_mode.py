@@ -9,11 +9,10 @@ or nu < -0.184 (coupled) the softest wave is where q z_m is 0 to 3, whatever its
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import coupled
 
-Reals = npt.NDArray[np.float64]
 Direction = Literal["tangential", "normal", "mixed"]
 
 

@@ -7,9 +7,9 @@ the closed form of a layer bonded to a rigid base; with x = 2 q z_m and kappa = 
 """
 
 import numpy as np
-import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
+
 _SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0, 1307674368000.0])
 
 

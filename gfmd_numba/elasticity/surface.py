@@ -3,12 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import coupled
 from gfmd_numba.fourier import grid
-
-Reals = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

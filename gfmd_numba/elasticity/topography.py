@@ -21,15 +21,13 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import coupled, fields
 from gfmd_numba.elasticity.fields import Elastic, Fields, Surface
 from gfmd_numba.fourier import grid
 
-Reals = npt.NDArray[np.float64]
-Spectrum = npt.NDArray[np.complex128]
-State = tuple[Spectrum, Spectrum, Spectrum, Spectrum]  # u_1, u_3, sigma_13, sigma_33
+State = tuple[Complexes, Complexes, Complexes, Complexes]  # u_1, u_3, sigma_13, sigma_33
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,7 @@ def _fine(nx: int, order: int) -> int:
     return -(-(order + 2) * nx // 2)
 
 
-def _band(samples: Reals, nx: int) -> Spectrum:
+def _band(samples: Reals, nx: int) -> Complexes:
     """Coefficients `[..., nx // 2 + 1]` of the waves of nx points, without the Nyquist wave."""
     kept = grid.coefficients(samples)[..., : nx // 2 + 1].copy()
     if nx % 2 == 0:
@@ -119,7 +117,7 @@ def _band(samples: Reals, nx: int) -> Spectrum:
     return kept
 
 
-def _along(spectrum: Spectrum) -> Spectrum:
+def _along(spectrum: Complexes) -> Complexes:
     """Derivative along x."""
     return 2j * np.pi * np.arange(spectrum.shape[-1]) * spectrum
 
@@ -141,12 +139,12 @@ def _tower(state: State, height: int, body: Elastic) -> Iterator[State]:
         yield state
 
 
-def _stress1(state: State, body: Elastic) -> Spectrum:
+def _stress1(state: State, body: Elastic) -> Complexes:
     nu = body.poissons_ratio
     return nu / (1.0 - nu) * state[3] + _along(state[0])
 
 
-def _all_fields(state: State, body: Elastic) -> tuple[Spectrum, ...]:
+def _all_fields(state: State, body: Elastic) -> tuple[Complexes, ...]:
     """Displacements, strains and stresses of a state in plane strain, in the order of `Fields`."""
     u1, u3, shear, normal = state
     nu, strain1, stress1 = body.poissons_ratio, _along(u1), _stress1(state, body)

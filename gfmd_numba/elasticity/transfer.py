@@ -14,11 +14,9 @@ differences of nearly equal terms.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
-
-Reals = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

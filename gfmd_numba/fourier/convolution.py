@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Indices, Reals
 
 
 def _compiled_pyfftw() -> Any:
@@ -40,10 +39,10 @@ pyfftw = _compiled_pyfftw()
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
-def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[np.float64]:
+def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> Reals:
     """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
     line = _LINE // min(np.dtype(dtype).itemsize, 8)
-    array: npt.NDArray[np.float64] = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
+    array: Reals = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
     return array
 
 
@@ -95,20 +94,20 @@ class Convolution:
         """Symbol `[nx // 2 + 1]` or `[ny, nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
         return (values.ravel() / self.n).astype(self.result.dtype)
 
-    def apply(self, symbol: Reals, active: npt.NDArray[np.int64], source: int = 0) -> None:
+    def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""
         self.forward(active, source)
         kernels.multiply(self.spectrum, symbol, active)
         self.inverse(active)
 
-    def forward(self, active: npt.NDArray[np.int64], source: int = 0) -> None:
+    def forward(self, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `spectrum` with n times the Fourier coefficients of a source."""
         plans = self._forward[source]
         for i in active:
             plans[i].execute()
         self.n_transforms[active] += 1
 
-    def inverse(self, active: npt.NDArray[np.int64]) -> None:
+    def inverse(self, active: Indices) -> None:
         """Fill the active rows of `result` from the `spectrum`, which is lost."""
         for i in active:
             self._inverse[i].execute()

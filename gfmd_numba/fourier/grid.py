@@ -5,9 +5,8 @@ only, and `multiplicity` says how often each kept coefficient stands in the full
 """
 
 import numpy as np
-import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Complexes, Reals
 
 
 def wavenumbers(nx: int) -> Reals:
@@ -41,11 +40,11 @@ def multiplicity(nx: int) -> Reals:
     return weight
 
 
-def coefficients(signal: Reals, dimension: int = 1) -> npt.NDArray[np.complex128]:
+def coefficients(signal: Reals, dimension: int = 1) -> Complexes:
     """Fourier coefficients `[..., nx // 2 + 1]` of real signals `[..., nx]`, or of both last axes."""
     return np.fft.rfftn(signal, axes=tuple(range(-dimension, 0)), norm="forward")
 
 
-def signal(spectrum: npt.NDArray[np.complex128], nx: int) -> Reals:
+def signal(spectrum: Complexes, nx: int) -> Reals:
     """Real signals `[..., nx]` of Fourier coefficients `[..., nx // 2 + 1]`."""
     return np.fft.irfft(spectrum, nx, norm="forward")

@@ -1,9 +1,8 @@
 """Band-limited interpolation of periodic heights between grids."""
 
 import numpy as np
-import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 
 def resample(heights: Reals, shape: tuple[int, ...]) -> Reals:

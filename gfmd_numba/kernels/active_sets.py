@@ -3,11 +3,12 @@
 Arrays are `[x]`, those over the nodes in contact hold `count` values.
 """
 
-from gfmd_numba.kernels.compilation import Flags, Reals, Rows, jit
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def contact_nodes(contact: Flags, n: int, nodes: Rows) -> int:
+def contact_nodes(contact: Flags, n: int, nodes: Indices) -> int:
     """List the nodes in contact in their order around the period, beginning behind the widest gap; their number."""
     first = -1
     last = -1
@@ -45,7 +46,7 @@ def open_gap(sp: Reals, punch: Reals, n: int, gap: Reals) -> None:
 
 
 @jit
-def closing_displacement(gap: Reals, nodes: Rows, count: int, r: Reals, free_mean: bool) -> None:
+def closing_displacement(gap: Reals, nodes: Indices, count: int, r: Reals, free_mean: bool) -> None:
     """Displacement r that closes the gap on the nodes in contact.
 
     `free_mean`: the load is prescribed, so the gap is known up to a constant; r has no mean then.
@@ -69,7 +70,7 @@ def without_mean(r: Reals, count: int) -> None:
 
 @jit
 def newton_error(
-    r: Reals, z: Reals, uniform: Reals, p: Reals, nodes: Rows, count: int, rounding: float, free_mean: bool
+    r: Reals, z: Reals, uniform: Reals, p: Reals, nodes: Indices, count: int, rounding: float, free_mean: bool
 ) -> tuple[float, float]:
     """Energy r z of a change z of the pressure, and its size: the largest over the largest, or sum over sum.
 
@@ -102,7 +103,7 @@ def newton_error(
 
 
 @jit
-def newton_direction(z: Reals, last: float, energy: float, nodes: Rows, count: int, n: int, t: Reals) -> None:
+def newton_direction(z: Reals, last: float, energy: float, nodes: Indices, count: int, n: int, t: Reals) -> None:
     """Direction t conjugate to the last one, whose energy is zero if there was none."""
     beta = 0.0
     if last > 0.0:
@@ -121,7 +122,7 @@ def newton_update(
     t: Reals,
     st: Reals,
     energy: float,
-    nodes: Rows,
+    nodes: Indices,
     count: int,
     n: int,
     r: Reals,
@@ -143,7 +144,15 @@ def newton_update(
 
 @jit
 def revise_contact(
-    p: Reals, gap: Reals, contact: Flags, nodes: Rows, count: int, n: int, load: float, rounding: float, free_mean: bool
+    p: Reals,
+    gap: Reals,
+    contact: Flags,
+    nodes: Indices,
+    count: int,
+    n: int,
+    load: float,
+    rounding: float,
+    free_mean: bool,
 ) -> int:
     """Nodes under tension leave the contact and lose it, nodes that overlap join; how many did.
 

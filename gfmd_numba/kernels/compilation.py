@@ -1,4 +1,4 @@
-"""Array types of the kernels, and how they are compiled.
+"""How kernels are compiled, and what they have in common.
 
 Kernels work in place on batches `[realisation, x]`, on the rows listed in `active`. Rows may be longer than the `n`
 samples they hold (padding keeps each row aligned for the transforms).
@@ -10,17 +10,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
-import numpy as np
-import numpy.typing as npt
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from gfmd_numba.storage import kernel_cache
-
-Reals = npt.NDArray[np.float64]
-Complexes = npt.NDArray[np.complex128]
-Flags = npt.NDArray[np.bool_]
-Rows = npt.NDArray[np.int64]
 
 
 def jit(function: Callable[..., Any]) -> Any:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
@@ -11,7 +12,7 @@ def kkt_violation(
     ku: Reals,
     punch: Reals,
     load: Reals,
-    active: Rows,
+    active: Indices,
     n: int,
     worst: Reals,
     peak: Reals,
@@ -48,7 +49,7 @@ def friction_violation(
     wall: Reals,
     load: Reals,
     friction: float,
-    active: Rows,
+    active: Indices,
     n: int,
     worst: Reals,
 ) -> None:
@@ -77,7 +78,7 @@ def friction_violation(
 
 
 @jit
-def wall_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+def wall_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
     """Pressure of the hard wall: on touching nodes under compression, zero elsewhere."""
     for i in active:
         for j in range(n):

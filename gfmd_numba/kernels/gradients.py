@@ -1,10 +1,11 @@
 """Compiled parts of a constrained conjugate gradient iteration (Polonsky & Keer, Wear 231:206, 1999)."""
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def cg_gap(p: Reals, sp: Reals, punch: Reals, gap: Reals, active: Rows, n: int, free_mean: bool) -> None:
+def cg_gap(p: Reals, sp: Reals, punch: Reals, gap: Reals, active: Indices, n: int, free_mean: bool) -> None:
     """Gap left by the pressure p whose displacement is sp (Polonsky & Keer 1999, eqs 5-6).
 
     `free_mean`: the load is prescribed, so the gap is known up to the approach, which the touching nodes fix.
@@ -30,7 +31,7 @@ def cg_direction(
     norm: Reals,
     keep: Reals,
     rounding: Reals,
-    active: Rows,
+    active: Indices,
     n: int,
     free_mean: bool,
 ) -> None:
@@ -71,7 +72,7 @@ def cg_update(
     load: Reals,
     step: Reals,
     keep: Reals,
-    active: Rows,
+    active: Indices,
     n: int,
     free_mean: bool,
 ) -> None:
@@ -112,7 +113,7 @@ def cg_update(
 
 
 @jit
-def close_gap(p: Reals, gap: Reals, punch: Reals, active: Rows, n: int, u: Reals) -> None:
+def close_gap(p: Reals, gap: Reals, punch: Reals, active: Indices, n: int, u: Reals) -> None:
     """Displacement that touches wherever there is pressure or overlap, and never penetrates."""
     for i in active:
         for j in range(n):

@@ -2,11 +2,14 @@
 
 import numpy as np
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def exponential_pull(u: Reals, ku: Reals, punch: Reals, active: Rows, n: int, strength: float, length: float) -> None:
+def exponential_pull(
+    u: Reals, ku: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
+) -> None:
     """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the restoring traction ku."""
     for i in active:
         for j in range(n):
@@ -21,7 +24,7 @@ def xu_needleman_pull(
     k3: Reals,
     punch: Reals,
     sliding: float,
-    active: Rows,
+    active: Indices,
     n: int,
     work: float,
     normal: float,

@@ -1,10 +1,11 @@
 """Compiled product of a short stencil with values on some nodes of a map."""
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def neighbours_pressure(u: Reals, nodes: Rows, count: int, stencil: Reals, scratch: Reals, p: Reals) -> None:
+def neighbours_pressure(u: Reals, nodes: Indices, count: int, stencil: Reals, scratch: Reals, p: Reals) -> None:
     """Pressure p on the nodes from the displacement u there by the `[2 m + 1, 2 m + 1]` stencil of a stiffness.
 
     `scratch` is a map of zeros, and is left so.

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gfmd_numba.kernels.compilation import Flags, Reals, jit
+from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit

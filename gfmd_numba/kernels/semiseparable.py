@@ -6,12 +6,13 @@ ordered nodes (Foreman-Mackey et al., Astron. J. 154:220, 2017), each node some 
 
 import numpy as np
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
 def decays_factor(
-    nodes: Rows,
+    nodes: Indices,
     count: int,
     n: int,
     rates: Reals,

@@ -1,10 +1,11 @@
 """Compiled loops over spectra: the stiffness of one or both displacements."""
 
-from gfmd_numba.kernels.compilation import Complexes, Reals, Rows, jit
+from gfmd_numba.arrays import Complexes, Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def multiply(spectrum: Complexes, symbol: Reals, active: Rows) -> None:
+def multiply(spectrum: Complexes, symbol: Reals, active: Indices) -> None:
     """Multiply each active spectrum by a real symbol of the wave number."""
     for i in active:
         for k in range(symbol.size):
@@ -12,7 +13,7 @@ def multiply(spectrum: Complexes, symbol: Reals, active: Rows) -> None:
 
 
 @jit
-def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Rows, rows: int) -> None:
+def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Indices, rows: int) -> None:
     """Restoring tractions of tangential (row i) and normal (row rows + i) displacement, in place (6.57).
 
     The phase is that of coefficients of exp(+i q x) with the normal displacement out of the body: a compressed

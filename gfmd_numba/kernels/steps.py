@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gfmd_numba.kernels.compilation import Reals, Rows, jit
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.compilation import jit
 
 
 @jit
@@ -12,7 +13,7 @@ def verlet_step(
     ku: Reals,
     punch: Reals,
     load: Reals,
-    active: Rows,
+    active: Indices,
     n: int,
     memory: float,
     push: float,
@@ -35,8 +36,8 @@ def fire_step(
     load: Reals,
     dt: Reals,
     mixing: Reals,
-    downhill: Rows,
-    active: Rows,
+    downhill: Indices,
+    active: Indices,
     n: int,
     longest: float,
 ) -> None:
@@ -89,7 +90,7 @@ def coupled_step(
     wall: Reals,
     load: Reals,
     friction: float,
-    active: Rows,
+    active: Indices,
     n: int,
     memory: float,
     push: float,

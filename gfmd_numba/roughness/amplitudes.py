@@ -1,9 +1,8 @@
 """Random amplitudes of waves, each keyed to (seed, realisation, wave): what refines a grid keeps the surface."""
 
 import numpy as np
-import numpy.typing as npt
 
-Complexes = npt.NDArray[np.complex128]
+from gfmd_numba.arrays import Complexes, Indices
 
 
 def stream(seed: int, realisation: int) -> np.random.Generator:
@@ -39,7 +38,7 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
     return found
 
 
-def _ordinal(ky: npt.NDArray[np.int64], kx: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _ordinal(ky: Indices, kx: Indices) -> Indices:
     """Place of a wave (kx > 0, or kx = 0 and ky > 0) when waves are counted in square rings max(|kx|, |ky|)."""
     ring = np.maximum(kx, abs(ky))
     within = np.where(kx == ring, ky + ring, np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)

@@ -6,12 +6,10 @@ The thesis prints both spectra 2 pi times too large for its own (3.14), and leav
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import gamma
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.spectra import matern
-
-Reals = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,11 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
-
-Reals = npt.NDArray[np.float64]
 
 
 def autocorrelation(heights: Reals, lengths: tuple[float, ...] = statistics.UNIT) -> Reals:

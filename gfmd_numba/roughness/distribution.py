@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import stats
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # heights for which the limiting distribution of the test still holds
 

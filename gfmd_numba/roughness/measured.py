@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Reals = npt.NDArray[np.float64]
 
 _BRACKETED = re.compile(r"[\[(]\s*(\w{1,10})\s*[\])]")
 _LENGTHS = frozenset(["m", "km", "dm", "cm", "mm", "um", "µm", "μm", "micron", "nm", "pm", "Å", "in", "inch", "mil"])

@@ -8,11 +8,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measured import check_finite, header_units, height_of, load_netcdf, read_npy, read_table
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
-
-Reals = npt.NDArray[np.float64]
 
 _UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
 

@@ -5,11 +5,9 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.resampling import resample
-
-Reals = npt.NDArray[np.float64]
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]

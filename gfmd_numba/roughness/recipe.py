@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import recursive, spectral, statistics
 from gfmd_numba.roughness.anisotropy import Anisotropic, LengthAnisotropy, ScalingAnisotropy
 from gfmd_numba.roughness.measurements import read_measurement
@@ -23,8 +23,6 @@ from gfmd_numba.scene.surface_records import (
     SpectralDensity,
     SurfaceFile,
 )
-
-Reals = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-12  # of the largest height, below which a range of heights is rounding
 

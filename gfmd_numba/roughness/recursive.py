@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.roughness.amplitudes import stream
-
-Reals = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,10 @@
 """Periodic self-affine profiles and maps by the power spectral density method (thesis 3.5.2.1)."""
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
-
-Reals = npt.NDArray[np.float64]
 
 
 def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import gammaln, hyp2f1, j0, kv
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import stretched_exponential
-
-Reals = npt.NDArray[np.float64]
 
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
 

@@ -5,13 +5,11 @@ Both draw the amplitude of each wave from (seed, realisation, wave): a finer gri
 """
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.amplitudes import waves
 from gfmd_numba.roughness.anisotropy import Anisotropic, LengthAnisotropy, ScalingAnisotropy
 from gfmd_numba.roughness.spectra import Model, Spectrum
-
-Reals = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
 

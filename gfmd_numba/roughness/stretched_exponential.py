@@ -6,11 +6,10 @@ the series in inverse powers of q has more than enough digits.
 """
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 from scipy.special import gammaln, hankel1
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 _FAR = 30.0
 _TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next

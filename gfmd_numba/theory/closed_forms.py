@@ -1,9 +1,8 @@
 """Closed forms that contacts are checked against; lengths in L_x, stresses in E*, x measured from the summit."""
 
 import numpy as np
-import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 
 def westergaard_half_width(mean_pressure: float, amplitude: float) -> float:

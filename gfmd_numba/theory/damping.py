@@ -3,10 +3,8 @@
 import math
 from typing import TypeVar
 
-import numpy as np
-import numpy.typing as npt
+from gfmd_numba.arrays import Reals
 
-Reals = npt.NDArray[np.float64]
 Stiffness = TypeVar("Stiffness", float, Reals)
 
 

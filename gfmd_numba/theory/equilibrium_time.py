@@ -4,9 +4,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import lambertw
 
+from gfmd_numba.arrays import Complexes, Indices, Reals
 from gfmd_numba.theory import regimes
-
-Reals = npt.NDArray[np.float64]
 
 
 def time_constant(stiffness: Reals, damping: Reals, time_step: float) -> Reals:
@@ -45,7 +44,7 @@ def fastest_damping_ratio(fraction: float) -> float:
 
 def steps_to_equilibrium(
     stiffness: Reals, damping: Reals, time_step: float, start: npt.ArrayLike, tolerance: float, max_steps: int
-) -> npt.NDArray[np.int64]:
+) -> Indices:
     """Steps after which |u| <= tolerance for good, by making the steps (6.4) themselves, `[...]` without the last axis.
 
     Modes of `stiffness` `[..., d, d]` (symmetric, real) and `damping` eta `[..., d]` start at rest from `start`
@@ -78,5 +77,5 @@ def steps_to_equilibrium(
     return last + 1
 
 
-def _norm(u: npt.NDArray[np.complex128]) -> Reals:
+def _norm(u: Complexes) -> Reals:
     return np.asarray(np.sqrt((u.real**2 + u.imag**2).sum(axis=-1)))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import erf
 
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 
 def contact_area_fraction(mean_pressure: npt.ArrayLike, full_contact_pressure: npt.ArrayLike) -> Reals:

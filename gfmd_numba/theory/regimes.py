@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
-Complexes = npt.NDArray[np.complex128]
+from gfmd_numba.arrays import Complexes, Reals
+
 Polynomial = tuple[Reals, Reals]
 
 

@@ -68,7 +68,7 @@ def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Respo
             for m in range(1, n + 1):
                 state = towers[n - m][m - 1]
                 turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), fine)
-            traction = _along(_band(turned, nx))
+            traction = grid.derivative(_band(turned, nx))
         along, normal = traction
         state = (*fields.deflection(along, normal, compliance), along, normal)
         towers.append(list(_tower(state, order - n, body)))
@@ -99,7 +99,7 @@ def rough_fields(flat: Surface, response: Response, z: Reals, body: Elastic) -> 
                     if n + m + along > 0:
                         weight = u1**along / factorial(along) * u3**m / factorial(m)
                         added[:, level] += weight * grid.signal(waves, fine)
-                    waves = _along(waves)
+                    waves = grid.derivative(waves)
     more = grid.signal(_band(added, nx), nx)
     return Fields(*(values + part for values, part in zip(vars(lowest).values(), more, strict=True)))
 
@@ -117,11 +117,6 @@ def _band(samples: Reals, nx: int) -> Complexes:
     return kept
 
 
-def _along(spectrum: Complexes) -> Complexes:
-    """Derivative along x."""
-    return 2j * np.pi * np.arange(spectrum.shape[-1]) * spectrum
-
-
 def _inside(state: State, z: float, nx: int, body: Elastic) -> State:
     """State at a height below z = 0."""
     means = float(state[2][0].real), float(state[3][0].real)
@@ -135,19 +130,19 @@ def _tower(state: State, height: int, body: Elastic) -> Iterator[State]:
     for _ in range(height):
         stress1 = _stress1(state, body)
         _, _, _, strain3, strain5, *_ = _all_fields(state, body)
-        state = strain5 - _along(state[1]), strain3, -_along(stress1), -_along(state[2])
+        state = strain5 - grid.derivative(state[1]), strain3, -grid.derivative(stress1), -grid.derivative(state[2])
         yield state
 
 
 def _stress1(state: State, body: Elastic) -> Complexes:
     nu = body.poissons_ratio
-    return nu / (1.0 - nu) * state[3] + _along(state[0])
+    return nu / (1.0 - nu) * state[3] + grid.derivative(state[0])
 
 
 def _all_fields(state: State, body: Elastic) -> tuple[Complexes, ...]:
     """Displacements, strains and stresses of a state in plane strain, in the order of `Fields`."""
     u1, u3, shear, normal = state
-    nu, strain1, stress1 = body.poissons_ratio, _along(u1), _stress1(state, body)
+    nu, strain1, stress1 = body.poissons_ratio, grid.derivative(u1), _stress1(state, body)
     strain3 = normal / coupled.c11(nu) - nu / (1.0 - nu) * strain1
     strain5 = shear / coupled.c44(nu)
     return u1, u3, strain1, strain3, strain5, stress1, nu * (stress1 + normal), normal, shear

@@ -1,21 +1,48 @@
-"""The periodic grid: wave numbers and *the* transform convention.
+"""The periodic grid, its waves, and *the* transform convention of the whole package.
 
-Forward transforms divide by the number of samples, so u~(q) are Fourier coefficients; real signals keep q >= 0
-only, and `multiplicity` says how often each kept coefficient stands in the full sum.
+Samples h_j stand at x_j = j L_x / n, j = 0 ... n - 1, and are periodic. Their Fourier coefficients are
+
+    h~_k = 1/n sum_j h_j exp(-2 pi i j k / n),    h_j = sum_k h~_k exp(+2 pi i j k / n),
+
+so that exp(i q x) with q = 2 pi k / L_x has a positive sign on the way back, d/dx multiplies by i q, and the forward
+transform alone is divided by n: h~_0 is the mean, and coefficients do not change when the grid is refined.
+
+Signals are real, h~_-k = conj(h~_k): only k = 0 ... n // 2 are kept. A sum over all waves counts each kept one as often
+as `multiplicity` says, as in Parseval's theorem, 1/n sum_j h_j^2 = sum_k multiplicity_k |h~_k|^2.
+
+Nyquist, for even n: the waves k = n/2 and -n/2 are the same on the nodes, so the last kept coefficient is real, counts
+once, and holds the cosine alone. The sine vanishes on every node, and with it the derivative of the cosine.
+
+Maps `[y, x]` are transformed along both axes and divided by ny nx. Columns are kept like the waves of profiles; rows
+are k_y = 0, 1, ... and then the negative ones up to -1, with -ny/2 at the Nyquist wave of even ny. Of k_x = 0 and of
+k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so that multiplicity depends on k_x alone.
 """
 
 import numpy as np
 
-from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.arrays import Complexes, Indices, Reals
+
+
+def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
+    """Wave indices (k_x,) or (k_y, k_x), ready to broadcast, of the coefficients of `[(y,) x]` samples.
+
+    As an index into coefficients on a finer grid they find those of the same waves.
+    """
+    along_x = np.arange(shape[-1] // 2 + 1)
+    if len(shape) == 1:
+        return (along_x,)
+    along_y = np.arange(shape[0])
+    along_y[(shape[0] + 1) // 2 :] -= shape[0]
+    return along_y[:, np.newaxis], along_x[np.newaxis]
 
 
 def wavenumbers(nx: int) -> Reals:
-    """Wave numbers q = 2 pi k / L_x, k = 0 ... nx // 2, in 1/L_x."""
+    """Wave numbers q = 2 pi k / L_x `[nx // 2 + 1]`, in 1/L_x."""
     return 2.0 * np.pi * np.arange(nx // 2 + 1, dtype=np.float64)
 
 
 def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Reals, ...]:
-    """Components (q_x,) or (q_y, q_x), ready to broadcast, of the coefficients of `[nx]` or `[ny, nx]` samples.
+    """Components (q_x,) or (q_y, q_x), ready to broadcast, of the coefficients of `[(y,) x]` samples.
 
     `lengths` are the periods (L_x,) or (L_y, L_x); the result is in one over their unit.
     """
@@ -26,13 +53,14 @@ def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Rea
     return along_y[:, np.newaxis], along_x[np.newaxis]
 
 
-def magnitudes(shape: tuple[int, ...]) -> Reals:
-    """Magnitudes q = |q| `[nx // 2 + 1]` or `[ny, nx // 2 + 1]` of the wave vectors, in 1/L_x of a square period."""
-    return wavenumbers(shape[0]) if len(shape) == 1 else np.hypot(*wavevectors(shape, (1.0,) * len(shape)))
+def magnitudes(shape: tuple[int, ...], lengths: tuple[float, ...] | None = None) -> Reals:
+    """Magnitudes q = |q| `[(ny,) nx // 2 + 1]` of the wave vectors; without `lengths` in 1/L_x, all periods L_x."""
+    vectors = wavevectors(shape, (1.0,) * len(shape) if lengths is None else lengths)
+    return vectors[0] if len(shape) == 1 else np.hypot(*vectors)
 
 
 def multiplicity(nx: int) -> Reals:
-    """Weight of each kept coefficient in a sum over all wave numbers: 1 for q = 0 and Nyquist, otherwise 2."""
+    """Weight `[nx // 2 + 1]` of kept coefficients in a sum over all waves: 1 at q_x = 0 and Nyquist, otherwise 2."""
     weight = np.full(nx // 2 + 1, 2.0)
     weight[0] = 1.0
     if nx % 2 == 0:
@@ -40,11 +68,29 @@ def multiplicity(nx: int) -> Reals:
     return weight
 
 
-def coefficients(signal: Reals, dimension: int = 1) -> Complexes:
-    """Fourier coefficients `[..., nx // 2 + 1]` of real signals `[..., nx]`, or of both last axes."""
-    return np.fft.rfftn(signal, axes=tuple(range(-dimension, 0)), norm="forward")
+def shifts(n: int, length: float) -> Reals:
+    """Smallest shifts `[n]` that take the origin to each node of a period: 0, 1, ... -1 spacings."""
+    return np.fft.fftfreq(n).astype(np.float64) * length
 
 
-def signal(spectrum: Complexes, nx: int) -> Reals:
-    """Real signals `[..., nx]` of Fourier coefficients `[..., nx // 2 + 1]`."""
-    return np.fft.irfft(spectrum, nx, norm="forward")
+def coefficients(samples: Reals, dimension: int = 1) -> Complexes:
+    """Fourier coefficients `[..., (ny,) nx // 2 + 1]` of real samples `[..., (y,) x]`."""
+    return np.fft.rfftn(samples, axes=tuple(range(-dimension, 0)), norm="forward")
+
+
+def signal(spectrum: Complexes | Reals, *shape: int) -> Reals:
+    """Real samples `[..., (y,) x]` of the given shape, nx or ny, nx, from their coefficients."""
+    return np.fft.irfftn(spectrum, shape, axes=tuple(range(-len(shape), 0)), norm="forward")
+
+
+def derivative(spectrum: Complexes) -> Complexes:
+    """Coefficients of the derivative along x, in 1/L_x, of those of a signal without the Nyquist wave."""
+    return 1j * wavenumbers(2 * spectrum.shape[-1] - 2) * spectrum
+
+
+def influence(symbol: Reals, *shape: int) -> Reals:
+    """Influence coefficients `[(y,) x]` of a symbol: what one unit at the origin alone causes on every node.
+
+    Its Fourier coefficients are 1/n each, so these are the samples with coefficients symbol / n.
+    """
+    return np.fft.irfftn(symbol, shape, axes=tuple(range(-len(shape), 0)))

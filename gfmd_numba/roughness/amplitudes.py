@@ -3,6 +3,7 @@
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Indices
+from gfmd_numba.fourier import grid
 
 
 def stream(seed: int, realisation: int) -> np.random.Generator:
@@ -21,14 +22,12 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
 
     Waves with an index beyond `largest_index` in any direction, and the mean, are zero.
     """
-    half = shape[-1] // 2 + 1
-    found: Complexes = np.zeros((*shape[:-1], half), dtype=np.complex128)
+    found: Complexes = np.zeros((*shape[:-1], shape[-1] // 2 + 1), dtype=np.complex128)
     if len(shape) == 1:
         found[1 : largest_index + 1] = complex_gaussian(seed, realisation, largest_index)
         found /= np.sqrt(2.0)
         return found
-    ky = np.fft.fftfreq(shape[0], 1.0 / shape[0]).astype(np.int64)[:, np.newaxis]
-    kx = np.arange(half)[np.newaxis]
+    ky, kx = grid.wave_indices(shape)
     kept = (np.maximum(abs(kx), abs(ky)) <= largest_index) & ((kx > 0) | (ky > 0))
     place = np.broadcast_to(_ordinal(ky, kx), kept.shape)
     found[kept] = complex_gaussian(seed, realisation, 2 * largest_index * (largest_index + 1))[place[kept]]

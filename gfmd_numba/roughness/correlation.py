@@ -16,8 +16,7 @@ def autocorrelation(heights: Reals, lengths: tuple[float, ...] = statistics.UNIT
     mean: tuple[Any, ...] = (..., *(slice(0, 1),) * dimension)  # of coefficients, and no shift of shifts
     power = statistics.power(heights, lengths)
     power[mean] = 0.0
-    axes = tuple(range(-dimension, 0))
-    found = np.fft.irfftn(power, heights.shape[-dimension:], axes=axes, norm="forward")
+    found = grid.signal(power, *heights.shape[-dimension:])
     return np.asarray(found / found[mean])
 
 
@@ -31,7 +30,7 @@ def height_height_correlation(heights: Reals, lengths: tuple[float, ...] = stati
 def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals, Reals]:
     """Distances and means over rings of one spacing's width of a map of shifts `[ny, nx]`, up to half a period."""
     spacing = [length / n for length, n in zip(lengths, correlation.shape, strict=True)]
-    y, x = (np.fft.fftfreq(n) * length for n, length in zip(correlation.shape, lengths, strict=True))
+    y, x = (grid.shifts(n, length) for n, length in zip(correlation.shape, lengths, strict=True))
     distance = np.hypot(y[:, np.newaxis], x)
     ring = np.rint(distance / max(spacing)).astype(np.int64).ravel()
     kept = ring <= int(min(lengths) / 2.0 / max(spacing))

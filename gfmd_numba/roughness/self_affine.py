@@ -47,14 +47,14 @@ def maps(
     kept = (index > 0.0) & (index <= cut_off_index * (1.0 + 1e-12))
     envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
     weight = grid.multiplicity(smallest[1]) * np.hypot(q_y, q_x) ** 2
-    along_y = np.fft.fftfreq(smallest[0], 1.0 / smallest[0]).astype(np.int64) % nx
+    k_y, k_x = grid.wave_indices(smallest)
     heights = np.empty((len(realisations), nx, nx))
     for row, realisation in zip(heights, realisations, strict=True):
         amplitudes = envelope * waves(seed, realisation, smallest, cut_off_index)
         amplitudes /= np.sqrt((weight * np.abs(amplitudes) ** 2).sum())
         spectrum = np.zeros((nx, nx // 2 + 1), dtype=np.complex128)
-        np.add.at(spectrum, (along_y[:, np.newaxis], np.arange(cut_off_index + 1)), amplitudes)
+        np.add.at(spectrum, (k_y % nx, k_x), amplitudes)
         if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient; along y they add up
             spectrum[:, -1] = 2.0 * spectrum[:, -1].real
-        row[...] = np.fft.irfft2(spectrum, (nx, nx), norm="forward")
+        row[...] = grid.signal(spectrum, nx, nx)
     return heights

@@ -7,6 +7,7 @@ Both draw the amplitude of each wave from (seed, realisation, wave): a finer gri
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import waves
 from gfmd_numba.roughness.anisotropy import Anisotropic, LengthAnisotropy, ScalingAnisotropy
 from gfmd_numba.roughness.spectra import Model, Spectrum
@@ -42,15 +43,13 @@ def filter_power(model: Model | Anisotropic, nx: int, largest_index: int, period
     Raises ValueError like `psd_power`, where the period is too short for the correlation.
     """
     dimension, points = _dimension(model), 2 * largest_index + 1
-    nearest: Reals = (
-        np.fft.fftfreq(points).astype(np.float64) * period
-    )  # an image of the origin is nearest on the periodic surface
+    nearest = grid.shifts(points, period)  # on the periodic surface, where the origin has images
     if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
         correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
     else:
         distance = abs(nearest) if dimension == 1 else np.hypot(nearest, nearest[:, np.newaxis])
         correlation = model.autocorrelation(distance)
-    found = np.fft.rfftn(correlation, norm="forward").real
+    found = grid.coefficients(correlation, dimension).real
     found[(0,) * dimension] = 0.0
     power = np.zeros([nx] * (dimension - 1) + [nx // 2 + 1])
     if 2 * largest_index < nx:
@@ -70,13 +69,13 @@ def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations:
     heights = np.empty((len(realisations), *shape))
     for row, realisation in zip(heights, realisations, strict=True):
         amplitudes = envelope * waves(seed, realisation, shape, largest_index)
-        row[...] = np.fft.irfftn(amplitudes, shape, axes=tuple(range(power.ndim)), norm="forward")
+        row[...] = grid.signal(amplitudes, *shape)
     return heights
 
 
 def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
     """Autocorrelation `[nx]` or `[nx, nx]` of a periodic surface with this mean power, per w^2."""
-    return np.asarray(np.fft.irfftn(power, (nx,) * power.ndim, axes=tuple(range(power.ndim)), norm="forward"))
+    return grid.signal(power, *(nx,) * power.ndim)
 
 
 def _dimension(spectrum: Spectrum | Anisotropic) -> int:

@@ -13,14 +13,12 @@ UNIT = (1.0,)
 
 def power(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Squares |h~(q)|^2 of the kept Fourier coefficients, `[..., nx // 2 + 1]` or `[..., ny, nx // 2 + 1]`."""
-    axes = tuple(range(-len(lengths), 0))
-    return np.asarray(np.abs(np.fft.rfftn(heights, axes=axes, norm="forward")) ** 2)
+    return np.asarray(np.abs(grid.coefficients(heights, len(lengths))) ** 2)
 
 
 def wavenumbers(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Magnitudes of the wave vectors of `power`."""
-    vectors = grid.wavevectors(heights.shape[-len(lengths) :], lengths)
-    return vectors[0] if len(lengths) == 1 else np.hypot(*vectors)
+    return grid.magnitudes(heights.shape[-len(lengths) :], lengths)
 
 
 def spectral_moment(heights: Reals, order: int, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -56,10 +54,10 @@ def nayak(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
     nx = heights.shape[-1]
-    slope = 1j * grid.wavenumbers(nx) * grid.coefficients(heights)
+    waves = grid.coefficients(heights)
     if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
-        slope[..., -1] = 0.0
-    return grid.signal(slope, nx) / length
+        waves[..., -1] = 0.0
+    return grid.signal(grid.derivative(waves), nx) / length
 
 
 def typical_slope(heights: Reals, length: float = 1.0) -> Reals:

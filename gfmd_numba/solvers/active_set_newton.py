@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.preconditioners.exponential_sum import Decays
 from gfmd_numba.solvers.preconditioners.far_field import Collective
@@ -116,7 +117,7 @@ class ActiveSetNewton(PressedBody):
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in punch])  # bits of a row alone
         smooth = smooth.astype(punch.dtype)
-        coarse = ActiveSetNewton(smooth, _of_coarser(stiffness, shape), load, _SETTLED)
+        coarse = ActiveSetNewton(smooth, stiffness[grid.wave_indices(shape)], load, _SETTLED)
         active = np.arange(len(punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)
@@ -131,15 +132,6 @@ class ActiveSetNewton(PressedBody):
             self.pressure[:, :n] *= (load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
         cost = m * np.log(m) / (n * np.log(n))
         self._coarse_transforms = coarse.n_transforms * cost
-
-
-def _of_coarser(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
-    """Stiffness of the waves that a coarser grid holds."""
-    along_x = np.arange(shape[-1] // 2 + 1)
-    if len(shape) == 1:
-        return stiffness[along_x]
-    along_y = np.fft.fftfreq(shape[0], 1.0 / shape[0]).astype(np.int64)
-    return stiffness[np.ix_(along_y, along_x)]
 
 
 def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:

@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.preconditioners.near_field import Neighbours
 
@@ -31,8 +32,7 @@ class Collective:
         self._uniform, self._stiff, self._place, self._count = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64), 0
         if self._none:
             return
-        rows = np.fft.fftfreq(self._blocks[0], 1.0 / self._blocks[0]).astype(np.int64)
-        coarse = stiffness[np.ix_(rows, np.arange(self._blocks[1] // 2 + 1))]
+        coarse = stiffness[grid.wave_indices(self._blocks)]
         self._field = Convolution(1, *self._blocks)
         with np.errstate(divide="ignore"):
             compliance = np.where(coarse > 0.0, 1.0 / coarse, 0.0) * np.prod(self._blocks) / np.prod(shape)

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.fourier import grid
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
@@ -22,7 +23,7 @@ class Neighbours:
         symbol = stiffness.copy()
         if not 0.0 < symbol[0, 0] < np.inf:
             symbol[0, 0] = symbol[0, 1]
-        near = np.roll(np.fft.irfft2(symbol, shape), (_REACH, _REACH), axis=(0, 1))
+        near = np.roll(grid.influence(symbol, *shape), (_REACH, _REACH), axis=(0, 1))
         self._stencil = np.ascontiguousarray(near[: 2 * _REACH + 1, : 2 * _REACH + 1])
         around = np.abs(self._stencil).sum() - self._stencil[_REACH, _REACH]
         beside = self._stencil.copy()

@@ -72,6 +72,12 @@ def test_more_waves_refine_the_same_surface(dimension):
     assert np.count_nonzero(few) == (5 if dimension == 1 else 5 + 5 * 10 + 5 * 1 + 5)
 
 
+@pytest.mark.parametrize("nx", [48, 49, 98])
+def test_the_wave_at_the_cut_off_is_kept_in_all_directions(nx):
+    power = spectral.psd_power(SelfAffine(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
+    assert power[0, 20] == power[20, 0] == power[-20, 0] > 0.0
+
+
 def test_waves_of_a_map_are_independent_and_belong_to_a_real_surface():
     found = np.array([waves(1, i, (16, 16), 7) for i in range(4000)])
     np.testing.assert_array_equal(found[:, 1:8, 0], found[:, :-8:-1, 0].conj())

@@ -20,7 +20,7 @@ def psd_power(spectrum: Spectrum | Anisotropic, nx: int, largest_index: int, per
 
     Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere.
     """
-    index = _indices(_dimension(spectrum), nx)
+    index = grid.wave_indices((nx,) * _dimension(spectrum))
     size = np.sqrt(sum(k**2 for k in index))
     kept = (size > 0) & (size <= largest_index)
     step = 2.0 * np.pi / period
@@ -80,13 +80,6 @@ def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
 
 def _dimension(spectrum: Spectrum | Anisotropic) -> int:
     return 2 if isinstance(spectrum, LengthAnisotropy | ScalingAnisotropy) else spectrum.dimension
-
-
-def _indices(dimension: int, nx: int) -> list[Reals]:
-    """Wave indices of each direction in the layout of the transform, ready to broadcast."""
-    half = np.arange(nx // 2 + 1, dtype=np.float64)
-    both = np.fft.fftfreq(nx, 1.0 / nx).astype(np.float64)
-    return [half] if dimension == 1 else [both[:, np.newaxis], half[np.newaxis]]
 
 
 def _usable(power: Reals, largest_index: int, nx: int) -> Reals:

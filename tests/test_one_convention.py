@@ -1,0 +1,45 @@
+"""There is one convention of transforms: nothing outside the room `fourier` calls a transform of its own."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import gfmd_numba
+
+ROOT = Path(gfmd_numba.__file__).parent
+OUTSIDE = sorted(path for path in ROOT.rglob("*.py") if path.parent != ROOT / "fourier")
+LIBRARIES = ("numpy.fft", "scipy.fft", "scipy.fftpack", "pyfftw")
+
+
+def mentioned(text):
+    """Full names of the modules a source imports, and of what it takes from numpy and scipy as attributes."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            yield f"{ {'np': 'numpy'}.get(node.value.id, node.value.id) }.{node.attr}"
+
+
+def transforms(text):
+    return {name for name in mentioned(text) if name.startswith(LIBRARIES)}
+
+
+@pytest.mark.parametrize("path", OUTSIDE, ids=lambda path: str(path.relative_to(ROOT)))
+def test_no_module_outside_fourier_transforms_on_its_own(path):
+    assert not transforms(path.read_text())
+
+
+def test_only_planned_transforms_import_fftw():
+    found = {path.name for path in ROOT.glob("fourier/*.py") if "pyfftw" in transforms(path.read_text())}
+    assert found == {"convolution.py"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["np.fft.rfft(h)", "from numpy.fft import rfft", "import scipy.fft as f", "from scipy import fft", "import pyfftw"],
+)
+def test_every_way_to_a_transform_is_noticed(text):
+    assert transforms(text)

@@ -7,10 +7,11 @@ from finite_elements import Body, graded
 
 from gfmd_numba.contact import problem
 from gfmd_numba.contact import two_step as rough_bodies
-from gfmd_numba.contact.problem import ElasticBody, Problem
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.elasticity import fields, stiffness, topography
-from gfmd_numba.elasticity.fields import Elastic, Fields
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import Fields
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics
@@ -35,7 +36,7 @@ class Case:
 
     @property
     def elastic(self):
-        return Elastic(self.nu, self.thickness + self.heights.mean())
+        return ElasticBody(self.nu, self.thickness + self.heights.mean())
 
     @property
     def topography(self):
@@ -81,13 +82,12 @@ class Surface:
 def two_step(case, order):
     """Surface `[NX]`, what was solved, and the flat body's surface."""
     profile, gradient = problem.profile(case.topography)
-    body = ElasticBody(case.nu, case.elastic.aspect_ratio)
-    asked = Problem(profile, body, Interface(hard_wall=True), None, case.displacement / gradient, NUMERICS)
+    asked = Problem(profile, case.elastic, Interface(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     pressed = rough_bodies.solve(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order)
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name
     pressure = equilibrium.pressure[0] * gradient
-    flat = fields.loaded(np.zeros(NX), -pressure, case.elastic)
+    flat = fields.surface_under_tractions(np.zeros(NX), -pressure, case.elastic)
     u1, u3 = (grid.signal(waves, NX) for waves in (flat.u1, flat.u3))
     return Surface(u1 + response.u1, u3 + response.u3, pressure), pressed, flat
 
@@ -95,11 +95,11 @@ def two_step(case, order):
 def finite_elements(case, columns, touching):
     """Mesh, solution and surface; nodes are moved by u'' so that their labels are those of two-step GFMD."""
     body = case.elastic
-    up = topography.forming(case.topography, body)
+    up = topography.formed_surface(case.topography, body)
 
     def formed(x, z):
         levels, row = np.unique(np.round(z, 12), return_inverse=True)
-        moved = fields.fields(up, NX, np.minimum(levels, 0.0), body)
+        moved = fields.fields_inside(up, NX, np.minimum(levels, 0.0), body)
         column = np.rint(x * NX).astype(int) % NX
         return moved.u1[row, column], moved.u3[row, column]
 
@@ -139,8 +139,8 @@ def hooke(strain1, strain3, strain5, nu):
 def superposed(case, pressed, flat, levels):
     """Stresses 1, 3 and 5 by the thesis's ways to superpose strains, name -> arrays `[levels, NX]`."""
     body = case.elastic
-    load = fields.fields(flat, NX, levels, body)
-    form = fields.fields(topography.forming(case.topography, body), NX, levels, body)
+    load = fields.fields_inside(flat, NX, levels, body)
+    form = fields.fields_inside(topography.formed_surface(case.topography, body), NX, levels, body)
     total = (load.strain1 + form.strain1, load.strain3 + form.strain3, load.strain5 + form.strain5)
     a, w, mean = body.aspect_ratio, case.topography.std(), flat.u3[0].real
     uniform = mean * w / (a * (a + w))  # (5.16) as its derivation has it: strain of superposition too large by this
@@ -160,17 +160,17 @@ def superposed(case, pressed, flat, levels):
 
 
 def along(field):
-    return grid.signal(2j * np.pi * np.arange(NX // 2 + 1) * grid.coefficients(field), NX)
+    return grid.signal(grid.derivative(grid.coefficients(field)), NX)
 
 
 def flat_punch(displacement):
     """A flat body under a flat punch of width 0.1: surfaces `[NX]` and of a mesh, stresses below the middle."""
-    nu, body = 0.33, Elastic(0.33, 1.0)
+    nu, body = 0.33, ElasticBody(0.33, 1.0)
     under = abs(X - 0.5) < 0.05 + 1e-9
     wall = np.where(under, -displacement, 1e3)
     k = stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
     found = equilibrate(wall[np.newaxis], k, None, NUMERICS)
-    flat = fields.loaded(np.zeros(NX), -found.pressure[0], body)
+    flat = fields.surface_under_tractions(np.zeros(NX), -found.pressure[0], body)
     meshes = []
     for columns in (COARSE, FINE):
         over = NX // (2 * columns)

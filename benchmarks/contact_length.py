@@ -8,8 +8,9 @@ import sys
 import numpy as np
 
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Exponential, Interface
 from gfmd_numba.scene import Numerics
 

@@ -45,8 +45,8 @@ def slab(nx, E, dt, nu, a):
     """The same for both components (6.57), (6.64); -i u_3 in place of u_3 makes the matrices real."""
     k, modulus = waves(nx), E / (1 - nu**2)
     q = 2 * np.pi * k / nx
-    a11, a13, a33 = (modulus * q * m for m in coupled.slab(q * a * nx, nu))
-    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform(nu, a)])
+    a11, a13, a33 = (modulus * q * m for m in coupled.slab_elements(q * a * nx, nu))
+    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform_stiffness(nu, a)])
     stiffness = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
     return stiffness, STEP / (1 + np.append(0, k))[:, None] * np.array([1, -1j]), dt
 

@@ -13,8 +13,9 @@ import numpy as np
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface.laws import Interface

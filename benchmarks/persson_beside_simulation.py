@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 from gfmd_numba.theory import persson

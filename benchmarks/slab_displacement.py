@@ -5,19 +5,20 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba.elasticity.fields import Elastic, displaced, fields
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import fields_inside, surface_with_displacements
 from gfmd_numba.fourier import grid
 
 ASPECT_RATIO, POISSONS_RATIO, AMPLITUDE, NX = 0.25, 0.33, 5e-5, 400  # z_m / L_x, -, u_3 / L_x, -
 
 x, z = np.arange(NX) / NX, np.linspace(-ASPECT_RATIO, 0, 201)
-body = Elastic(POISSONS_RATIO, ASPECT_RATIO)
-given = displaced(np.zeros(NX), AMPLITUDE * np.sin(2 * np.pi * x), body)
-found = fields(given, NX, z, body)
+body = ElasticBody(POISSONS_RATIO, ASPECT_RATIO)
+given = surface_with_displacements(np.zeros(NX), AMPLITUDE * np.sin(2 * np.pi * x), body)
+found = fields_inside(given, NX, z, body)
 
 
 def along_x(field):
-    return grid.signal(2j * np.pi * np.arange(NX // 2 + 1) * grid.coefficients(field), NX)
+    return grid.signal(grid.derivative(grid.coefficients(field)), NX)
 
 
 def along_z(field):

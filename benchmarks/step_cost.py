@@ -5,7 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from gfmd_numba.elasticity import stiffness, surface
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
@@ -27,7 +28,7 @@ def solvers(nx):
     heights = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(1))
     punch = heights.max(axis=1, keepdims=True) - heights
     condensed, start = stiffness.half_space(grid.wavenumbers(nx)), Start.at_rest(punch)
-    both, starts = surface.half_space(nx, 0.3), (start.displacement, start.tangential, start.anchor)
+    both, starts = ElasticBody(0.3, None).coupled_stiffness(nx), (start.displacement, start.tangential, start.anchor)
 
     def one(solver, law=None):
         interface = Interface(hard_wall=True, law=law)

@@ -24,7 +24,7 @@ from chapter5 import (
 from matplotlib.figure import Figure
 
 from gfmd_numba.elasticity import fields, topography
-from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.elasticity.body import ElasticBody
 
 ORDERS = (0, 1, 2)
 PARTS = ("u1", "u3", "stress1", "stress3", "stress5")
@@ -106,7 +106,7 @@ def punches():
         flat, meshes = flat_punch(displacement)
         for name, (mesh, solution) in zip(("coarse", "fine"), meshes, strict=True):
             z, axis = on_axis(mesh, solution)
-            d = abs(fields.fields(flat, NX, z, Elastic(0.33, 1.0)).stress3[:, NX // 2] - axis) * 1e3
+            d = abs(fields.fields_inside(flat, NX, z, ElasticBody(0.33, 1.0)).stress3[:, NX // 2] - axis) * 1e3
             print(
                 f"  flat punch {displacement:g}, {name} mesh: mean {d.mean():.4f} min {d.min():.4f} max {d.max():.4f}"
             )
@@ -133,8 +133,9 @@ def walls(path):
 
 def unloaded(case):
     """Fig. 5.5: step 1 alone, the displacement that the forces of (5.15) call up on the flat body."""
-    along, normal = fields.tractions(topography.forming(case.topography, case.elastic), NX, case.elastic)
-    formed = fields.fields(fields.loaded(along, normal, case.elastic), NX, np.zeros(1), case.elastic)
+    along, normal = fields.surface_tractions(topography.formed_surface(case.topography, case.elastic), NX, case.elastic)
+    surface = fields.surface_under_tractions(along, normal, case.elastic)
+    formed = fields.fields_inside(surface, NX, np.zeros(1), case.elastic)
     print(
         f"\n{case.name}, unloaded: u_1 {abs(formed.u1).max():.1e}, u_3 - h {abs(formed.u3 - case.topography).max():.1e}"
     )

@@ -7,7 +7,8 @@ from gfmd_numba import fit_tfc, run
 from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface, profile, random_surface
+from gfmd_numba.contact.problem import Problem, RandomSurface, profile, random_surface
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.scene import Discretisation, InputError, Numerics, Scene

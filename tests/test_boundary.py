@@ -8,7 +8,7 @@ import gfmd_numba
 from gfmd_numba import kernels
 from gfmd_numba.contact.problem import RandomSurface, reduce
 from gfmd_numba.contact.tractions import tractions
-from gfmd_numba.elasticity import surface
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import BoundaryFile, Numerics, Scene
@@ -28,7 +28,7 @@ bodies = pytest.mark.parametrize(("nu", "aspect_ratio"), BODIES.values(), ids=BO
 
 
 def body(nu, aspect_ratio, nx=NX):
-    return surface.half_space(nx, nu) if np.isinf(aspect_ratio) else surface.slab(nx, nu, aspect_ratio)
+    return ElasticBody(nu, None if np.isinf(aspect_ratio) else aspect_ratio).coupled_stiffness(nx)
 
 
 def restored(stiffness, u):
@@ -146,7 +146,7 @@ def test_frictionless_flat_punch_pushed_into_a_deep_slab():
     errors = []
     for nx in (256, 1024):
         given, x = flat(nx, int(width * nx), -0.01)
-        result = settled(surface.slab(nx, 0.2, depth), np.zeros((2, nx)), given, residual=1e-8)
+        result = settled(ElasticBody(0.2, depth).coupled_stiffness(nx), np.zeros((2, nx)), given, residual=1e-8)
         arc = np.sin(np.pi * width / 2)
         load = 0.01 / (depth / (0.8**2 / 0.6) - 2 / np.pi * np.log(arc))
         inside = abs(x) < 0.4 * width
@@ -165,10 +165,14 @@ def test_prescribed_displacements_are_a_flat_punch(friction):
     for nu in (0.2, 0.5):
         given, _ = flat(NX, nodes, 0.0, None if friction is None else 0.0)
         pull = np.where(np.isnan(given), [[0.0], [load]], np.nan)
-        result = settled(surface.half_space(NX, nu), pull, given)
+        result = settled(ElasticBody(nu, None).coupled_stiffness(NX), pull, given)
         punch = np.where(np.isnan(given[1]), 10.0, 0.0)[np.newaxis]
         wall = equilibrate(
-            punch, surface.half_space(NX, nu), load, Numerics(residual=1e-10), Interface(True, friction=friction or 0.0)
+            punch,
+            ElasticBody(nu, None).coupled_stiffness(NX),
+            load,
+            Numerics(residual=1e-10),
+            Interface(True, friction=friction or 0.0),
         )
         np.testing.assert_allclose(load - result.traction[1], wall.pressure[0], atol=1e-8)
         np.testing.assert_allclose(result.traction[0], wall.tangential.traction[0], atol=1e-8)
@@ -187,7 +191,7 @@ def test_sticking_flat_punch(nu):
         given, x = flat(nx, nx // 32, 0.0, 0.0)
         given[0] += (1 - 2 * nu) / (1 - nu) * load * x
         pull = np.where(np.isnan(given), [[0.0], [load]], np.nan)
-        result = settled(surface.half_space(nx, nu), pull, given, residual=1e-8)
+        result = settled(ElasticBody(nu, None).coupled_stiffness(nx), pull, given, residual=1e-8)
         inside = abs(x) < 0.8 * a
         x = x[inside]
         size = load * 2 * (1 - nu) / np.sqrt(3 - 4 * nu) / (np.pi * np.sqrt(a**2 - x**2))
@@ -295,7 +299,7 @@ def test_tractions_beside_a_rough_punch(tmp_path, friction, loading):
     """Where the body is, what is prescribed and the pressure of the punch balance, and nothing penetrates."""
     result = beside(tmp_path, friction, loading, normal_traction=WAVE, tangential_traction=SHEAR)
     bare = beside(tmp_path, friction, loading)
-    k = surface.slab(NX, 0.3, 0.5)
+    k = ElasticBody(0.3, 0.5).coupled_stiffness(NX)
     pressure, u3 = result["pressure"].values, result["displacement"].values
     c3 = grid.coefficients(u3)
     shear = SHEAR + (result["tangential_traction"].values if friction else 0.0)

@@ -132,8 +132,8 @@ def test_slab_by_simulation(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
     k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5
     modulus, q = 0.7 / (1 - nu**2), 2 * np.pi * k / nx
-    a11, a13, a33 = (modulus * q * m for m in coupled.slab(q * a * nx, nu))
-    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform(nu, a)])
+    a11, a13, a33 = (modulus * q * m for m in coupled.slab_elements(q * a * nx, nu))
+    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform_stiffness(nu, a)])
     stiffness = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
     start = 0.01 / (1 + np.append(0, k))[:, None] * np.array([1, -1j])
     ratios = np.array([0.3, 0.6, 0.9, 1.05, 1.2, 1.4, 1.6, 2.0])

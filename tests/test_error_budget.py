@@ -10,8 +10,9 @@ from test_tfc import ALPHA, REFERENCE, C, campaign, noisy
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import Numerics
 

@@ -4,22 +4,23 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba.elasticity import coupled, fields, stiffness, surface, transfer
-from gfmd_numba.elasticity.fields import Elastic, Surface
+from gfmd_numba.elasticity import fields, moduli, stiffness, transfer
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import DeformedSurface
 from gfmd_numba.fourier import grid
 
 RATIOS = [-0.9, 0.0, 0.25, 0.33, 0.4999, 0.4999999999, 0.5]
-BODIES = [Elastic(nu, a) for nu in (0.0, 0.33, 0.4999999, 0.5) for a in (None, 0.01, 0.3, 1.0, 50.0)]
+BODIES = [ElasticBody(nu, a) for nu in (0.0, 0.33, 0.4999999, 0.5) for a in (None, 0.01, 0.3, 1.0, 50.0)]
 NX = 64
 
 
 def exact(k, y, nu):
     """Columns U_1, U_3, P, W for unit U_1 and unit U_3 at the surface, from (2.4) by mpmath."""
-    kappa = 3 - 4 * mpmath.mpf(nu)
+    kolosov = 3 - 4 * mpmath.mpf(nu)
 
     def waves(y):
         sinh, cosh = mpmath.sinh(y), mpmath.cosh(y)
-        g1, g2, g3 = kappa * sinh + y * cosh, y * sinh, kappa * sinh - y * cosh
+        g1, g2, g3 = kolosov * sinh + y * cosh, y * sinh, kolosov * sinh - y * cosh
         return mpmath.matrix([[g1, -g2], [g2, g3], [-sinh, cosh], [cosh, -sinh]])
 
     return waves(y) * waves(k)[:2, :] ** -1
@@ -30,7 +31,7 @@ def test_transfer_is_2_4(nu):
     for k in [*np.logspace(-5, 2.4, 30), 0.999, 1.001]:
         for part in (0.0, 1e-3, 0.3, 0.6, 0.999, 1.0):
             depth = 0.5 * part
-            found = transfer.slab(depth, np.array([k / 0.5]), 0.5, nu)
+            found = transfer.slab_transfer(depth, np.array([k / 0.5]), 0.5, nu)
             with mpmath.workdps(60 + int(k)):
                 true = exact(mpmath.mpf(k), mpmath.mpf(k) * (1 - mpmath.mpf(part)), nu)
                 for row, pair in enumerate((found.u1, found.u3, found.p, found.w)):
@@ -47,9 +48,9 @@ def random_surface(body, seed=1):
     u1[0] = u3[0] = u1[NX // 4 :] = u3[NX // 4 :] = 0.0
     traction = (0.3, -0.7)
     if body.aspect_ratio is not None:
-        u1[0] = traction[0] / coupled.c44(body.poissons_ratio) * body.aspect_ratio
-        u3[0] = traction[1] / coupled.c11(body.poissons_ratio) * body.aspect_ratio
-    return Surface(u1, u3, traction)
+        u1[0] = traction[0] / moduli.c44(body.poissons_ratio) * body.aspect_ratio
+        u3[0] = traction[1] / moduli.c11(body.poissons_ratio) * body.aspect_ratio
+    return DeformedSurface(u1, u3, traction)
 
 
 def along_x(field):
@@ -59,7 +60,7 @@ def along_x(field):
 def along_z(body, depth, step):
     """Fields at a depth and their derivatives by sixth-order central differences, checked for having converged."""
     found = random_surface(body)
-    levels = fields.fields(found, NX, -depth + step * np.arange(-3, 4), body)
+    levels = fields.fields_inside(found, NX, -depth + step * np.arange(-3, 4), body)
     weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     slopes = {name: weights @ values for name, values in vars(levels).items()}
     return {name: values[3] for name, values in vars(levels).items()}, slopes
@@ -92,12 +93,8 @@ def test_equilibrium_strain_and_hookes_law(body, part):
 def test_boundary_conditions(body):
     found = random_surface(body)
     depths = [0.0] if body.aspect_ratio is None else [0.0, -body.aspect_ratio]
-    result = fields.fields(found, NX, np.array(depths), body)
-    stiff = (
-        surface.half_space(NX, body.poissons_ratio)
-        if body.aspect_ratio is None
-        else surface.slab(NX, body.poissons_ratio, body.aspect_ratio)
-    )
+    result = fields.fields_inside(found, NX, np.array(depths), body)
+    stiff = body.coupled_stiffness(NX)
     tangential = stiff.k11 * found.u1 + 1j * stiff.k13 * found.u3
     normal = -1j * stiff.k13[1:] * found.u1[1:] + stiff.k33[1:] * found.u3[1:]
     tangential[0] = found.mean_traction[0]
@@ -117,7 +114,7 @@ def test_boundary_conditions(body):
 @pytest.mark.parametrize("nx", [16, 17])
 def test_a_loaded_surface_bears_its_tractions_up_to_nyquist(body, nx):
     along, normal = np.random.default_rng(2).standard_normal((2, nx))
-    result = fields.fields(fields.loaded(along, normal, body), nx, np.array([0.0]), body)
+    result = fields.fields_inside(fields.surface_under_tractions(along, normal, body), nx, np.array([0.0]), body)
     np.testing.assert_allclose(result.stress5[0], along, atol=1e-11)
     np.testing.assert_allclose(result.stress3[0], normal, atol=1e-11)
 
@@ -125,17 +122,17 @@ def test_a_loaded_surface_bears_its_tractions_up_to_nyquist(body, nx):
 def test_normal_displacement_under_pressure_is_that_of_the_condensed_stiffness():
     pressure, q = np.random.default_rng(4).uniform(size=32), grid.wavenumbers(32)
     for nu in (0.0, 0.33, 0.5):
-        found = fields.loaded(np.zeros(32), -pressure, Elastic(nu, 0.2))
+        found = fields.surface_under_tractions(np.zeros(32), -pressure, ElasticBody(nu, 0.2))
         np.testing.assert_allclose(found.u3, -grid.coefficients(pressure) / stiffness.slab(q, nu, 0.2), atol=1e-15)
 
 
 def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
-    nx, body = 16, Elastic(0.3, 0.2)
+    nx, body = 16, ElasticBody(0.3, 0.2)
     u1, u3 = np.random.default_rng(3).standard_normal((2, nx))
-    stiff = surface.slab(nx, 0.3, 0.2)
+    stiff = ElasticBody(0.3, 0.2).coupled_stiffness(nx)
     v1, v3 = grid.coefficients(u1), grid.coefficients(u3)
     t1, t3 = (grid.signal(t, nx) for t in (stiff.k11 * v1 + 1j * stiff.k13 * v3, stiff.k33 * v3 - 1j * stiff.k13 * v1))
-    result = fields.fields(fields.displaced(u1, u3, body), nx, np.array([0.0, -0.2]), body)
+    result = fields.fields_inside(fields.surface_with_displacements(u1, u3, body), nx, np.array([0.0, -0.2]), body)
     for field, given in ((result.u1, u1), (result.u3, u3), (result.stress5, t1), (result.stress3, t3)):
         np.testing.assert_allclose(field[0], given, atol=1e-11 * abs(given).max())
     assert abs(result.u1[1]).max() + abs(result.u3[1]).max() < 1e-12
@@ -144,7 +141,7 @@ def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
 @pytest.mark.parametrize("nu", RATIOS)
 def test_deep_slab_is_the_half_space(nu):
     q, depth = 2 * np.pi * np.array([1.0, 10.0, 1e3, 1e6, 1e9]), 0.003
-    deep, limit = transfer.slab(depth, q, 20.0, nu), transfer.half_space(q * depth, nu)
+    deep, limit = transfer.slab_transfer(depth, q, 20.0, nu), transfer.half_space_transfer(q * depth, nu)
     for found, true in zip(vars(deep).values(), vars(limit).values(), strict=True):
         np.testing.assert_allclose(found, true, rtol=1e-12, atol=1e-300)
 
@@ -153,8 +150,8 @@ def test_cosine_load_on_the_half_space():
     """p cos(qx) gives sigma_33, sigma_11 = -p (1 +- d) exp(-d) cos(qx), sigma_13 = p d exp(-d) sin(qx), d = q depth."""
     x, q, nu = np.arange(NX) / NX, 2 * np.pi * 3, 0.33
     depth = np.array([0.0, 0.01, 0.1, 0.7])
-    found = fields.loaded(0 * x, -np.cos(q * x), Elastic(nu, None))
-    result = fields.fields(found, NX, -depth, Elastic(nu, None))
+    found = fields.surface_under_tractions(0 * x, -np.cos(q * x), ElasticBody(nu, None))
+    result = fields.fields_inside(found, NX, -depth, ElasticBody(nu, None))
     d = (q * depth)[:, np.newaxis]
     np.testing.assert_allclose(result.stress3, -(1 + d) * np.exp(-d) * np.cos(q * x), atol=1e-14)
     np.testing.assert_allclose(result.stress1, -(1 - d) * np.exp(-d) * np.cos(q * x), atol=1e-14)
@@ -167,8 +164,10 @@ def test_a_row_of_line_loads_is_flamant_near_one_of_them():
     nx, depth = 2**14, 0.004
     pressure = np.zeros(nx)
     pressure[nx // 2] = nx
-    body = Elastic(0.3, None)
-    found = fields.fields(fields.loaded(0 * pressure, -pressure, body), nx, np.array([-depth]), body)
+    body = ElasticBody(0.3, None)
+    found = fields.fields_inside(
+        fields.surface_under_tractions(0 * pressure, -pressure, body), nx, np.array([-depth]), body
+    )
     x = np.arange(nx) / nx - 0.5
     near = abs(x) < 0.02
     r2 = x[near] ** 2 + depth**2
@@ -188,15 +187,15 @@ def test_nothing_overflows_at_any_wave_number_or_depth():
     nx = 2**18
     pressure = np.ones(nx)
     pressure[::2] = 0.0
-    for body in (Elastic(0.5, 4.0), Elastic(0.3, 1e-4), Elastic(0.49999999, 1.0)):
-        found = fields.loaded(0 * pressure, -pressure, body)
-        result = fields.fields(found, nx, -body.aspect_ratio * np.array([0.0, 1e-7, 0.5, 1.0]), body)
+    for body in (ElasticBody(0.5, 4.0), ElasticBody(0.3, 1e-4), ElasticBody(0.49999999, 1.0)):
+        found = fields.surface_under_tractions(0 * pressure, -pressure, body)
+        result = fields.fields_inside(found, nx, -body.aspect_ratio * np.array([0.0, 1e-7, 0.5, 1.0]), body)
         assert all(np.isfinite(field).all() for field in vars(result).values())
         assert abs(result.stress3[2:]).max() <= 1.0
 
 
 @pytest.mark.parametrize("z", [0.1, -0.31, np.nan, -np.inf])
 def test_z_outside_the_body_is_refused(z):
-    body = Elastic(0.3, 0.3)
+    body = ElasticBody(0.3, 0.3)
     with pytest.raises(ValueError, match="outside the body"):
-        fields.fields(random_surface(body), NX, np.array([z]), body)
+        fields.fields_inside(random_surface(body), NX, np.array([z]), body)

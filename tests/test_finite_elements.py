@@ -5,7 +5,7 @@ import pytest
 from finite_elements import Body, graded
 
 from gfmd_numba.elasticity import fields, stiffness
-from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -33,8 +33,8 @@ def test_stresses_inside_a_flat_slab_converge():
         normal = -0.01 - 1e-3 * np.cos(2 * np.pi * np.arange(nx) / nx)
         k = stiffness.slab(grid.wavenumbers(nx), nu, a)
         traction = grid.signal(k * grid.coefficients(normal), nx)
-        under = fields.loaded(0 * traction, traction, Elastic(nu, a))
-        exact = fields.fields(under, nx, levels, Elastic(nu, a))
+        under = fields.surface_under_tractions(0 * traction, traction, ElasticBody(nu, a))
+        exact = fields.fields_inside(under, nx, levels, ElasticBody(nu, a))
         column = np.rint(x * nx).astype(int)
         pairs = ((u1, exact.u1), (u3, exact.u3), (s1, exact.stress1), (s3, exact.stress3), (s5, exact.stress5))
         errors.append([abs(found - true[row, column]).max() for found, true in pairs])
@@ -50,7 +50,7 @@ def test_rough_top_is_a_slab_of_its_height():
 
 
 def test_contact_of_a_wavy_punch_converges_to_that_of_the_spectral_solver():
-    nx, delta, body, errors = 1024, 2e-3, Elastic(0.3, 0.5), []
+    nx, delta, body, errors = 1024, 2e-3, ElasticBody(0.3, 0.5), []
     wall = 0.005 * (1 - np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5))) - delta
     k = stiffness.slab(grid.wavenumbers(nx), body.poissons_ratio, body.aspect_ratio)
     found = equilibrate(wall[np.newaxis], k, None, Numerics(solver="conjugate_gradients", residual=1e-10))

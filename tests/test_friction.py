@@ -6,7 +6,8 @@ from test_kernels import both
 
 import gfmd_numba
 from gfmd_numba import kernels
-from gfmd_numba.elasticity import stiffness, surface
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine
@@ -15,7 +16,11 @@ from gfmd_numba.solvers.equilibrium import HARD_WALL as FREE
 from gfmd_numba.solvers.equilibrium import _coupled_solver, _solver, equilibrate
 
 NX = 256
-BODIES = [surface.half_space(NX, 0.2), surface.slab(NX, 0.2, 0.1), surface.slab(NX, 0.49, 0.3)]
+BODIES = [
+    ElasticBody(0.2, None).coupled_stiffness(NX),
+    ElasticBody(0.2, 0.1).coupled_stiffness(NX),
+    ElasticBody(0.49, 0.3).coupled_stiffness(NX),
+]
 COUPLED = {"half-space": BODIES[0], "slab": BODIES[1], "nearly incompressible": BODIES[2]}
 
 
@@ -146,7 +151,7 @@ def test_tractions_are_the_gradient_of_the_energy(body):
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.5])
 def test_normal_pressure_draws_the_surface_together(nu):
     """Johnson (1985), 2.25a: the tangential strain under a pressure p is -(1 - 2 nu)(1 + nu) p / E."""
-    body, n = surface.half_space(NX, nu), 12
+    body, n = ElasticBody(nu, None).coupled_stiffness(NX), 12
     x = np.arange(NX) / NX
     pressure = np.cos(2 * np.pi * n * x + 0.3)
     c3 = -grid.coefficients(pressure)  # pressure pushes the body down
@@ -164,7 +169,7 @@ def test_normal_pressure_draws_the_surface_together(nu):
 def test_without_friction_both_components_equal_the_condensed_one(nu, aspect_ratio, nx):
     heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
     punch, q = heights.max(axis=1, keepdims=True) - heights, grid.wavenumbers(nx)
-    both = surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
+    both = ElasticBody(nu, aspect_ratio).coupled_stiffness(nx)
     one = stiffness.half_space(q) if aspect_ratio is None else stiffness.slab(q, nu, aspect_ratio)
     np.testing.assert_allclose(both.condensed(), one, rtol=1e-13)
     coupled = press(punch, both, 0.05, 0.0, residual=1e-10)
@@ -209,7 +214,7 @@ def flat_punch_error(nx, nodes, nu, friction, pressure, shear, smooth):
     """
     punch, x = flat_punch(nx, nodes)
     load, half_width = 0.01, nodes / nx / 2
-    result = press(punch, surface.half_space(nx, nu), load, friction)
+    result = press(punch, ElasticBody(nu, None).coupled_stiffness(nx), load, friction)
     assert result.touching.sum() == nodes
     inside = abs(x) < 0.8 * half_width
     scale = load / (2 * half_width)

@@ -8,7 +8,7 @@ from test_kernels import both
 import gfmd_numba
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.elasticity import surface as coupled_surface
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import self_affine
@@ -287,7 +287,7 @@ def test_a_cohesive_contact_is_sheared_off(tmp_path):
 def test_cohesive_forces_balance_on_a_rough_surface(hard_wall):
     punch, _ = surface()
     law = XuNeedleman(0.002, 0.02, 0.02)
-    both = coupled_surface.half_space(punch.shape[1], 0.2)
+    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
     result = equilibrate(punch, both, 0.05, Numerics(), Interface(hard_wall, cohesion=law))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
@@ -317,7 +317,7 @@ def test_adhesion_lets_an_unloaded_punch_rub(tmp_path):
 def test_forces_of_law_and_friction_balance_on_a_rough_surface(work):
     punch, _ = surface()
     law, friction = Exponential(work, 0.02), 0.2
-    both = coupled_surface.half_space(punch.shape[1], 0.2)
+    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
     result = equilibrate(punch, both, 0.05, Numerics(), Interface(True, law, friction))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)

@@ -7,8 +7,9 @@ import xarray as xr
 from gfmd_numba import body_fields, run
 from gfmd_numba.analysis.plots.campaign import plot_contact
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import self_affine, statistics

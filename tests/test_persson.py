@@ -6,8 +6,9 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.roughness import statistics

@@ -7,9 +7,10 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.observables import gap, measure
-from gfmd_numba.contact.problem import ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.scene import InputError, Numerics

@@ -5,7 +5,7 @@ import pytest
 from finite_elements import Body, graded
 
 from gfmd_numba.elasticity import fields, stiffness, topography
-from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -15,12 +15,12 @@ X = np.arange(NX) / NX
 WAVE = np.cos(2 * np.pi * X)
 BUMPY = 0.6 * WAVE + 0.4 * np.sin(6 * np.pi * X)
 PRESSURE = 1.0 + np.cos(2 * np.pi * X) + 0.3 * np.sin(4 * np.pi * X)
-BODIES = [Elastic(0.33, 1.0), Elastic(0.0, 0.2), Elastic(0.5, 0.3), Elastic(0.33, None)]
+BODIES = [ElasticBody(0.33, 1.0), ElasticBody(0.0, 0.2), ElasticBody(0.5, 0.3), ElasticBody(0.33, None)]
 
 
 def flat(pressure, body):
     """Surface of a flat body under a pressure."""
-    return fields.loaded(0 * pressure, -pressure, body)
+    return fields.surface_under_tractions(0 * pressure, -pressure, body)
 
 
 def orders(errors, steps=(2.0, 2.0)):
@@ -33,15 +33,15 @@ def test_a_body_that_is_not_pressed_or_flat_is_left_alone(body):
         response = topography.respond(pressure, heights, body, 3)
         assert not response.u1.any()
         assert not response.u3.any()
-    assert topography.respond(PRESSURE, 0.01 * BUMPY, body, 0).last == 0.0
+    assert topography.respond(PRESSURE, 0.01 * BUMPY, body, 0).highest_order == 0.0
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_uniform_topography_is_a_higher_slab(order):
     nu, a, errors = 0.3, 0.5, []
     for height in (0.04, 0.02, 0.01):
-        low, high = flat(PRESSURE, Elastic(nu, a)), flat(PRESSURE, Elastic(nu, a + height))
-        response = topography.respond(PRESSURE, np.full(NX, height), Elastic(nu, a), order)
+        low, high = flat(PRESSURE, ElasticBody(nu, a)), flat(PRESSURE, ElasticBody(nu, a + height))
+        response = topography.respond(PRESSURE, np.full(NX, height), ElasticBody(nu, a), order)
         u1, u3 = (grid.signal(after - before, NX) for before, after in ((low.u1, high.u1), (low.u3, high.u3)))
         errors.append([abs(response.u1 - u1).max(), abs(response.u3 - u3).max()])
     assert (orders(np.array(errors), [[2.0], [2.0]]) > order + 0.5).all()
@@ -78,11 +78,9 @@ def test_fields_at_labels_meet_surface_and_base(body):
 @pytest.mark.parametrize("nu", [0.0, 0.33, 0.5])
 def test_forming_a_topography_takes_the_stiffness_times_it(nu):
     """(5.15) with the sign that holds the topography: F = q C11 M u''."""
-    from gfmd_numba.elasticity import surface
-
-    body, heights = Elastic(nu, 0.3), 0.01 * BUMPY
-    stress = fields.fields(topography.forming(heights, body), NX, np.array([0.0]), body)
-    k = surface.slab(NX, nu, 0.3)
+    body, heights = ElasticBody(nu, 0.3), 0.01 * BUMPY
+    stress = fields.fields_inside(topography.formed_surface(heights, body), NX, np.array([0.0]), body)
+    k = body.coupled_stiffness(NX)
     waves = grid.coefficients(heights)
     waves[0] = 0.0
     normal = np.where(np.isfinite(k.k33), k.k33, 0.0) * waves
@@ -122,7 +120,7 @@ def by_finite_elements(heights, body, displacement, columns, guess):
 
 def test_flattened_sinusoid_is_that_of_finite_elements():
     """Thesis 5.3.2 at half its amplitude: order 0 is 5e-6 L_x off, order 2 is as near as the mesh to a finer one."""
-    nx, columns, body = 2048, 256, Elastic(0.33, 1.0)
+    nx, columns, body = 2048, 256, ElasticBody(0.33, 1.0)
     heights = -0.005 * np.cos(2 * np.pi * np.arange(nx) / nx)
     found = [pressed(heights, body, 1.65e-3, order) for order in (0, 1, 2)]
     fem1, fem3, fem_pressure = by_finite_elements(heights, body, 1.65e-3, columns, found[2][0] > 0.0)

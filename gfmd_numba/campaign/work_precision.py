@@ -12,8 +12,9 @@ from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.file import AXES
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import ElasticBody, Problem, random_surface
+from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL
 
 Values = npt.NDArray[np.float64]

@@ -14,7 +14,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
@@ -67,14 +68,6 @@ class Profile:
     def nodes(self) -> int:
         """Number of its nodes."""
         return self.nx
-
-
-@dataclass(frozen=True)
-class ElasticBody:
-    """An elastic body; `aspect_ratio` is None for a half-space, `poissons_ratio` where it does not matter."""
-
-    poissons_ratio: float | None
-    aspect_ratio: float | None
 
 
 @dataclass(frozen=True)
@@ -209,14 +202,15 @@ def reduce(
 
 
 def effective_modulus(body: Body) -> float:
-    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
-
-    E* is E / (1 - nu^2) in plane strain and E in plane stress.
-    """
+    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`."""
     if body.youngs_modulus is None:
         return body.stiffness_scale
-    plane = 1.0 - body.poissons_ratio**2 if body.state == "plane_strain" else 1.0
-    return body.stiffness_scale * body.youngs_modulus / plane
+    return moduli.plane_modulus(body.stiffness_scale * body.youngs_modulus, body.poissons_ratio, body.state)
+
+
+def elastic_body(body: Body) -> ElasticBody:
+    """The body of a record in units of L_x and E*, with all that is known of it."""
+    return ElasticBody(body.effective_poissons_ratio, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
 
 
 def contact_modulus(scene: Scene | LoadedBody) -> float:
@@ -236,27 +230,27 @@ def _decided(numerics: Numerics, solver: str) -> Numerics:
 def _body(
     asked: Body, interface: Interface, mean_matters: bool, loaded: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
-    nu, aspect_ratio = asked.effective_poissons_ratio, asked.aspect_ratio
+    body = elastic_body(asked)
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
     )
     coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
-    if math.isinf(aspect_ratio):
+    if body.aspect_ratio is None:
         off = Effect("slab", "off", "the body is a half-space")
         if interface.couples:
-            return ElasticBody(nu, None), (coupled, off)
+            return body, (coupled, off)
         if loaded:  # tangential tractions move the surface up and down by nu
-            return ElasticBody(nu, None), (condensed, off)
+            return body, (condensed, off)
         unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
     if interface.couples:
-        return ElasticBody(nu, aspect_ratio), (coupled, Effect("slab", "on", "its mean displacement counts"))
-    effect = stiffening(nu, aspect_ratio)
-    name = f"slab of aspect ratio {aspect_ratio:g}, Poisson's ratio {nu:g}"
+        return body, (coupled, Effect("slab", "on", "its mean displacement counts"))
+    effect = stiffness.stiffening(body.nu, body.aspect_ratio)
+    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
     bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
     rounding = np.finfo(float).eps / 2
     if mean_matters or loaded or effect > max(rounding, tolerance):
-        return ElasticBody(nu, aspect_ratio), (condensed, Effect(name, "on", bound))
+        return body, (condensed, Effect(name, "on", bound))
     below = "double precision" if effect <= rounding else f"numerics.effects = {tolerance:g}"
     return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below {below}"))
 
@@ -287,13 +281,3 @@ def _interface(asked: Interactions, body: Body, length: float, energy: float) ->
 
 def _as_asked(name: str, record: object) -> Effect:
     return Effect(name, "off", "not in the scene") if record is None else Effect(name, "on", "in the scene")
-
-
-def stiffening(poissons_ratio: float, aspect_ratio: float) -> float:
-    """Largest relative stiffening of any wave by the rigid base, that of the longest wave."""
-    k = min(2.0 * np.pi * aspect_ratio, 1e3)  # far beyond any effect, and its square is a number
-    ratio = stiffness.slab_factor(np.array([k]), poissons_ratio)[0] - 1.0
-    # below rounding the exact ratio is out of reach; its leading term is not
-    kappa = 3.0 - 4.0 * poissons_ratio
-    tail = (1.0 + kappa**2 + 4.0 * k**2 + 4.0 * kappa * k) * math.exp(-2.0 * k) / kappa
-    return float(ratio) if abs(ratio) > 1e-12 else tail

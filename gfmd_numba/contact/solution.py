@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import ElasticBody, Problem, Profile
-from gfmd_numba.elasticity import stiffness, surface
-from gfmd_numba.elasticity.surface import CoupledStiffness
+from gfmd_numba.contact.problem import Problem, Profile
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import Equilibrium, Start, equilibrate
@@ -47,7 +47,8 @@ def solve(
     punch -= raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
-        deflected = _coupled(problem).deflection(problem.tractions.tangential, problem.tractions.normal)
+        coupled = problem.body.coupled_stiffness(problem.surface.nx)
+        deflected = coupled.deflection(problem.tractions.tangential, problem.tractions.normal)
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
@@ -65,29 +66,16 @@ def _heights(problem: Problem, realisations: range) -> Reals:
 
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
+    """Of all that deforms: of the normal displacement alone, or of both."""
     if problem.interface.couples:
-        return _coupled(problem)
+        return problem.body.coupled_stiffness(problem.surface.nx)
     return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
     """Stiffness of the deformable bodies together at wave numbers q, where no tangential traction acts, in E*/L_x."""
-    own = _condensed(problem.body, q)
+    own = problem.body.condensed_stiffness(q)
     if problem.counter is None:
         return own
-    # under one pressure displacements add up, wave by wave
-    share, other = problem.counter.share, _condensed(problem.counter.body, q)
-    with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / ((1.0 - share) / own + share / other))
-
-
-def _condensed(body: ElasticBody, q: Reals) -> Reals:
-    if body.poissons_ratio is None or body.aspect_ratio is None:
-        return stiffness.half_space(q)
-    return stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
-
-
-def _coupled(problem: Problem) -> CoupledStiffness:
-    nx, nu, aspect_ratio = problem.surface.nx, problem.body.poissons_ratio, problem.body.aspect_ratio
-    assert nu is not None  # reduce's promise
-    return surface.half_space(nx, nu) if aspect_ratio is None else surface.slab(nx, nu, aspect_ratio)
+    other = problem.counter.body.condensed_stiffness(q)
+    return stiffness.in_series(own, other, problem.counter.share)

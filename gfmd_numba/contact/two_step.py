@@ -9,7 +9,7 @@ from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import topography
-from gfmd_numba.elasticity.fields import Elastic
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.solvers.equilibrium import Equilibrium, Status
 
@@ -21,7 +21,7 @@ _MOST_ROUNDS = 30
 class RoughBody:
     """A deformable body, its stress-free topography `[nx]` of zero mean in L_x, and its part E*/E_i* of 1/E*."""
 
-    elastic: Elastic
+    elastic: ElasticBody
     heights: Reals
     share: float
 
@@ -62,7 +62,7 @@ def solve(
         failed = np.full_like(solved.equilibrium.status, Status.not_converged)
         solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
     following = _responses(solved, bodies, gradient, order + 1)
-    return Pressed(solved, responses, sum(response.last for response in following))
+    return Pressed(solved, responses, sum(response.highest_order for response in following))
 
 
 def _responses(solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int) -> tuple[Response, ...]:

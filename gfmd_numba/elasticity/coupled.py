@@ -1,11 +1,11 @@
-"""Stiffness of normal and tangential displacement together, and what couples them (thesis (2.12), (6.58)).
+"""Elements of the stiffness of both displacements over q, and of what is left of it if one is free (thesis (6.58)).
 
 The stiffness of one wave is q C11 times the Hermitian matrix [[M11, -i M13], [i M13, M33]] of (6.57). With
-k = q z_m > 0 and kappa = 3 - 4 nu, and in E* instead of C11 so that nothing is infinite at nu = 1/2, its elements are
+k = q z_m > 0 and kolosov = 3 - 4 nu, and in E* instead of C11 so that nothing is infinite at nu = 1/2, its elements are
 
-    C11 M11 / E* = 2 (1 - nu)^2 (kappa sinh k cosh k - k) / D,       D = (kappa sinh k - k) (kappa sinh k + k),
-    C11 M33 / E* = 2 (1 - nu)^2 (kappa sinh k cosh k + k) / D,
-    C11 M13 / E* = (1 - nu) / 2 * (kappa (kappa - 1) sinh^2 k - 2 k^2) / D.
+    C11 M11 / E* = 2 (1 - nu)^2 (kolosov sinh k cosh k - k) / D,    D = (kolosov sinh k - k) (kolosov sinh k + k),
+    C11 M33 / E* = 2 (1 - nu)^2 (kolosov sinh k cosh k + k) / D,
+    C11 M13 / E* = (1 - nu) / 2 * (kolosov (kolosov - 1) sinh^2 k - 2 k^2) / D.
 
 Below, sinh k and cosh k are scaled by exp(-k), and a difference is a sum of terms of one sign wherever it can be: only
 M13, which passes through zero for 1/4 < nu < 1/2, loses digits, and only there. `poissons_ratio` may be an array that
@@ -15,66 +15,43 @@ broadcasts with k; it is at most 1/2, and any lower value is served (s = C44/C11
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
 
 
-def c11(poissons_ratio: Reals | float) -> Reals:
-    """C11 in E* (6.48); infinite for nu = 1/2."""
-    nu = np.asarray(poissons_ratio, dtype=np.float64)
-    softness = 1.0 - 2.0 * nu
-    return np.divide((1.0 - nu) ** 2, softness, out=np.full_like(softness, np.inf), where=softness > 0.0)
+def slab_elements(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals, Reals]:
+    """C11 M11, C11 M13 and C11 M33 of a slab bonded to a rigid base, in E*, for k = q z_m > 0 and nu <= 1/2 (6.58).
 
-
-def c44(poissons_ratio: Reals | float) -> Reals:
-    """Shear modulus C44 in E* (6.48)."""
-    return 0.5 * (1.0 - np.asarray(poissons_ratio, dtype=np.float64))
-
-
-def m11(k: Reals, poissons_ratio: Reals | float) -> Reals:
-    """M11 of (6.58) at k = q z_m, in C11; zero for nu = 1/2, where C11 is infinite."""
-    return slab(k, poissons_ratio)[0] / c11(poissons_ratio)
-
-
-def m13(k: Reals, poissons_ratio: Reals | float) -> Reals:
-    """M13 of (6.58) at k = q z_m, in C11; (2.12) and (5.11) print its second term with the wrong sign."""
-    return slab(k, poissons_ratio)[1] / c11(poissons_ratio)
-
-
-def m33(k: Reals, poissons_ratio: Reals | float) -> Reals:
-    """M33 of (6.58) at k = q z_m, in C11; zero for nu = 1/2, where C11 is infinite."""
-    return slab(k, poissons_ratio)[2] / c11(poissons_ratio)
-
-
-def slab(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals, Reals]:
-    """C11 M11, C11 M13 and C11 M33 of a slab bonded to a rigid base, in E*, for k = q z_m > 0 and nu <= 1/2 (6.58)."""
+    (2.12) and (5.11) print the second term of M13 with the wrong sign. Raises ValueError for other k and nu.
+    """
     terms = _Terms(k, poissons_ratio)
     scale = 2.0 * (1.0 - terms.nu) ** 2 / terms.d
     return scale * terms.n11, 0.5 * (1.0 - terms.nu) * terms.n13 / terms.d, scale * terms.n33
 
 
-def half_space(poissons_ratio: Reals | float) -> tuple[Reals, Reals, Reals]:
+def half_space_elements(poissons_ratio: Reals | float) -> tuple[Reals, Reals, Reals]:
     """C11 M11, C11 M13 and C11 M33 of the half-space, in E*, for nu <= 1/2 (6.83)."""
     nu = np.asarray(poissons_ratio, dtype=np.float64)
-    kappa = 3.0 - 4.0 * nu
-    diagonal = 2.0 * (1.0 - nu) ** 2 / kappa
-    return diagonal, (1.0 - nu) * (1.0 - 2.0 * nu) / kappa, diagonal
+    kolosov = moduli.kolosov(nu)
+    diagonal = 2.0 * (1.0 - nu) ** 2 / kolosov
+    return diagonal, (1.0 - nu) * (1.0 - 2.0 * nu) / kolosov, diagonal
 
 
-def uniform(poissons_ratio: Reals | float, aspect_ratio: Reals | float) -> tuple[Reals, Reals]:
+def uniform_stiffness(poissons_ratio: Reals | float, aspect_ratio: Reals | float) -> tuple[Reals, Reals]:
     """Stiffness C44/z_m and C11/z_m of uniform tangential and normal displacement, in E*/L_x (6.66)."""
-    return c44(poissons_ratio) / aspect_ratio, c11(poissons_ratio) / aspect_ratio
+    return moduli.c44(poissons_ratio) / aspect_ratio, moduli.c11(poissons_ratio) / aspect_ratio
 
 
-def condensed(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals]:
+def condensed_elements(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals]:
     """Stiffness over q, in E*, of a slab loaded only tangentially and only normally (6.75), (6.78)."""
     terms = _Terms(k, poissons_ratio)
     return terms.det / (8.0 * terms.n33), terms.det / (8.0 * terms.n11)
 
 
-def principal(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals]:
+def principal_elements(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals]:
     """Smaller and larger eigenvalue of C11 M of a slab, in E*: kappa_3'/q and kappa_1'/q (6.84), section 6.3.6."""
     terms = _Terms(k, poissons_ratio)
-    a11, a13, a33 = slab(k, poissons_ratio)
+    a11, a13, a33 = slab_elements(k, poissons_ratio)
     larger = 0.5 * (a11 + a33) + np.hypot(2.0 * (1.0 - terms.nu) ** 2 * terms.decayed_k / terms.d, a13)
     # the determinant over the larger eigenvalue: subtracting the root would cancel where the slab is thin
     return 0.25 * (1.0 - terms.nu) ** 2 * terms.det / terms.d / larger, larger
@@ -88,15 +65,15 @@ class _Terms:
         if not (nu <= 0.5).all():
             raise ValueError("poissons_ratio must be at most 1/2")
         if not (np.asarray(k) > 0.0).all():
-            raise ValueError("k = q z_m must be positive; the uniform modes have uniform()")
-        kappa, excess = 3.0 - 4.0 * nu, 2.0 * (1.0 - 2.0 * nu)  # excess = kappa - 1, exact near nu = 1/2
+            raise ValueError("k = q z_m must be positive; the uniform modes have uniform_stiffness()")
+        kolosov, excess = moduli.kolosov(nu), 2.0 * (1.0 - 2.0 * nu)  # excess = kolosov - 1, exact near nu = 1/2
         decay = np.exp(-k)
         damped = np.where(decay > 0.0, k, 0.0) * decay  # k exp(-k)
         sinh, less = -0.5 * np.expm1(-2.0 * k), scaled_sinh_minus_x(k)
         self.decayed_k = damped * decay
-        self.d = (kappa * less + excess * damped) * (kappa * sinh + damped)
-        self.n11 = 0.5 * kappa * scaled_sinh_minus_x(2.0 * k) + excess * self.decayed_k
-        self.n33 = 0.5 * kappa * sinh * (1.0 + decay**2) + self.decayed_k
-        # kappa (kappa - 1) - 2 = 4 (1 - 4 nu) (1 - nu)
-        self.n13 = kappa * excess * less * (sinh + damped) + 4.0 * (1.0 - 4.0 * nu) * (1.0 - nu) * damped**2
-        self.det = kappa * (1.0 + decay**4) + (1.0 + kappa**2) * decay**2 + 4.0 * damped**2
+        self.d = (kolosov * less + excess * damped) * (kolosov * sinh + damped)
+        self.n11 = 0.5 * kolosov * scaled_sinh_minus_x(2.0 * k) + excess * self.decayed_k
+        self.n33 = 0.5 * kolosov * sinh * (1.0 + decay**2) + self.decayed_k
+        # kolosov (kolosov - 1) - 2 = 4 (1 - 4 nu) (1 - nu)
+        self.n13 = kolosov * excess * less * (sinh + damped) + 4.0 * (1.0 - 4.0 * nu) * (1.0 - nu) * damped**2
+        self.det = kolosov * (1.0 + decay**4) + (1.0 + kolosov**2) * decay**2 + 4.0 * damped**2

@@ -23,78 +23,90 @@ from math import factorial
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
-from gfmd_numba.elasticity import coupled, fields
-from gfmd_numba.elasticity.fields import Elastic, Fields, Surface
+from gfmd_numba.elasticity import fields, moduli
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import DeformedSurface, Fields
 from gfmd_numba.fourier import grid
 
-State = tuple[Complexes, Complexes, Complexes, Complexes]  # u_1, u_3, sigma_13, sigma_33
+
+@dataclass(frozen=True)
+class PlaneState:
+    """Coefficients `[nx // 2 + 1]` of displacements and tractions on a plane of constant z, which decide all fields."""
+
+    u1: Complexes
+    u3: Complexes
+    stress5: Complexes
+    stress3: Complexes
 
 
 @dataclass(frozen=True)
 class Response:
-    """What the topography adds to the response of a flat body, and the states at z = 0 it is made of, one an order.
+    """What the topography adds to the response of a flat body.
 
-    `u1` and `u3` `[nx]` are displacements of the surface; `last` is the largest part of them that is of the highest
-    order. `heights` `[nx]` are without the Nyquist wave.
+    `orders` are the states of the flat body at z = 0 it is made of, one for each order. `u1` and `u3` `[nx]` are
+    displacements of the surface; `highest_order` is the largest part of them that is of the highest order. `heights`
+    `[nx]` are without the Nyquist wave.
     """
 
-    states: tuple[State, ...]
+    orders: tuple[PlaneState, ...]
     heights: Reals
     u1: Reals
     u3: Reals
-    last: float
+    highest_order: float
 
 
-def forming(heights: Reals, body: Elastic) -> Surface:
+def formed_surface(heights: Reals, body: ElasticBody) -> DeformedSurface:
     """Step 1: the surface `[nx]` of a flat body displaced by (0, h), h of zero mean.
 
     Its stresses are those of the forces +q C11 M u'' that form the topography (5.15).
     """
-    return fields.displaced(np.zeros_like(heights), heights, body)
+    return fields.surface_with_displacements(np.zeros_like(heights), heights, body)
 
 
-def respond(pressure: Reals, heights: Reals, body: Elastic, order: int) -> Response:
+def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> Response:
     """Response to a pressure `[nx]` of a body with topography `[nx]` of zero mean, to an order of 0 or more."""
     nx = len(heights)
     fine = _fine(nx, order)
     topography = _band(heights, nx)
     powers = [grid.signal(topography, fine) ** m / factorial(m) for m in range(order + 1)]
-    compliance = fields.compliance(nx, body)
+    compliance = body.compliance(nx)
     traction = _band(np.array([np.zeros(nx), -pressure]), nx)
-    towers: list[list[State]] = []
+    derivatives: list[list[PlaneState]] = []  # of each order, those in z
     for n in range(order + 1):
         if n > 0:
-            turned = np.zeros((2, fine))
+            carried = np.zeros((2, fine))  # by the material between z = 0 and the surface, along x
             for m in range(1, n + 1):
-                state = towers[n - m][m - 1]
-                turned += powers[m] * grid.signal(np.array([_stress1(state, body), state[2]]), fine)
-            traction = grid.derivative(_band(turned, nx))
+                state = derivatives[n - m][m - 1]
+                carried += powers[m] * grid.signal(np.array([_stress1(state, body), state.stress5]), fine)
+            traction = grid.derivative(_band(carried, nx))
         along, normal = traction
-        state = (*fields.deflection(along, normal, compliance), along, normal)
-        towers.append(list(_tower(state, order - n, body)))
+        state = PlaneState(*compliance.displacements(along, normal), along, normal)
+        derivatives.append(list(_derivatives_in_z(state, order - n, body)))
     added = np.zeros((order + 1, 2, fine))
-    for n, tower in enumerate(towers):
-        for m, state in enumerate(tower):
-            added[n + m] += powers[m] * grid.signal(np.array(state[:2]), fine)
+    for n, of_order in enumerate(derivatives):
+        for m, state in enumerate(of_order):
+            added[n + m] += powers[m] * grid.signal(np.array([state.u1, state.u3]), fine)
     added[0] = 0.0
     added = grid.signal(_band(added, nx), nx)
     u1, u3 = added.sum(axis=0)
-    states = tuple(tower[0] for tower in towers)
-    return Response(states, grid.signal(topography, nx), u1, u3, float(abs(added[-1]).max()))
+    orders = tuple(of_order[0] for of_order in derivatives)
+    return Response(orders, grid.signal(topography, nx), u1, u3, float(abs(added[-1]).max()))
 
 
-def rough_fields(flat: Surface, response: Response, z: Reals, body: Elastic) -> Fields:
+def rough_fields(flat: DeformedSurface, response: Response, z: Reals, body: ElasticBody) -> Fields[Reals]:
     """Fields `[z, x]` at the labels (x, z) of a rough body, whose flat body has the surface `flat`."""
-    nx, order = len(response.heights), len(response.states) - 1
+    nx, order = len(response.heights), len(response.orders) - 1
     fine = _fine(nx, order)
-    lowest = fields.fields(flat, nx, z, body)
+    lowest = fields.fields_inside(flat, nx, z, body)
     added = np.zeros((len(vars(lowest)), len(z), fine))
-    formed = forming(response.heights, body)
+    formed = formed_surface(response.heights, body)
     for level, height in enumerate(z):
-        u1, u3, *_ = (grid.signal(waves, fine) for waves in fields.spectra(formed, -float(height), nx, body))
-        for n, at_surface in enumerate(response.states):
-            for m, state in enumerate(_tower(_inside(at_surface, float(height), nx, body), order - n, body)):
-                waves = np.array(_all_fields(state, body))
+        moved = fields.waves_at_depth(formed, -float(height), nx, body)
+        u1, u3 = grid.signal(moved.u1, fine), grid.signal(moved.u3, fine)
+        for n, on_top in enumerate(response.orders):
+            below = _state_at_depth(on_top, -float(height), nx, body)
+            for m, state in enumerate(_derivatives_in_z(below, order - n, body)):
+                waves = fields.stacked(_fields_of(state, body))
                 for along in range(order - n - m + 1):
                     if n + m + along > 0:
                         weight = u1**along / factorial(along) * u3**m / factorial(m)
@@ -117,32 +129,42 @@ def _band(samples: Reals, nx: int) -> Complexes:
     return kept
 
 
-def _inside(state: State, z: float, nx: int, body: Elastic) -> State:
-    """State at a height below z = 0."""
-    means = float(state[2][0].real), float(state[3][0].real)
-    at_depth = fields.spectra(Surface(state[0], state[1], means), -z, nx, body)
-    return at_depth[0], at_depth[1], at_depth[8], at_depth[7]
+def _state_at_depth(on_top: PlaneState, depth: float, nx: int, body: ElasticBody) -> PlaneState:
+    """State on a plane below z = 0, from that on z = 0."""
+    means = float(on_top.stress5[0].real), float(on_top.stress3[0].real)
+    waves = fields.waves_at_depth(DeformedSurface(on_top.u1, on_top.u3, means), depth, nx, body)
+    return PlaneState(waves.u1, waves.u3, waves.stress5, waves.stress3)
 
 
-def _tower(state: State, height: int, body: Elastic) -> Iterator[State]:
-    """A state and its derivatives in z, by strains and equilibrium."""
+def _derivatives_in_z(state: PlaneState, highest: int, body: ElasticBody) -> Iterator[PlaneState]:
+    """A state and its derivatives in z up to the highest, by strains and equilibrium."""
     yield state
-    for _ in range(height):
-        stress1 = _stress1(state, body)
-        _, _, _, strain3, strain5, *_ = _all_fields(state, body)
-        state = strain5 - grid.derivative(state[1]), strain3, -grid.derivative(stress1), -grid.derivative(state[2])
+    for _ in range(highest):
+        found = _fields_of(state, body)
+        state = PlaneState(
+            u1=found.strain5 - grid.derivative(state.u3),
+            u3=found.strain3,
+            stress5=-grid.derivative(found.stress1),
+            stress3=-grid.derivative(state.stress5),
+        )
         yield state
 
 
-def _stress1(state: State, body: Elastic) -> Complexes:
-    nu = body.poissons_ratio
-    return nu / (1.0 - nu) * state[3] + grid.derivative(state[0])
+def _stress1(state: PlaneState, body: ElasticBody) -> Complexes:
+    return body.nu / (1.0 - body.nu) * state.stress3 + grid.derivative(state.u1)
 
 
-def _all_fields(state: State, body: Elastic) -> tuple[Complexes, ...]:
-    """Displacements, strains and stresses of a state in plane strain, in the order of `Fields`."""
-    u1, u3, shear, normal = state
-    nu, strain1, stress1 = body.poissons_ratio, grid.derivative(u1), _stress1(state, body)
-    strain3 = normal / coupled.c11(nu) - nu / (1.0 - nu) * strain1
-    strain5 = shear / coupled.c44(nu)
-    return u1, u3, strain1, strain3, strain5, stress1, nu * (stress1 + normal), normal, shear
+def _fields_of(state: PlaneState, body: ElasticBody) -> Fields[Complexes]:
+    """All fields in plane strain of a state on the same plane."""
+    nu, strain1, stress1 = body.nu, grid.derivative(state.u1), _stress1(state, body)
+    return Fields(
+        u1=state.u1,
+        u3=state.u3,
+        strain1=strain1,
+        strain3=state.stress3 / moduli.c11(nu) - nu / (1.0 - nu) * strain1,
+        strain5=state.stress5 / moduli.c44(nu),
+        stress1=stress1,
+        stress2=nu * (stress1 + state.stress3),
+        stress3=state.stress3,
+        stress5=state.stress5,
+    )

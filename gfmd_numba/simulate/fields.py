@@ -8,9 +8,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.contact.dataset import CONVENTIONS
-from gfmd_numba.contact.problem import effective_modulus
+from gfmd_numba.contact.problem import effective_modulus, elastic_body
 from gfmd_numba.elasticity import fields, topography
-from gfmd_numba.elasticity.fields import Elastic
 from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import brief
 
@@ -110,19 +109,19 @@ def _checked(body: Body, length: float, z: Reals) -> Reals:
 
 def _one(body: Body, length: float, order: int, contact: xr.Dataset, z: Reals, name: str) -> xr.Dataset:
     modulus = effective_modulus(body)
-    elastic = Elastic(body.effective_poissons_ratio, None if np.isinf(body.aspect_ratio) else body.aspect_ratio)
+    elastic = elastic_body(body)
     nx = contact.sizes["x"]
     along = contact.get("tangential_traction", xr.zeros_like(contact["x"])).values / modulus
     normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values
-    flat = fields.loaded(along, normal / modulus, elastic)
+    flat = fields.surface_under_tractions(along, normal / modulus, elastic)
     formed = None
     if f"{name}_height" in contact:
         topography_ = contact[f"{name}_height"].values / length
         response = topography.respond(-normal / modulus, topography_, elastic, order)
         values = topography.rough_fields(flat, response, z / length, elastic)
-        formed = fields.fields(topography.forming(topography_, elastic), nx, z / length, elastic)
+        formed = fields.fields_inside(topography.formed_surface(topography_, elastic), nx, z / length, elastic)
     else:
-        values = fields.fields(flat, nx, z / length, elastic)
+        values = fields.fields_inside(flat, nx, z / length, elastic)
     if body.state == "plane_stress":
         values = replace(values, stress2=np.zeros_like(values.stress2))
     dataset = xr.Dataset(coords={"z": z, "x": contact["x"]})

@@ -10,9 +10,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.contact.dataset import CONVENTIONS, measure_attributes, refuse_nonfinite, scales, units
+from gfmd_numba.contact.problem import elastic_body
 from gfmd_numba.contact.tractions import balanced, read_boundary
-from gfmd_numba.elasticity import surface
-from gfmd_numba.elasticity.surface import CoupledStiffness
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document, LoadedBody, load_boundary
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 
@@ -35,7 +34,7 @@ def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Da
         for kind in ("traction", "displacement")
     )
     deformed = deform(
-        _stiffness(scene, nx),
+        elastic_body(scene.body).coupled_stiffness(nx),
         np.nan_to_num(traction, nan=0.0) / scale["pressure"],
         displacement / scale["height"],
         file.numerics,
@@ -60,11 +59,6 @@ def _balanced(document: Document, scene: LoadedBody, arrays: dict[str, Reals]) -
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
     return arrays
-
-
-def _stiffness(scene: LoadedBody, nx: int) -> CoupledStiffness:
-    nu, aspect_ratio = scene.body.effective_poissons_ratio, scene.body.aspect_ratio
-    return surface.half_space(nx, nu) if isinf(aspect_ratio) else surface.slab(nx, nu, aspect_ratio)
 
 
 def _dataset(scene: LoadedBody, deformed: Deformed) -> xr.Dataset:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot, isinf, prod
+from math import hypot, prod
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +11,9 @@ import xarray as xr
 
 from gfmd_numba.contact import problem
 from gfmd_numba.contact.dataset import contact_dataset, refuse_nonfinite, units
-from gfmd_numba.contact.problem import Problem, Profile, contact_modulus, effective_modulus
+from gfmd_numba.contact.problem import Problem, Profile, contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, topography
-from gfmd_numba.elasticity.fields import Elastic
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.measured import read_profile
@@ -97,9 +96,9 @@ def dataset(scene: Scene, reduced: Problem, given: Surfaces, pressed: Pressed) -
     nx = len(pressure)
     for name, body, response in zip(NAMES, given.bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        flat = fields.loaded(np.zeros(nx), -body.share * pressure, body.elastic)
-        forming = topography.forming(body.heights, body.elastic)
-        along, normal = fields.tractions(forming, nx, body.elastic)
+        flat = fields.surface_under_tractions(np.zeros(nx), -body.share * pressure, body.elastic)
+        forming = topography.formed_surface(body.heights, body.elastic)
+        along, normal = fields.surface_tractions(forming, nx, body.elastic)
         stress = contact_modulus(scene) / body.share
         for variable, kind, scale, long_name, values in (
             (f"{name}_height", "height", length, f"topography of the {whose}, peaks outwards", body.heights),
@@ -175,5 +174,4 @@ def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: st
         given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
         allowed = f"one within the height of the body, aspect_ratio = {body.aspect_ratio:g}, of its mean plane"
         raise InputError(document.line(("scene", name, "roughness"), given, allowed))
-    elastic = Elastic(body.effective_poissons_ratio, None if isinf(body.aspect_ratio) else body.aspect_ratio)
-    return RoughBody(elastic, heights, contact_modulus(scene) / effective_modulus(body))
+    return RoughBody(elastic_body(body), heights, contact_modulus(scene) / effective_modulus(body))

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.elasticity.surface import CoupledStiffness
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import Status

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.elasticity.surface import CoupledStiffness
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.laws import Interface
 from gfmd_numba.solvers.certificate import Certificate

@@ -1,11 +1,10 @@
-"""Stiffness of both surface displacements on a grid, mode by mode."""
+"""Stiffness of both displacements of a profile, wave by wave."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import coupled
 from gfmd_numba.fourier import grid
 
 
@@ -16,6 +15,18 @@ class CoupledStiffness:
     k11: Reals
     k13: Reals
     k33: Reals
+
+    @classmethod
+    def on_grid(cls, nx: int, k11: Reals, k13: Reals, k33: Reals) -> "CoupledStiffness":
+        """Stiffness on nx nodes, from elements `[nx // 2 + 1]` that are overwritten at Nyquist.
+
+        There the grid knows only one phase of the wave: its partner in the other component, a quarter wave off,
+        vanishes on every node. It is condensed out, as if it were free.
+        """
+        if nx % 2 == 0:
+            k11[-1], k33[-1] = k11[-1] - k13[-1] ** 2 / k33[-1], k33[-1] - k13[-1] ** 2 / k11[-1]
+            k13[-1] = 0.0
+        return cls(k11, k13, k33)
 
     def condensed(self) -> Reals:
         """Stiffness of the normal displacement where no tangential traction acts (Schur complement, 6.75)."""
@@ -44,28 +55,3 @@ class CoupledStiffness:
         larger = mean + np.hypot(half, self.k13)
         smaller = np.divide(self.k11 * self.k33 - self.k13**2, larger, out=np.zeros_like(larger), where=larger > 0.0)
         return smaller, larger
-
-
-def half_space(nx: int, poissons_ratio: float) -> CoupledStiffness:
-    """Coupled stiffness of the half-space on a grid of nx points, in E*/L_x (6.83)."""
-    q = grid.wavenumbers(nx)
-    return _on_grid(nx, *(q * element for element in coupled.half_space(poissons_ratio)))
-
-
-def slab(nx: int, poissons_ratio: float, aspect_ratio: float) -> CoupledStiffness:
-    """Coupled stiffness of a slab of height `aspect_ratio` L_x on a grid of nx points, in E*/L_x (6.58), (6.66)."""
-    q = grid.wavenumbers(nx)
-    elements = np.empty((3, len(q)))
-    elements[:, 1:] = q[1:] * coupled.slab(q[1:] * aspect_ratio, poissons_ratio)
-    tangential, normal = coupled.uniform(poissons_ratio, aspect_ratio)
-    elements[:, 0] = tangential, 0.0, normal
-    return _on_grid(nx, *elements)
-
-
-def _on_grid(nx: int, k11: Reals, k13: Reals, k33: Reals) -> CoupledStiffness:
-    if nx % 2 == 0:
-        # At Nyquist the grid knows only one phase of the wave: its partner in the other component, a quarter wave
-        # off, vanishes on every node. It is condensed out, as if it were free.
-        k11[-1], k33[-1] = k11[-1] - k13[-1] ** 2 / k33[-1], k33[-1] - k13[-1] ** 2 / k11[-1]
-        k13[-1] = 0.0
-    return CoupledStiffness(k11, k13, k33)

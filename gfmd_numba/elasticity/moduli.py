@@ -1,0 +1,33 @@
+"""Moduli of an isotropic body in plane strain, in units of its effective modulus E* (thesis 6.1.4)."""
+
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+
+Number = TypeVar("Number", float, Reals)
+
+
+def plane_modulus(
+    youngs_modulus: float, poissons_ratio: float, state: Literal["plane_strain", "plane_stress"]
+) -> float:
+    """Effective modulus E*, in the unit of E: E / (1 - nu^2) in plane strain and E in plane stress."""
+    return youngs_modulus / (1.0 - poissons_ratio**2) if state == "plane_strain" else youngs_modulus
+
+
+def kolosov(poissons_ratio: Number) -> Number:
+    """Kolosov's constant 3 - 4 nu of plane strain."""
+    return 3.0 - 4.0 * poissons_ratio
+
+
+def c11(poissons_ratio: Reals | float, height: float = 1.0) -> Reals:
+    """C11 in E* (6.48), over a height if one is given; infinite for nu = 1/2."""
+    nu = np.asarray(poissons_ratio, dtype=np.float64)
+    softness = (1.0 - 2.0 * nu) * height
+    return np.divide((1.0 - nu) ** 2, softness, out=np.full_like(softness, np.inf), where=softness > 0.0)
+
+
+def c44(poissons_ratio: Reals | float) -> Reals:
+    """Shear modulus C44 in E* (6.48)."""
+    return 0.5 * (1.0 - np.asarray(poissons_ratio, dtype=np.float64))

@@ -91,7 +91,7 @@ class Convolution:
         ]
 
     def symbol(self, values: Reals) -> Reals:
-        """Symbol `[nx // 2 + 1]` or `[ny, nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
+        """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
         return (values.ravel() / self.n).astype(self.result.dtype)
 
     def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:

@@ -6,7 +6,7 @@ from gfmd_numba.arrays import Reals
 
 
 def resample(heights: Reals, shape: tuple[int, ...]) -> Reals:
-    """Trigonometric interpolant of periodic `[..., nx]` or `[..., ny, nx]` samples on a grid of another shape.
+    """Trigonometric interpolant of periodic `[..., (y,) x]` samples on a grid of another shape.
 
     On a coarser grid the waves that do not fit are left out.
     """

@@ -13,15 +13,15 @@ from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import Fields
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 NX = 2560  # 512 times 5: 9/20 and 11/20 are nodes of every grid and mesh
 COARSE, FINE = 320, 640
 X = np.arange(NX) / NX
-NUMERICS = Numerics(solver="conjugate_gradients", residual=1e-9)
+NUMERICS = Options("conjugate_gradients", residual=1e-9)
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Surface:
 def two_step(case, order):
     """Surface `[NX]`, what was solved, and the flat body's surface."""
     profile, gradient = problem.profile(case.topography)
-    asked = Problem(profile, case.elastic, Interface(hard_wall=True), None, case.displacement / gradient, NUMERICS)
+    asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     pressed = rough_bodies.solve(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order)
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name

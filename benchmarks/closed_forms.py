@@ -6,11 +6,11 @@ from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import closed_forms
 
-NUMERICS = Numerics(solver="verlet", residual=1e-10)
+NUMERICS = Options("verlet", residual=1e-10)
 AMPLITUDE, RADIUS = 0.01, 1.0
 
 

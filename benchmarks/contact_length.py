@@ -11,8 +11,8 @@ from gfmd_numba.contact.observables import measure
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 
 LEVELS = (2, 4, 8, 16, 32, 64)
 VARIABLES = {"kappa_counted": 1, "kappa": 2, "kappa_edges": 2, "kappa_r": 2}
@@ -24,9 +24,8 @@ def main(realisations=60, pressure=0.007, cut_on=2, roughness_octaves=10):
         for level in LEVELS:
             cut_off = cut_on * 2**roughness_octaves
             surface = RandomSurface(hurst, cut_on, cut_off, 2 * cut_off * level, 2018)
-            problem = Problem(
-                surface, ElasticBody(None, None), Interface(True), pressure, None, Numerics(solver="active_set_newton")
-            )
+            numerics = Options("active_set_newton")
+            problem = Problem(surface, ElasticBody(None, None), Interactions(True), pressure, None, numerics)
             values[level] = measure(solve(problem, range(realisations)))
             assert (values[level]["status"] == 0).all()
         for name, order in VARIABLES.items():

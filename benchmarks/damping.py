@@ -7,21 +7,22 @@ import numpy as np
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Exponential, Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 
 DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000
 
 
 def problem(hurst, pressure, nx):
     surface = RandomSurface(hurst, 2, nx // 8, nx, 4)
-    return Problem(surface, ElasticBody(None, None), Interface(True), pressure, None, Numerics())
+    return Problem(surface, ElasticBody(None, None), Interactions(True), pressure, None, Options("verlet"))
 
 
 def row(name, asked, surfaces=SURFACES):
     medians = []
     for damping in DAMPINGS:
-        numerics = Numerics(solver="verlet", damping=damping, max_iterations=MOST)
+        numerics = Options("verlet", damping=damping, max_iterations=MOST)
         found = solve(replace(asked, numerics=numerics), range(surfaces)).equilibrium
         failed = int((found.status != 0).sum())
         medians.append(f"{np.median(found.n_transforms):7.0f}{f' ({failed})' if failed else '':5}")
@@ -38,12 +39,16 @@ for hurst in (0.3, 0.8):
         common = problem(hurst, pressure, 1024)
         named = f"H = {hurst}, p* = {pressure}"
         row(
-            f"friction 0.3, {named}", replace(common, body=ElasticBody(0.3, None), interface=Interface(True, None, 0.3))
+            f"friction 0.3, {named}",
+            replace(common, body=ElasticBody(0.3, None), interface=Interactions(True, None, 0.3)),
         )
-        row(f"sticking, {named}", replace(common, body=ElasticBody(0.3, None), interface=Interface(True, None, np.inf)))
-        row(f"adhesion, {named}", replace(common, interface=Interface(True, Exponential(2e-5, 0.004))))
+        row(
+            f"sticking, {named}",
+            replace(common, body=ElasticBody(0.3, None), interface=Interactions(True, None, np.inf)),
+        )
+        row(f"adhesion, {named}", replace(common, interface=Interactions(True, ExponentialLaw(2e-5, 0.004))))
         row(f"slab a = 0.05, {named}", replace(common, body=ElasticBody(0.33, 0.05)))
         row(
             f"friction, slab, {named}",
-            replace(common, body=ElasticBody(0.33, 0.1), interface=Interface(True, None, 0.3)),
+            replace(common, body=ElasticBody(0.33, 0.1), interface=Interactions(True, None, 0.3)),
         )

@@ -24,9 +24,11 @@ from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import read_document
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory import closed_forms
 
 CAMPAIGN = """
@@ -72,7 +74,7 @@ def certified(heights, load, solver="verlet", **numerics):
     body = stiffness.half_space(grid.wavenumbers(heights.shape[1]))
     begun = time.perf_counter()
     punch = heights.max(axis=1, keepdims=True) - heights
-    return equilibrate(punch, body, load, Numerics(solver=solver, **numerics)), time.perf_counter() - begun
+    return equilibrate(punch, body, load, Options(solver, **numerics)), time.perf_counter() - begun
 
 
 def textbook(k, nu):

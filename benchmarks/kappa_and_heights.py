@@ -16,11 +16,11 @@ from gfmd_numba.contact import observables
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import distribution, self_affine
 from gfmd_numba.roughness.amplitudes import complex_gaussian
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 HURST, PRESSURE, SHORTEST, RESOLUTION, SEED = 0.8, 0.007, 256, 4, 2018
 PERIODS = (1, 2, 4, 8, 16)  # L_x/lambda_l
@@ -42,9 +42,9 @@ def phases(hurst, cut_on, cut_off, nx, seed, realisations):
 
 def kappa(heights):
     punch = heights.max(axis=1, keepdims=True) - heights
-    numerics = Numerics(solver="active_set_newton", residual=1e-8)
+    numerics = Options("active_set_newton", residual=1e-8)
     half_space = stiffness.half_space(grid.wavenumbers(heights.shape[1]))
-    found = equilibrate(punch, half_space, PRESSURE, numerics, Interface(True), None, 0.0)
+    found = equilibrate(punch, half_space, PRESSURE, numerics, Interactions(True), None, 0.0)
     assert (found.status == 0).all()
     return observables.measure(Contact(heights, punch, found))["kappa"]
 

@@ -18,18 +18,19 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 
 SURFACES, RESIDUAL = 6, 1e-8
 
 
 def problem(hurst, cut_off, nx, load, cut_on=2, anisotropy=1.0):
     surface = RandomSurface(hurst, cut_on, cut_off, nx, 2018, dimension=2, anisotropy=anisotropy)
-    numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
-    return Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
+    numerics = Options("active_set_newton", residual=RESIDUAL)
+    return Problem(surface, ElasticBody(None, None), Interactions(hard_wall=True), load, None, numerics)
 
 
 def measured(*arguments, **options):
@@ -103,8 +104,8 @@ def kappa_over_anisotropy():
 def line_contact(hurst, nx, load, profiles=600):
     """Kappa of profiles of the same waves, to which maps tend that are ever longer along y."""
     surface = RandomSurface(hurst, 8, 128, nx, 2018)
-    numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
-    asked = Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics)
+    numerics = Options("active_set_newton", residual=RESIDUAL)
+    asked = Problem(surface, ElasticBody(None, None), Interactions(hard_wall=True), load, None, numerics)
     found = measure(solution.solve(asked, range(profiles)))
     assert (found["status"] == Status.ok).all()
     return found["kappa"]
@@ -154,7 +155,7 @@ def beside_tamaas(nx=1024, load=0.007, repetitions=3):
         for surface in range(repetitions):
             heights = self_affine.maps(hurst, 2, nx // 4, nx, 2018, range(surface, surface + 1))
             punch = heights.max() - heights
-            numerics = Numerics(solver="active_set_newton", residual=RESIDUAL)
+            numerics = Options("active_set_newton", residual=RESIDUAL)
             begun = time.perf_counter()
             found = equilibrate(punch, body, load, numerics)
             here = time.perf_counter() - begun

@@ -12,9 +12,10 @@ import numpy as np
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.pressure_iterate import PressedBody
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 LOAD, RESIDUAL = 0.007, 1e-8
 GRIDS = {8192: 30, 32768: 6, 131072: 2}  # nx and how many surfaces the peers get
@@ -22,7 +23,7 @@ GRIDS = {8192: 30, 32768: 6, 131072: 2}  # nx and how many surfaces the peers ge
 
 def here(solver, punches):
     body = stiffness.half_space(grid.wavenumbers(punches.shape[1]))
-    return equilibrate(punches, body, LOAD, Numerics(solver=solver, residual=RESIDUAL)).pressure
+    return equilibrate(punches, body, LOAD, Options(solver, residual=RESIDUAL)).pressure
 
 
 def tamaas():
@@ -62,7 +63,9 @@ def residual(punch, pressure):
     n = punch.size
     body = stiffness.half_space(grid.wavenumbers(n))
     body[0] = 0.0
-    state = PressedBody(punch[np.newaxis], body, np.array([LOAD]))
+    state = PressureIterate(
+        Batch(punch[np.newaxis], body, np.array([LOAD]), HARD_WALL, Start.at_rest(punch[np.newaxis]))
+    )
     compliance = np.concatenate(([0.0], 1.0 / body[1:]))
     pressure = np.maximum(pressure, 0.0)
     gap = punch + grid.signal(compliance * grid.coefficients(pressure), n)

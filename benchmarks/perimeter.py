@@ -10,11 +10,12 @@ from scipy.special import ellipe, ellipk
 from gfmd_numba.contact.edges import perimeter_bias
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 
 IMAGES = 9.0336217  # sum of 1/r^3 over the square lattice without the origin
-NUMERICS = Numerics(solver="active_set_newton", residual=1e-8)
+NUMERICS = Options("active_set_newton", residual=1e-8)
 
 
 def contact(n, body, half_width, longer, angle, rng):

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from gfmd_numba.contact import observables, solution
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import persson
 
 SURFACES, SEED = 20, 2018
@@ -30,9 +30,9 @@ LEVELS = np.linspace(0.0, 5.0, 51)
 
 def press(hurst, body, load):
     """Measures of the contacts, the histogram of their pressures over s per node, and the mean squares of these."""
-    numerics = Numerics(solver="active_set_newton", residual=1e-8)
+    numerics = Options("active_set_newton", residual=1e-8)
     surface = RandomSurface(hurst, 2, 1024, 16384, SEED)
-    pressed = solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
+    pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     values = observables.measure(pressed)
     ratio = pressed.equilibrium.pressure / values["full_contact_pressure"][:, np.newaxis]

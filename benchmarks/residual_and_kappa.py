@@ -8,23 +8,30 @@ from gfmd_numba.contact.observables import gap, measure
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 
 SURFACES, SOLVERS = 8, ("verlet", "conjugate_gradients", "active_set_newton")
 RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6)
 
 
 def cases():
-    half_space, slab, wall = ElasticBody(None, None), ElasticBody(0.33, 0.05), Interface(True)
+    half_space, slab, wall = ElasticBody(None, None), ElasticBody(0.33, 0.05), Interactions(True)
     for hurst in (0.0, 0.3, 0.8, 1.0):
         for pressure in (0.007, 0.05, 0.3):
             for nx in (1024, 8192):
-                yield Problem(RandomSurface(hurst, 2, nx // 8, nx, 4), half_space, wall, pressure, None, Numerics())
+                yield Problem(
+                    RandomSurface(hurst, 2, nx // 8, nx, 4),
+                    half_space,
+                    wall,
+                    pressure,
+                    None,
+                    Options("active_set_newton"),
+                )
     surface = RandomSurface(0.8, 2, 256, 2048, 4)
-    yield Problem(surface, slab, wall, 0.05, None, Numerics())
-    yield Problem(surface, slab, wall, None, 0.03, Numerics())
-    yield Problem(RandomSurface(0.8, 2, 32, 128, 4, 2), half_space, wall, 0.05, None, Numerics())
+    yield Problem(surface, slab, wall, 0.05, None, Options("active_set_newton"))
+    yield Problem(surface, slab, wall, None, 0.03, Options("active_set_newton"))
+    yield Problem(RandomSurface(0.8, 2, 32, 128, 4, 2), half_space, wall, 0.05, None, Options("active_set_newton"))
 
 
 print(
@@ -32,11 +39,11 @@ print(
 )
 found = {residual: [] for residual in RESIDUALS}
 for problem in cases():
-    tight = solve(replace(problem, numerics=Numerics(solver="active_set_newton", residual=1e-12)), range(SURFACES))
+    tight = solve(replace(problem, numerics=Options("active_set_newton", residual=1e-12)), range(SURFACES))
     exact = measure(tight)["kappa"]
     for residual in RESIDUALS:
         for solver in SOLVERS if problem.surface.nodes == problem.surface.nx else SOLVERS[1:]:
-            loose = solve(replace(problem, numerics=Numerics(solver=solver, residual=residual)), range(SURFACES))
+            loose = solve(replace(problem, numerics=Options(solver, residual=residual)), range(SURFACES))
             values = measure(loose)
             changed, stated = (abs(values["kappa"] / exact - 1.0), values["kappa_residual_error"] / exact)
             now, then = loose.equilibrium.touching, tight.equilibrium.touching

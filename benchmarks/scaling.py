@@ -8,8 +8,8 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 LOAD, SAMPLES = 0.007, 2**17
 LARGEST = {"active_set_newton": 2**20, "conjugate_gradients": 2**15, "verlet": 2**15}
@@ -37,8 +37,8 @@ for hurst in (0.8, 0.3):
             heights = self_affine.profiles(hurst, 2, int(nx) // 4, int(nx), 2018, range(surfaces))
             punch = heights.max(axis=1, keepdims=True) - heights
             body = stiffness.half_space(grid.wavenumbers(int(nx)))
-            equilibrate(punch[:1], body, LOAD, Numerics(solver=solver, max_iterations=1))
-            result = equilibrate(punch, body, LOAD, Numerics(solver=solver))
+            equilibrate(punch[:1], body, LOAD, Options(solver, max_iterations=1))
+            result = equilibrate(punch, body, LOAD, Options(solver))
             assert (result.status == 0).all()
             pairs, seconds = np.median(result.n_transforms) / 2, result.wall_time.mean()
             floor = result.n_transforms.mean() / 2 * pair_seconds(int(nx))

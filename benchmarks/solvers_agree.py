@@ -7,8 +7,8 @@ import numpy as np
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 SURFACES, NX = 30, 8192
 body = stiffness.half_space(grid.wavenumbers(NX))
@@ -21,9 +21,9 @@ for hurst in (0.3, 0.5, 0.8):
     for load in (0.007, 0.05, 0.3):
         results, seconds = [], []
         for solver in ("verlet", "conjugate_gradients", "active_set_newton"):
-            equilibrate(punch[:1], body, load, Numerics(solver=solver, max_iterations=10))
+            equilibrate(punch[:1], body, load, Options(solver, max_iterations=10))
             started = time.perf_counter()
-            results.append(equilibrate(punch, body, load, Numerics(solver=solver)))
+            results.append(equilibrate(punch, body, load, Options(solver)))
             seconds.append((time.perf_counter() - started) / SURFACES)
         assert all((result.status == 0).all() for result in results)
         touching = [result.pressure > 0 for result in results]

@@ -9,10 +9,13 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.equilibrium import Start, _coupled_solver, _solver
+from gfmd_numba.solvers.equilibrium import begin
+from gfmd_numba.solvers.iteration import Batch, Start
+from gfmd_numba.solvers.options import Options
 
 ROUNDS, LOAD = 15, 0.05
 
@@ -27,22 +30,21 @@ def seconds(step, repeats):
 def solvers(nx):
     heights = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(1))
     punch = heights.max(axis=1, keepdims=True) - heights
-    condensed, start = stiffness.half_space(grid.wavenumbers(nx)), Start.at_rest(punch)
-    both, starts = ElasticBody(0.3, None).coupled_stiffness(nx), (start.displacement, start.tangential, start.anchor)
+    condensed = stiffness.half_space(grid.wavenumbers(nx))
+    both = ElasticBody(0.3, None).coupled_stiffness(nx).with_free_mean()
+    condensed[0] = 0.0
 
-    def one(solver, law=None):
-        interface = Interface(hard_wall=True, law=law)
-        return _solver(punch, condensed, LOAD, Numerics(solver=solver), interface, start.displacement, 1.0)
+    def started(solver, body, **effects):
+        batch = Batch(punch, body, np.array([LOAD]), Interactions(True, **effects), Start.at_rest(punch))
+        return begin(batch, Options(solver))
 
-    def two(**effects):
-        return _coupled_solver(punch, both, LOAD, Numerics(), Interface(True, **effects), 0.0, starts, 1.0)
-
+    one, two = partial(started, body=condensed), partial(started, "verlet", both)
     yield "verlet, hard wall", 1, one("verlet")
     yield "fire, hard wall", 1, one("fire")
     yield "conjugate gradients", 2, one("conjugate_gradients")
-    yield "verlet, exponential law", 1, one("verlet", Exponential(0.001, 0.01))
+    yield "verlet, exponential law", 1, one("verlet", exponential=ExponentialLaw(0.001, 0.01))
     yield "two components, friction", 2, two(friction=0.3)
-    yield "two components, cohesive", 2, two(cohesion=XuNeedleman(0.001, 0.01, 0.01))
+    yield "two components, cohesive", 2, two(cohesive=XuNeedlemanLaw(0.001, 0.01, 0.01))
 
 
 for nx in (1024, 8192, 65536):

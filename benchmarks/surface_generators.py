@@ -15,8 +15,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import correlation, recursive, self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import Exponential, SelfAffine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 SURFACES, BATCHES = 200, 8
 PERIOD, ROLL_OFF = 10.0, 5.0  # um
@@ -167,7 +167,7 @@ def costs():
     body = stiffness.half_space(grid.wavenumbers(nx))
     seconds = {}
     for solver in ("verlet", "conjugate_gradients"):
-        numerics = Numerics(solver=solver, max_iterations=20, residual=1e-12)
+        numerics = Options(solver, max_iterations=20, residual=1e-12)
         equilibrate(punch[:1], body, 0.05, numerics)
         seconds[solver] = best(lambda numerics=numerics: equilibrate(punch, body, 0.05, numerics), 3)
     print(f"\n{n} profiles of 2^15 points on one core; 20 iterations take", end=" ")

@@ -114,8 +114,8 @@ def test_revise_contact(kernel, free_mean, rng):
 
 
 @pytest.mark.parametrize("signed", [False, True])
-@pytest.mark.parametrize("solve", both(kernels.decays_solve))
-@pytest.mark.parametrize("factor", both(kernels.decays_factor))
+@pytest.mark.parametrize("solve", both(kernels.exponential_sum_solve))
+@pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
 def test_decays_against_dense_algebra(factor, solve, signed, rng):
     """Also decays that grow, and differences of decays, as long as the sum is positive definite."""
     n, count, terms = 40, 7, 3
@@ -132,7 +132,7 @@ def test_decays_against_dense_algebra(factor, solve, signed, rng):
     np.testing.assert_allclose(z, np.linalg.solve(dense, y), rtol=1e-11)
 
 
-@pytest.mark.parametrize("factor", both(kernels.decays_factor))
+@pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
 def test_pivots_are_lifted_to_the_floor(factor):
     diagonal = np.empty(3)
     factor(

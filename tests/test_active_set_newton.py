@@ -1,5 +1,7 @@
 """The active-set Newton method: its preconditioner against dense algebra, its contacts, and how little it takes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
@@ -7,10 +9,11 @@ from scipy.linalg import eigh, null_space
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers import equilibrium
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
-from gfmd_numba.solvers.preconditioners.exponential_sum import Decays
+from gfmd_numba.solvers import table
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
+from gfmd_numba.solvers.status import Status
 
 HALF_SPACE = (None, None)
 BODIES = [HALF_SPACE, (0.0, 10.0), (0.33, 0.1), (0.49, 1e-2), (0.5, 0.1), (0.5, 1e-2), (0.5, 1e-4)]
@@ -22,7 +25,7 @@ def body(n, nu, aspect_ratio):
 
 
 def solve(punch, body, load, solver="active_set_newton"):
-    return equilibrate(punch, body, load, Numerics(solver=solver, max_iterations=20_000))
+    return equilibrate(punch, body, load, Options(solver, max_iterations=20_000))
 
 
 def assert_same(one, other):
@@ -34,21 +37,21 @@ def assert_same(one, other):
 
 
 @pytest.mark.parametrize(("nu", "aspect_ratio"), BODIES)
-def test_decays_are_close_to_the_compliance_on_any_nodes(nu, aspect_ratio):
+def test_an_exponential_sum_is_close_to_the_compliance_on_any_nodes(nu, aspect_ratio):
     """A condition number below two, whatever the nodes."""
     n, rng = 512, np.random.default_rng(1)
     compliance = np.concatenate(([0.0], 1.0 / body(n, nu, aspect_ratio)[1:]))
     matrix = np.fft.irfft(compliance, n)
-    decays = Decays(compliance, n)
+    preconditioner = ExponentialSum(compliance, n)
     # one node in ten, one stretch, clusters across the end of the period
     sets = [rng.random(n) < 0.1, abs(np.arange(n) - 300) < 40, np.isin(np.arange(n) % 64, [0, 1, 2, 5, 63])]
     for chosen in sets:
         nodes = np.flatnonzero(chosen)
         nodes = np.roll(nodes, -1 - int(np.argmax(np.diff(nodes, append=nodes[0] + n))))
-        decays.factor(nodes, len(nodes))
+        preconditioner.factor(nodes, len(nodes))
         inverse = np.empty((len(nodes), len(nodes)))
         for column, unit in zip(inverse, np.eye(len(nodes)), strict=True):
-            decays.solve(unit, column)
+            preconditioner.solve(unit, column)
         np.testing.assert_allclose(inverse, inverse.T, rtol=1e-6, atol=1e-6 * abs(inverse).max())
         restricted = matrix[(nodes[:, np.newaxis] - nodes) % n]
         balanced = null_space(np.ones((1, len(nodes))))
@@ -128,7 +131,8 @@ def test_conjugate_gradients_take_over(monkeypatch):
     heights = self_affine.profiles(0.3, 2, 255, 1024, 1, range(3))
     punch = heights.max(axis=1, keepdims=True) - heights
     alone = solve(punch, body(1024, *HALF_SPACE), 0.007, "conjugate_gradients")
-    monkeypatch.setattr(equilibrium, "_NEWTON_STEPS", 2)
+    hasty = replace(table.SOLVERS["active_set_newton"], gives_up_after=2)
+    monkeypatch.setitem(table.SOLVERS, "active_set_newton", hasty)
     result = solve(punch, body(1024, *HALF_SPACE), 0.007)
     np.testing.assert_array_equal(result.pressure, alone.pressure)
     np.testing.assert_array_equal(result.n_iterations, alone.n_iterations + 2)

@@ -9,18 +9,19 @@ from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import observables, solution
 from gfmd_numba.contact.problem import Problem, RandomSurface, profile, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.scene import Discretisation, InputError, Numerics, Scene
+from gfmd_numba.scene import Discretisation, InputError, Scene
 from gfmd_numba.simulate import contact as single
+from gfmd_numba.solvers.options import Options
 
 WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}
 
 
 def pressed(surface, load=0.05):
-    numerics = Numerics(solver="active_set_newton")
+    numerics = Options("active_set_newton")
     return solution.solve(
-        Problem(surface, ElasticBody(None, None), Interface(hard_wall=True), load, None, numerics), range(1)
+        Problem(surface, ElasticBody(None, None), Interactions(hard_wall=True), load, None, numerics), range(1)
     )
 
 
@@ -113,7 +114,7 @@ grid: {anisotropy: [1, 4]}
 @pytest.mark.parametrize(
     ("load", "text", "old", "new", "fault"),
     [
-        (single.load_scene, SCENE, "dimension: 2", "dimension: 1", "roughness.anisotropy: given 2; allowed: nothing"),
+        (single.solve_scene, SCENE, "dimension: 2", "dimension: 1", "roughness.anisotropy: given 2; allowed: nothing"),
         (single.load_scene, SCENE, "anisotropy: 2", "anisotropy: 1/2", "anisotropy: given 0.5; allowed: a finite"),
         (single.load_scene, SCENE, "anisotropy: 2", "anisotropy: 5", "given 5.0; allowed: at most 1/eps_t = 4"),
         (load_campaign, CAMPAIGN, "dimension: 2", "dimension: 1", "grid.anisotropy: given [1, 4]; allowed: nothing"),

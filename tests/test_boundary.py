@@ -10,10 +10,12 @@ from gfmd_numba.contact.problem import RandomSurface, reduce
 from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.scene import BoundaryFile, Numerics, Scene
 from gfmd_numba.solvers.boundary_value_problem import deform
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 
 NX = 128
 X = np.arange(NX) / NX
@@ -56,7 +58,7 @@ def mixed(u, traction, seed, share=0.3):
 
 
 def settled(*arguments, residual=1e-10):
-    result = deform(*arguments, Numerics(residual=residual))
+    result = deform(*arguments, Options("verlet", residual=residual))
     assert result.status == Status.ok
     return result
 
@@ -171,8 +173,8 @@ def test_prescribed_displacements_are_a_flat_punch(friction):
             punch,
             ElasticBody(nu, None).coupled_stiffness(NX),
             load,
-            Numerics(residual=1e-10),
-            Interface(True, friction=friction or 0.0),
+            Options("verlet", residual=1e-10),
+            Interactions(True, friction=friction or 0.0),
         )
         np.testing.assert_allclose(load - result.traction[1], wall.pressure[0], atol=1e-8)
         np.testing.assert_allclose(result.traction[0], wall.tangential.traction[0], atol=1e-8)
@@ -231,11 +233,11 @@ def test_kernels(compiled):
 
 def test_a_run_without_an_end_says_so():
     given, _ = flat(NX, 16, -0.01)
-    short = deform(body(0.3, 1.0), np.zeros((2, NX)), given, Numerics(max_iterations=7))
+    short = deform(body(0.3, 1.0), np.zeros((2, NX)), given, Options("verlet", max_iterations=7))
     assert (short.status, short.n_iterations, short.n_transforms) == (Status.not_converged, 7, 4 * 8)
     assert short.residual > 1e-8
-    assert deform(body(0.3, 1.0), np.full((2, NX), np.nan), given, Numerics()).status == Status.nonfinite
-    nothing = deform(body(0.3, 1.0), np.zeros((2, NX)), 0 * given, Numerics())
+    assert deform(body(0.3, 1.0), np.full((2, NX), np.nan), given, Options("verlet")).status == Status.nonfinite
+    nothing = deform(body(0.3, 1.0), np.zeros((2, NX)), 0 * given, Options("verlet"))
     assert (nothing.status, nothing.n_iterations, nothing.residual) == (Status.ok, 0, 0.0)
 
 

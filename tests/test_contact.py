@@ -8,8 +8,8 @@ from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import closed_forms
 
 SOLVERS = ["verlet", "conjugate_gradients", "active_set_newton", "gronbech_jensen", "fire"]
@@ -20,7 +20,7 @@ def press(heights, load, solver="conjugate_gradients", body=None, residual=1e-10
     heights = np.atleast_2d(heights)
     body = stiffness.half_space(grid.wavenumbers(heights.shape[1])) if body is None else body
     punch = heights.max(axis=1, keepdims=True) - heights
-    result = equilibrate(punch, body, load, Numerics(solver=solver, residual=residual))
+    result = equilibrate(punch, body, load, Options(solver, residual=residual))
     assert (result.status == 0).all()
     return result
 
@@ -137,7 +137,7 @@ def test_displacement_control_inverts_load_control(nu, solvers):
     compression = load / body[0]
     displacement = by_load.displacement.mean() + compression
     for solver in solvers:
-        by_displacement = equilibrate(punch - displacement, body, None, Numerics(solver=solver, residual=1e-10))
+        by_displacement = equilibrate(punch - displacement, body, None, Options(solver, residual=1e-10))
         assert by_displacement.status[0] == 0
         np.testing.assert_array_equal(by_displacement.pressure > 0, by_load.pressure > 0)
         assert by_displacement.pressure.mean() == pytest.approx(load, rel=1e-6)

@@ -8,11 +8,11 @@ from gfmd_numba.contact import observables, solution
 from gfmd_numba.contact.edges import contact_length, perimeter_bias
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import closed_forms
 
-NUMERICS = Numerics(solver="conjugate_gradients", residual=1e-10)
+NUMERICS = Options("conjugate_gradients", residual=1e-10)
 
 
 def press(height, load):
@@ -111,7 +111,7 @@ def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
         load = 2.0 / 3.0 * np.pi * a * b
         lifted = load * images / (4.0 * np.pi)
         punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
-        found = equilibrate(punch[np.newaxis], stiff, load, Numerics(solver="active_set_newton"))
+        found = equilibrate(punch[np.newaxis], stiff, load, Options("active_set_newton"))
         made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
         left += observables.contact_area_fraction(made)[0] - np.pi * a * b
         excess += observables.contact_area_fraction_counted(made)[0] - np.pi * a * b

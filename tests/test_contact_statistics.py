@@ -11,16 +11,16 @@ from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 
 LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
 
 
 def pressed(load, body, realisations=3):
-    numerics = Numerics(solver="active_set_newton", residual=1e-10)
+    numerics = Options("active_set_newton", residual=1e-10)
     surface = RandomSurface(0.8, 2, 128, 1024, 5)
-    return solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(realisations))
+    return solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(realisations))
 
 
 @pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.4, 0.05)])
@@ -49,8 +49,8 @@ def test_elastic_energy_is_that_of_its_waves(body, load):
 @pytest.mark.parametrize("friction", [0.2, np.inf])
 def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     """Parseval on both components: (K11 |v|^2 + K33 |u|^2 + 2 K13 Im(v u*)) / 2."""
-    numerics = Numerics(solver="verlet", residual=1e-9)
-    body, wall = ElasticBody(0.2, None), Interface(True, friction=friction)
+    numerics = Options("verlet", residual=1e-9)
+    body, wall = ElasticBody(0.2, None), Interactions(True, friction=friction)
     result = solution.solve(Problem(RandomSurface(0.8, 2, 32, 256, 5), body, wall, 0.05, None, numerics), range(2))
     assert (result.equilibrium.status == 0).all()
     u = grid.coefficients(result.equilibrium.displacement)

@@ -8,9 +8,10 @@ import pytest
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory import damping
 
 SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"]
@@ -55,7 +56,7 @@ def test_members_of_a_batch_end_on_their_own(solver):
     """Each member stops when it is done, and its numbers do not depend on its neighbours."""
     punch, body = scene()
     punch *= np.array([[0.01], [0.1], [1.0], [10.0]])  # from full contact to a few spots
-    numerics = Numerics(solver=solver)
+    numerics = Options(solver)
     batch = equilibrate(punch, body, 0.05, numerics)
     assert (batch.status == Status.ok).all()
     assert len(set(batch.n_transforms)) > 2
@@ -69,16 +70,16 @@ def test_members_of_a_batch_end_on_their_own(solver):
 def test_transforms_are_those_of_the_algorithm():
     """Verlet: one pair a step and one before the first. Conjugate gradients: two pairs, and two per check."""
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Numerics(solver="verlet"))
+    result = equilibrate(punch, body, 0.05, Options("verlet"))
     np.testing.assert_array_equal(result.n_transforms, 2 * (result.n_iterations + 1))
-    result = equilibrate(punch, body, 0.05, Numerics(solver="conjugate_gradients"))
+    result = equilibrate(punch, body, 0.05, Options("conjugate_gradients"))
     np.testing.assert_array_equal(result.n_transforms, 4 * result.n_iterations + 4 * (result.n_iterations // 10))
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_certificate_is_recomputed_independently(solver):
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Numerics(solver=solver))
+    result = equilibrate(punch, body, 0.05, Options(solver))
     assert (result.residual <= 1e-8).all()
     traction = 0.05 - grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
     touching = result.displacement == punch
@@ -97,7 +98,7 @@ def test_the_certificate_is_recomputed_independently(solver):
 def test_too_few_iterations_are_not_converged(solver):
     punch, body = scene()
     few = 2 if solver == "active_set_newton" else 13
-    result = equilibrate(punch, body, 0.05, Numerics(solver=solver, max_iterations=few))
+    result = equilibrate(punch, body, 0.05, Options(solver, max_iterations=few))
     assert (result.status == Status.not_converged).all()
     assert (result.residual > 1e-8).all()
     assert (result.n_iterations == few).all()
@@ -107,14 +108,14 @@ def test_too_few_iterations_are_not_converged(solver):
 def test_a_nonfinite_member_ends_alone(solver):
     punch, body = scene()
     punch[1, 7] = np.nan
-    result = equilibrate(punch, body, 0.05, Numerics(solver=solver))
+    result = equilibrate(punch, body, 0.05, Options(solver))
     assert result.status.tolist() == [Status.ok, Status.nonfinite, Status.ok, Status.ok]
 
 
 def test_a_step_beyond_the_limit_is_reported_unstable():
     punch, body = scene()
-    beyond = Numerics.model_construct(**(Numerics(solver="verlet").model_dump() | {"time_step": 1.05}))
+    beyond = Options("verlet", time_step=1.05)
     result = equilibrate(punch, body, 0.05, beyond)
     assert (result.status == Status.unstable).all()
     assert (result.growing_wave > 0.9 * (len(body) - 1)).all()  # those stiffer than 1/1.05^2 of the last
-    assert equilibrate(punch, body, 0.05, Numerics(solver="verlet")).growing_wave is None
+    assert equilibrate(punch, body, 0.05, Options("verlet")).growing_wave is None

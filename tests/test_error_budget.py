@@ -13,8 +13,8 @@ from gfmd_numba.contact.observables import measure
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.options import Options
 
 RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}
 MIDDLE = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
@@ -144,10 +144,10 @@ def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, no
     nx, dimension = nodes
     surface = RandomSurface(0.8, 2, nx // 8, nx, 5, dimension)
     body = ElasticBody(0.33, 0.1)
-    tight = Numerics(solver="active_set_newton", residual=1e-12)
-    problem = Problem(surface, body, Interface(True), load, displacement, tight)
+    tight = Options("active_set_newton", residual=1e-12)
+    problem = Problem(surface, body, Interactions(True), load, displacement, tight)
     exact = measure(solve(problem, range(6)))
-    loose = measure(solve(replace(problem, numerics=Numerics(solver=solver, residual=residual)), range(6)))
+    loose = measure(solve(replace(problem, numerics=Options(solver, residual=residual)), range(6)))
     assert not exact["status"].any()
     assert not loose["status"].any()
     changed = abs(loose["kappa"] - exact["kappa"])
@@ -159,9 +159,9 @@ def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, no
 @pytest.mark.parametrize("leaves", [True, False])
 def test_a_node_on_the_brink_counts(leaves):
     """Its pressure or gap is below what the residual leaves open: on the other side, kappa is another."""
-    numerics = Numerics(solver="active_set_newton")
+    numerics = Options("active_set_newton")
     problem = Problem(
-        RandomSurface(0.8, 2, 128, 1024, 5), ElasticBody(None, None), Interface(True), 0.05, None, numerics
+        RandomSurface(0.8, 2, 128, 1024, 5), ElasticBody(None, None), Interactions(True), 0.05, None, numerics
     )
     contact = solve(problem, range(1))
     found = contact.equilibrium

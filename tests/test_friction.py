@@ -9,11 +9,11 @@ from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.equilibrium import HARD_WALL as FREE
-from gfmd_numba.solvers.equilibrium import _coupled_solver, _solver, equilibrate
+from gfmd_numba.solvers.equilibrium import begin, equilibrate
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.options import Options
 
 NX = 256
 BODIES = [
@@ -33,8 +33,8 @@ def restored(body, u1, u3):
 
 
 def press(punch, body, load, friction, **numerics):
-    interface = Interface(hard_wall=True, law=None, friction=friction)
-    result = equilibrate(punch, body, load, Numerics(**numerics), interface)
+    interface = Interactions(hard_wall=True, friction=friction)
+    result = equilibrate(punch, body, load, Options("verlet", **numerics), interface)
     assert (result.status == 0).all()
     return result
 
@@ -173,7 +173,7 @@ def test_without_friction_both_components_equal_the_condensed_one(nu, aspect_rat
     one = stiffness.half_space(q) if aspect_ratio is None else stiffness.slab(q, nu, aspect_ratio)
     np.testing.assert_allclose(both.condensed(), one, rtol=1e-13)
     coupled = press(punch, both, 0.05, 0.0, residual=1e-10)
-    condensed = equilibrate(punch, one, 0.05, Numerics(solver="verlet", residual=1e-10))
+    condensed = equilibrate(punch, one, 0.05, Options("verlet", residual=1e-10))
     np.testing.assert_array_equal(coupled.touching, condensed.touching)
     np.testing.assert_allclose(coupled.pressure, condensed.pressure, atol=3e-8 * condensed.pressure.max())
     assert abs(coupled.tangential.traction).max() < 1e-10 * condensed.pressure.max()
@@ -307,9 +307,10 @@ def test_an_absent_component_takes_no_memory():
     """A frictionless step holds displacement, last displacement, wall, result and spectrum, with friction twice
     the displacements and the anchors besides."""
     punch, rows, nx = rough(), 3, NX
-    one = _solver(punch, stiffness.half_space(grid.wavenumbers(nx)), 0.05, Numerics(solver="verlet"), FREE, punch, 1.0)
-    starts = np.minimum(punch, 0), 0 * punch, np.nan * punch
-    both = _coupled_solver(punch, BODIES[0], 0.05, Numerics(), Interface(True, friction=0.3), 0.0, starts, 1.0)
+    load, start, free = np.full(rows, 0.05), Start.at_rest(punch), stiffness.half_space(grid.wavenumbers(nx))
+    one = begin(Batch(punch, free, load, HARD_WALL, start), Options("verlet"))
+    touching = Interactions(True, friction=0.3)
+    both = begin(Batch(punch, BODIES[0].with_free_mean(), load, touching, start), Options("verlet"))
 
     def grids(value, seen):
         if isinstance(value, np.ndarray):

@@ -11,8 +11,10 @@ from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import InputError, Numerics
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.scene import InputError
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 
 quick = settings(derandomize=True, deadline=None, max_examples=25)
 
@@ -201,7 +203,7 @@ def test_a_member_without_room_does_not_take_the_others_along():
     room = punch.mean(axis=1)
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
     body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
-    result = equilibrate(punch, body, None, Numerics(solver="conjugate_gradients"))
+    result = equilibrate(punch, body, None, Options("conjugate_gradients"))
     assert result.status.tolist() == [Status.unstable, Status.ok, Status.unstable, Status.ok]
     volume = result.displacement[1::2].mean(axis=1)
     np.testing.assert_allclose(volume, 0.0, atol=1e-9 * np.ptp(punch))
@@ -284,7 +286,7 @@ def test_a_million_steps_do_not_move_the_state():
     heights = self_affine.profiles(0.8, 1, 8, 32, 3, range(1))
     punch, body = heights.max() - heights, stiffness.half_space(grid.wavenumbers(32))
     early, late = (
-        equilibrate(punch, body, 0.05, Numerics(solver="verlet", residual=1e-300, max_iterations=steps))
+        equilibrate(punch, body, 0.05, Options("verlet", residual=1e-300, max_iterations=steps))
         for steps in (10_000, 1_000_000)
     )
     np.testing.assert_array_equal(early.touching, late.touching)

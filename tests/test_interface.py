@@ -10,15 +10,18 @@ from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 
 @pytest.mark.parametrize("work", [0.3, -0.3])
 def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
-    law, gap, h = Exponential(work, 0.2), np.linspace(-0.1, 1.0, 12), 1e-6
+    law, gap, h = ExponentialLaw(work, 0.2), np.linspace(-0.1, 1.0, 12), 1e-6
     # the gap shrinks as the body moves towards the punch
     np.testing.assert_allclose(law.traction(gap), (law.energy(gap + h) - law.energy(gap - h)) / (2 * h), rtol=1e-8)
     np.testing.assert_allclose(law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), rtol=1e-8)
@@ -29,7 +32,7 @@ def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
 @pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
 def test_the_kernel_is_the_law(kernel):
     u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))
-    law, expected = Exponential(0.3, 0.7), ku.copy()
+    law, expected = ExponentialLaw(0.3, 0.7), ku.copy()
     expected[[0, 2], :13] -= law.traction(punch - u)[[0, 2], :13]
     kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
     np.testing.assert_allclose(ku, expected, rtol=1e-13)
@@ -44,19 +47,19 @@ def surface(nx=512):
 @pytest.mark.parametrize(
     "interface",
     [
-        Interface(True, Exponential(0.002, 0.01)),
-        Interface(True, Exponential(-0.002, 0.01)),
-        Interface(False, Exponential(-0.002, 0.01)),
+        Interactions(True, ExponentialLaw(0.002, 0.01)),
+        Interactions(True, ExponentialLaw(-0.002, 0.01)),
+        Interactions(False, ExponentialLaw(-0.002, 0.01)),
     ],
     ids=["adhesive", "repulsive wall", "repulsive"],
 )
 def test_forces_balance_under_a_law(interface, solver):
     punch, body = surface()
     load = 0.05
-    result = equilibrate(punch, body, load, Numerics(solver=solver), interface)
+    result = equilibrate(punch, body, load, Options(solver), interface)
     assert (result.status == 0).all()
     restoring = grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
-    law = interface.law.traction(punch - result.displacement)
+    law = interface.exponential.traction(punch - result.displacement)
     wall = result.pressure + law
     np.testing.assert_allclose(load - restoring + law - wall, 0.0, atol=2e-8)
     assert (wall >= -1e-12).all()
@@ -68,8 +71,8 @@ def test_forces_balance_under_a_law(interface, solver):
 def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
     punch, body = surface()
     areas = [
-        equilibrate(punch, body, 0.05, Numerics(solver="verlet"), Interface(True, law)).touching.sum(axis=1)
-        for law in (Exponential(-0.002, 0.01), None, Exponential(0.002, 0.01))
+        equilibrate(punch, body, 0.05, Options("verlet"), Interactions(True, law)).touching.sum(axis=1)
+        for law in (ExponentialLaw(-0.002, 0.01), None, ExponentialLaw(0.002, 0.01))
     ]
     assert (areas[0] < areas[1]).all()
     assert (areas[1] < areas[2]).all()
@@ -77,10 +80,10 @@ def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
 
 def test_a_short_repulsion_is_a_hard_wall():
     punch, body = surface(256)
-    hard = equilibrate(punch, body, 0.05, Numerics(solver="verlet")).pressure
+    hard = equilibrate(punch, body, 0.05, Options("verlet")).pressure
     errors = []
     for length in (1e-2, 1e-3):
-        soft = equilibrate(punch, body, 0.05, Numerics(solver="verlet"), Interface(False, Exponential(-length, length)))
+        soft = equilibrate(punch, body, 0.05, Options("verlet"), Interactions(False, ExponentialLaw(-length, length)))
         assert (soft.status == 0).all()
         errors.append(np.sqrt(((soft.pressure - hard) ** 2).mean()))
     assert errors[1] < errors[0] / 2
@@ -227,7 +230,7 @@ def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, s
         gfmd_numba.solve(path)
 
 
-COHESION = XuNeedleman(0.3, 0.2, 0.4)
+COHESION = XuNeedlemanLaw(0.3, 0.2, 0.4)
 
 
 def test_cohesive_tractions_are_derivatives_of_the_energy():
@@ -286,9 +289,9 @@ def test_a_cohesive_contact_is_sheared_off(tmp_path):
 @pytest.mark.parametrize("hard_wall", [True, False])
 def test_cohesive_forces_balance_on_a_rough_surface(hard_wall):
     punch, _ = surface()
-    law = XuNeedleman(0.002, 0.02, 0.02)
+    law = XuNeedlemanLaw(0.002, 0.02, 0.02)
     both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
-    result = equilibrate(punch, both, 0.05, Numerics(), Interface(hard_wall, cohesion=law))
+    result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(hard_wall, cohesive=law))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
     f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
@@ -316,9 +319,9 @@ def test_adhesion_lets_an_unloaded_punch_rub(tmp_path):
 @pytest.mark.parametrize("work", [0.002, -0.002])
 def test_forces_of_law_and_friction_balance_on_a_rough_surface(work):
     punch, _ = surface()
-    law, friction = Exponential(work, 0.02), 0.2
+    law, friction = ExponentialLaw(work, 0.02), 0.2
     both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
-    result = equilibrate(punch, both, 0.05, Numerics(), Interface(True, law, friction))
+    result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(True, law, friction))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
     f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])

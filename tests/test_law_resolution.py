@@ -13,9 +13,11 @@ from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
 from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
-from gfmd_numba.scene import Numerics
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import Start, equilibrate
+from gfmd_numba.solvers.options import Options
 
 AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
 ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}
@@ -24,9 +26,9 @@ ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}
 @pytest.mark.parametrize(
     "energy",
     [
-        (Exponential(0.3, 0.2), lambda law, gap: law.energy(gap)),
-        (Exponential(-0.3, 0.2), lambda law, gap: law.energy(gap)),
-        (XuNeedleman(0.3, 0.2, 0.4), lambda law, gap: law.energy(gap, 0.0 * gap)),
+        (ExponentialLaw(0.3, 0.2), lambda law, gap: law.energy(gap)),
+        (ExponentialLaw(-0.3, 0.2), lambda law, gap: law.energy(gap)),
+        (XuNeedlemanLaw(0.3, 0.2, 0.4), lambda law, gap: law.energy(gap, 0.0 * gap)),
     ],
     ids=["attraction", "repulsion", "cohesive"],
 )
@@ -39,16 +41,16 @@ def test_softening_is_the_largest_negative_curvature_of_the_energy(energy):
 
 def problem(nx, interface, body=None, counter=None):
     surface = RandomSurface(0.8, 2, 32, nx, 1)
-    return Problem(surface, body or ElasticBody(None, None), interface, 0.1, None, Numerics(), counter=counter)
+    return Problem(surface, body or ElasticBody(None, None), interface, 0.1, None, Options("verlet"), counter=counter)
 
 
-ATTRACTION = Interface(True, Exponential(WORK, RANGE))
+ATTRACTION = Interactions(True, ExponentialLaw(WORK, RANGE))
 
 
 def test_of_an_exponential_law_it_is_that_of_its_range():
     assert resolution(problem(512, ATTRACTION)) == pytest.approx(WORK / RANGE**2 / (np.pi * 512 / 2))
-    assert resolution(problem(512, Interface(True))) == 0.0
-    assert resolution(problem(512, Interface(False, Exponential(-WORK, RANGE)))) == 0.0
+    assert resolution(problem(512, Interactions(True))) == 0.0
+    assert resolution(problem(512, Interactions(False, ExponentialLaw(-WORK, RANGE)))) == 0.0
 
 
 def test_the_shortest_wave_is_as_stiff_as_the_bodies_make_it():
@@ -75,13 +77,13 @@ def test_the_grid_it_asks_for_resolves_the_law(body):
 
 def pull_off(nodes):
     """Largest tension of a wave on a slab of height 1, drawn back in steps, and x."""
-    law, x = Interface(True, Exponential(WORK, 2 * RANGE)), np.arange(nodes) / nodes
+    law, x = Interactions(True, ExponentialLaw(WORK, 2 * RANGE)), np.arange(nodes) / nodes
     body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
     before, most = None, 0.0
     for displacement in np.arange(0.0, -0.1, -2e-3):
         punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
         start = None if before is None else Start.after(before, punch, 0.0)
-        before = equilibrate(punch, body, None, Numerics(solver="verlet", residual=1e-6), law, start)
+        before = equilibrate(punch, body, None, Options("verlet", residual=1e-6), law, start)
         assert before.status[0] == 0
         most = max(most, -before.pressure.mean())
     return most, law.softening / body[-1]

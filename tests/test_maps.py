@@ -11,14 +11,16 @@ from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.scene import InputError, Numerics
+from gfmd_numba.scene import InputError
 from gfmd_numba.simulate import contact as single
-from gfmd_numba.solvers.equilibrium import Status, equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners import far_field
-from gfmd_numba.solvers.preconditioners.far_field import Collective
-from gfmd_numba.solvers.preconditioners.near_field import Neighbours
+from gfmd_numba.solvers.preconditioners.far_field import FarField
+from gfmd_numba.solvers.preconditioners.near_field import NearField
+from gfmd_numba.solvers.status import Status
 
 SOLVERS = ("active_set_newton", "conjugate_gradients")
 HALF_SPACE = ElasticBody(None, None)
@@ -30,7 +32,7 @@ def body(shape, slab=None):
 
 
 def press(punch, load, solver="active_set_newton", slab=None):
-    found = equilibrate(punch, body(punch.shape[1:], slab), load, Numerics(solver=solver))
+    found = equilibrate(punch, body(punch.shape[1:], slab), load, Options(solver))
     assert (found.status == Status.ok).all()
     return found
 
@@ -42,7 +44,7 @@ def rough(nx, realisations=range(1), hurst=0.8, seed=3):
 
 def problem(nx=64, load=0.03, cut_off=16, solver="active_set_newton"):
     surface = RandomSurface(0.8, 2, cut_off, nx, 7, dimension=2)
-    return Problem(surface, HALF_SPACE, Interface(hard_wall=True), load, None, Numerics(solver=solver))
+    return Problem(surface, HALF_SPACE, Interactions(hard_wall=True), load, None, Options(solver))
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -95,7 +97,7 @@ def test_a_prescribed_displacement_is_met_with_the_pressure_that_prescribes_it()
     down = (punch - found.displacement)[found.touching].mean()
     assert down == pytest.approx(0.0, abs=1e-12)
     mean = found.displacement.mean() + 0.05 / stiffness.uniform(*slab)
-    by_displacement = equilibrate(punch - mean, body(punch.shape[1:], slab), None, Numerics(solver="active_set_newton"))
+    by_displacement = equilibrate(punch - mean, body(punch.shape[1:], slab), None, Options("active_set_newton"))
     assert by_displacement.pressure.mean() == pytest.approx(0.05, rel=1e-6)
 
 
@@ -154,7 +156,7 @@ def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
     nodes = np.flatnonzero(rng.random(shape) < 0.5)
     for slab in (None, (0.5, 0.01), (0.3, 0.001)):
         symbol = body(shape, slab)
-        inverse = Neighbours(symbol, shape)
+        inverse = NearField(symbol, shape)
         inverse.factor(nodes, len(nodes))
         matrix = np.empty((len(nodes), len(nodes)))
         for column, unit in zip(matrix, np.eye(len(nodes)), strict=True):
@@ -165,7 +167,7 @@ def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():
     symbol[0, 0] = symbol[0, 1]
     near = np.fft.irfft2(symbol, shape)
     near[2:-1], near[:, 2:-1] = 0.0, 0.0
-    inverse = Neighbours(body(shape), shape)
+    inverse = NearField(body(shape), shape)
     inverse.factor(nodes, len(nodes))
     given, pressure = np.zeros(shape), np.empty(len(nodes))
     given.flat[nodes] = u = rng.normal(size=len(nodes))
@@ -191,7 +193,7 @@ def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
     nodes = np.flatnonzero(np.kron(rng.random((48, 32)) < 0.05, np.ones((2, 2))))
     stiff = body(shape, slab)
     soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
-    near, far = (columns(method(stiff, shape), nodes) for method in (Neighbours, Collective))
+    near, far = (columns(method(stiff, shape), nodes) for method in (NearField, FarField))
     y, x = np.divmod(nodes, 64)
     blocks = np.eye(96)[y // 8 * 8 + x // 8]
     rows = np.fft.fftfreq(12, 1 / 12).astype(int)
@@ -271,15 +273,30 @@ def test_file_of_a_map(tmp_path):
             "interface.exponential",
             "hard_wall alone",
         ),
-        ("method: psd, hurst: 0.8, rms_gradient: 0.01", "method: measured, file: a.npy", "roughness.method", "'psd'"),
-        ("roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}\n", "", "roughness.method", "'psd'"),
+        (
+            SCENE.partition("roughness")[2],
+            ": {method: measured, file: a.npy}\ninterface: {hard_wall: {}}\nloading: {reduced_pressure: 0.05}",
+            "roughness.method",
+            "'psd' with dimension 2",
+        ),
+        (
+            "0.2}\nroughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}",
+            "0.2, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}}",
+            "roughness.method",
+            "'psd' with dimension 2",
+        ),
         (
             "0.33,",
             "0.33, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01},",
             "body.roughness",
             "nothing with dimension 2",
         ),
-        ("length: 1e-4", "counter_body: {poissons_ratio: 0.3}", "counter_body", "nothing with dimension 2"),
+        (
+            "roughness: {",
+            "counter_body:\n  youngs_modulus: 1e9\n  poissons_ratio: 0.3\n  roughness: {",
+            "counter_body",
+            "nothing with dimension 2",
+        ),
         ("length: 1e-4", "boundary: {normal_traction: 1.0}", "boundary", "nothing with dimension 2"),
         ("length: 1e-4", "numerics: {solver: verlet}", "numerics.solver", "'active_set_newton', 'conjugate_gradients'"),
         ("0.33,", "0.33, state: plane_stress,", "body.state", "'plane_strain'"),
@@ -287,6 +304,7 @@ def test_file_of_a_map(tmp_path):
     ],
 )
 def test_what_maps_are_refused(tmp_path, old, new, where, allowed):
+    np.save(tmp_path / "a.npy", np.zeros(4))
     with pytest.raises(InputError) as refused:
         single.solve_scene(scene(tmp_path, old, new))
     assert f"{where}: given" in str(refused.value)

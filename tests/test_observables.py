@@ -7,7 +7,8 @@ import pytest
 from gfmd_numba.contact import observables
 from gfmd_numba.contact.edges import EDGE_BIAS
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.solvers.equilibrium import Equilibrium, Status
+from gfmd_numba.solvers.equilibrium import Equilibrium
+from gfmd_numba.solvers.status import Status
 
 
 def contact(touching, heights=None, status=Status.ok):

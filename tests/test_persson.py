@@ -10,9 +10,9 @@ from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
+from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Numerics
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import persson
 
 HALF_SPACE, SLAB = ElasticBody(None, None), ElasticBody(0.33, 0.1)
@@ -21,9 +21,9 @@ SURFACES = 20
 
 def press(hurst, body, load):
     """Contacts in g E* of surfaces with 8 nodes to the shortest wave, and their measures."""
-    numerics = Numerics(solver="active_set_newton", residual=1e-8)
+    numerics = Options("active_set_newton", residual=1e-8)
     surface = RandomSurface(hurst, 2, 256, 4096, 2018)
-    pressed = solution.solve(Problem(surface, body, Interface(True), load, None, numerics), range(SURFACES))
+    pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     return pressed, observables.measure(pressed)
 

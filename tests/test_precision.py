@@ -12,19 +12,21 @@ from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import InputError, Numerics
-from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.scene import InputError
+from gfmd_numba.solvers.equilibrium import begin
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.options import Options
 
 SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
 NX = 1024
-TIGHT = Numerics(solver="active_set_newton", residual=1e-12)
-PROBLEM = Problem(RandomSurface(0.5, 2, 128, NX, 7), ElasticBody(None, None), Interface(True), 0.05, None, TIGHT)
+TIGHT = Options("active_set_newton", residual=1e-12)
+PROBLEM = Problem(RandomSurface(0.5, 2, 128, NX, 7), ElasticBody(None, None), Interactions(True), 0.05, None, TIGHT)
 MAP = replace(PROBLEM, surface=RandomSurface(0.8, 2, 8, 64, 7, 2))
 
 
 def single(problem, solver, residual=1e-3):
-    return solve(replace(problem, numerics=Numerics(solver=solver, residual=residual, precision="single")), range(4))
+    return solve(replace(problem, numerics=Options(solver, residual=residual, precision="single")), range(4))
 
 
 @pytest.mark.parametrize(
@@ -56,7 +58,10 @@ def test_the_certificate_holds_in_double_precision(solver):
 
 def test_all_large_arrays_of_a_solver_are_of_the_precision_of_the_punch():
     punch = np.abs(np.sin(np.arange(2 * NX)).reshape(2, NX)).astype(np.float32)
-    solver = ActiveSetNewton(punch, stiffness.half_space(grid.wavenumbers(NX)), np.full(2, 0.05), 1e-3)
+    solver = begin(
+        Batch(punch, stiffness.half_space(grid.wavenumbers(NX)), np.full(2, 0.05), HARD_WALL, Start.at_rest(punch)),
+        Options("active_set_newton", residual=1e-3),
+    )
     field = solver.field
     arrays = (*field.sources, field.result, solver.wall, solver.gap, solver.compliance)
     assert {array.dtype for array in arrays} == {np.dtype(np.float32)}
@@ -64,8 +69,8 @@ def test_all_large_arrays_of_a_solver_are_of_the_precision_of_the_punch():
 
 
 def test_precision_is_part_of_the_identity():
-    loose = replace(PROBLEM, numerics=Numerics(residual=1e-3))
-    assert replace(loose, numerics=Numerics(residual=1e-3, precision="single")).identity != loose.identity
+    loose = replace(PROBLEM, numerics=Options("verlet", residual=1e-3))
+    assert replace(loose, numerics=Options("verlet", residual=1e-3, precision="single")).identity != loose.identity
 
 
 @pytest.mark.parametrize(

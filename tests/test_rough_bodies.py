@@ -25,7 +25,8 @@ def scene(order=2, loading=None, **parts):
     """Scene file of these parts in units of the body's Young's modulus."""
     given = {"body": BODY, "interface": {"hard_wall": {}}, "loading": loading or {"reduced_pressure": 0.02}} | parts
     rough = [given.get("roughness"), given["body"].get("roughness"), given.get("counter_body", {}).get("roughness")]
-    file = FILE | {"numerics": FILE["numerics"] | {"topography_order": order}}
+    follows = "counter_body" in given or "roughness" in given["body"]
+    file = FILE | {"numerics": FILE["numerics"] | ({"topography_order": order} if follows else {})}
     if not any(part == ROUGH or (part or {}).get("method") == "psd" for part in rough):
         file = {"numerics": file["numerics"]}
     return file | {"scene": given}

@@ -7,8 +7,8 @@ from finite_elements import Body, graded
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
 
 NX = 256
 X = np.arange(NX) / NX
@@ -92,7 +92,7 @@ def pressed(heights, body, displacement, order):
     """Pressure and both displacements of a rough body under a flat punch, by repeated contact of the flat one."""
     nx, raised = len(heights), np.zeros(len(heights))
     k = stiffness.slab(grid.wavenumbers(nx), body.poissons_ratio, body.aspect_ratio)
-    numerics = Numerics(solver="conjugate_gradients", residual=1e-10)
+    numerics = Options("conjugate_gradients", residual=1e-10)
     for _ in range(8):
         wall = heights.max() - heights - displacement - raised
         found = equilibrate(wall[np.newaxis], k, None, numerics)

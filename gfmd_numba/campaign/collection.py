@@ -12,13 +12,14 @@ import xarray as xr
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.execution import SECONDS, shard_path
+from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
 from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.contact.observables import MEASURES
 from gfmd_numba.contact.problem import self_affine
-from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
 
@@ -69,6 +70,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
     dataset = campaign_dataset(coordinates(planned.cases), values, units(planned.campaign.scene), attributes)
+    dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
@@ -112,16 +114,16 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         part = shards.read(shard_path(directory, block))
         if part is None:
             failure = failures.of(directory, block.name)
-            status = Status.unfinished if failure is None else Status[failure.status]
+            status = Outcome.unfinished if failure is None else Outcome[failure.status]
             part = _nothing(block.stop - block.first, status)
         asked = realisations - block.first  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
     if longest > realisations:
-        parts.append(_nothing(longest - realisations, Status.not_asked))
+        parts.append(_nothing(longest - realisations, Outcome.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
 
 
-def _nothing(count: int, status: Status) -> Measures:
+def _nothing(count: int, status: Outcome) -> Measures:
     nothing: Measures = {m.name: np.full(count, np.nan) for m in MEASURES}
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)

@@ -176,8 +176,7 @@ def asked(planned: Plan, chosen: Design) -> str:
 
 
 def _mean(problem: Problem, residual: float, variable: str) -> float:
-    settings = {"residual": residual, "precision": "double"}
-    looser = replace(problem, numerics=problem.numerics.model_copy(update=settings))
+    looser = replace(problem, numerics=replace(problem.numerics, residual=residual, precision="double"))
     return float(np.mean(_measured(looser, REALISATIONS)[variable]))
 
 

@@ -140,7 +140,7 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
     }
     for problem in kinds.values():
         tiny = replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0, len(problem.surface.shape)))
-        measure(solve(replace(tiny, numerics=problem.numerics.model_copy(update={"max_iterations": 100})), range(1)))
+        measure(solve(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1)))
 
 
 @dataclass(frozen=True)

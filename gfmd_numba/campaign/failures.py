@@ -3,11 +3,11 @@
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.campaign.outcome import Outcome
 from gfmd_numba.storage import json_file
 
 _SUFFIX = ".failed"
-_STATUSES = [Status.crashed.name, Status.timeout.name]
+_OUTCOMES = (Outcome.crashed.name, Outcome.timeout.name)
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,9 @@ def of(directory: Path, name: str) -> Failure | None:
     """Failure of a block, None if there is none that can be read."""
     found = json_file.read(_path(directory, name))
     status, reason = found.get("status"), found.get("reason")
-    return Failure(status, reason) if status in _STATUSES and isinstance(reason, str) else None
+    return (
+        Failure(status, reason) if isinstance(status, str) and status in _OUTCOMES and isinstance(reason, str) else None
+    )
 
 
 def _path(directory: Path, name: str) -> Path:

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.campaign.source import Source, campaign_document, written
+from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.maps import ONLY_MAPS
 from gfmd_numba.scene.quantities import (
     RECORD,
     REDUCED_PRESSURE,
@@ -26,7 +26,7 @@ from gfmd_numba.scene.quantities import (
     Seed,
     broken_rule,
 )
-from gfmd_numba.scene.records import PRESSURE_SOLVERS, Discretisation, Numerics, Scene, SelfAffine, check_solver
+from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range
 from gfmd_numba.scene.validation import validate
 
@@ -209,16 +209,6 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        if not isinstance(self.scene.roughness, SelfAffine):
-            raise broken_rule(
-                ("scene", "roughness", "method"),
-                "'psd' in a campaign; a measured profile belongs to `gfmd solve`",
-            )
-        if self.scene.follows_topography:
-            where = ("counter_body",) if self.scene.body.roughness is None else ("body", "roughness")
-            raise broken_rule(("scene", *where), "nothing in a campaign; it belongs to `gfmd solve`")
-        if self.scene.boundary is not None:
-            raise broken_rule(("scene", "boundary"), "nothing in a campaign; it belongs to `gfmd solve`")
         for axis in AXES:
             if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
                 raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
@@ -226,22 +216,13 @@ class Campaign(BaseModel):
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
         controlled = self.scene.loading.displacement is not None
-        if self.grid.anisotropy is not None and self.scene.dimension == 1:
-            raise broken_rule(("grid", "anisotropy"), ONLY_MAPS)
         if controlled and self.grid.reduced_pressure is not None:
             raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
-        check_solver(self.scene, self.numerics)
         for i, value in enumerate(self.grid.aspect_ratio or ()):
             if controlled and isinf(value):
                 raise broken_rule(
                     ("grid", "aspect_ratio", i),
                     "a finite aspect_ratio, as a half-space has no reference for displacement",
-                )
-        for i, value in enumerate(self.grid.poissons_ratio or ()):
-            if controlled and value == 0.5 and self.numerics.solver not in ("auto", *PRESSURE_SOLVERS):
-                raise broken_rule(
-                    ("grid", "poissons_ratio", i),
-                    f"a number below 0.5 with solver {self.numerics.solver}, as the mean displacement is rigid at 0.5",
                 )
         return self
 
@@ -250,6 +231,8 @@ def load_campaign(source: Source) -> tuple[Campaign, Document]:
     """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError."""
     document = campaign_document(source)
     campaign = validate(document, Campaign)
+    varied = {name: values for name, values in campaign.grid if values is not None}
+    check_combination(document, campaign.scene, campaign.numerics, varied)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:

@@ -99,8 +99,5 @@ def _work(nodes: int) -> float:
 
 
 def _kind(problem: Problem) -> str:
-    interface, surface = problem.interface, problem.surface
-    return (
-        f"{problem.numerics.solver} {len(surface.shape)} {interface.law is None} {interface.couples} "
-        f"{problem.mean_pressure is None}"
-    )
+    laws, surface = "+".join(problem.interface.laws), problem.surface
+    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}"

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +17,10 @@ from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL
+from gfmd_numba.solvers.table import able
 
 Values = npt.NDArray[np.float64]
 
-_SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
 _RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 _TIGHT = 1e-10
 _PATIENCE = 50_000  # iterations
@@ -55,7 +56,7 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     if planned.campaign.scene.dimension == 2:
         raise planned.document.error(("scene", "dimension"), 2, "dimension 1 for `gfmd accuracy`")
     case = next(case for case in planned.cases if case.limit == "reference")
-    exact = case.problem.numerics.model_copy(update={"precision": "double"})
+    exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
     for axis in AXES:
@@ -78,12 +79,12 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
 def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
     """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
     exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
-    able = _SOLVERS if problem.interface.law is None and not problem.interface.couples else ("verlet",)
-    for solver in able:
+    solvers = able(("dimension 1", *problem.interface.laws))
+    for solver in solvers:
         for residual in _RESIDUALS:
             values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)
             yield _point("solver residual", solver.replace("_", " "), residual, values, exact)
-    if len(able) > 1:
+    if "active_set_newton" in solvers:  # single precision knows the hard wall only
         yield from _precision(problem, exact)
     for damping in _DAMPINGS:
         for step in _TIME_STEPS:
@@ -142,8 +143,10 @@ def _effects(problem: Problem, realisations: int) -> Iterator[Point]:
         yield _point("effects", "half-space for a slab", aspect_ratio, half_space, slab["kappa"], of_means=True)
 
 
-def _run(problem: Problem, realisations: int, **numerics: object) -> dict[str, Values]:
-    changed = replace(problem, numerics=problem.numerics.model_copy(update=numerics))
+def _run(problem: Problem, realisations: int, **settings: Any) -> dict[str, Values]:
+    if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
+        settings = {"time_step": None, "damping": None} | settings  # the other solver's own
+    changed = replace(problem, numerics=replace(problem.numerics, **settings))
     solve(changed, range(1))  # kernels compiled, plans made
     begun = time.thread_time()
     values = measure(solve(changed, range(realisations)))

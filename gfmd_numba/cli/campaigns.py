@@ -14,7 +14,7 @@ from gfmd_numba.cli.fits import draw, fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say, say_command
-from gfmd_numba.cli.tables import duration, show_fit, show_means, show_target
+from gfmd_numba.cli.tables import duration, endings, show_fit, show_means, show_target
 from gfmd_numba.scene.printable import printable
 
 if TYPE_CHECKING:
@@ -204,11 +204,11 @@ def run(
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():
         say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
-    unstable = dataset["n_iterations"].where(status == meanings.index("unstable"))
-    if unstable.notnull().any():
-        first = f"the first after {int(unstable.min())} iterations"
-        remedy = "lower numerics.time_step, or press an incompressible slab no deeper than its volume allows"
-        say("gfmd:", f"{int(unstable.count())} are unstable, {first}: {remedy}", width=6, err=True)
+    for ending, sentence in endings(status):
+        ended = dataset["n_iterations"].where(status == meanings.index(ending))
+        if ended.max() > 0:  # what has not run has no iterations
+            first = f"the first after {int(ended.min())} iterations"
+            say("gfmd:", f"{int(ended.count())} are {ending}, {first}. {sentence}", width=6, err=True)
     if not_ok:
         say(
             "gfmd:",

@@ -16,6 +16,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.tables import endings
 from gfmd_numba.scene.printable import printable
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ def solve(file: Path, output: Path) -> None:
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
         say("gfmd:", f"the run is {', '.join(failed)}: those numbers are not to be used", width=6, err=True)
+        for _, sentence in endings(steps["status"]):
+            say("gfmd:", sentence, width=6, err=True)
         sys.exit(SOME_FAILED)
 
 
@@ -94,9 +97,7 @@ def _ending(step: xr.Dataset) -> str:
     """How a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
-    if meaning != "unstable":
-        return ending
-    return f"{ending} with wave {int(step['growing_wave'])} growing (lower numerics.time_step)"
+    return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 
 
 @main.command()

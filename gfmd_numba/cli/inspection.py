@@ -20,7 +20,8 @@ from gfmd_numba.scene.printable import printable
 def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
     from gfmd_numba.campaign.file import Campaign, load_campaign
-    from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document
+    from gfmd_numba.contact.combinations import check_combination
+    from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document, scene_document
     from gfmd_numba.scene.surface_file import load_surface
 
     name, data, doubt = printable(file), read_document(file).data, ""
@@ -35,12 +36,14 @@ def check(file: Path) -> None:
         load_surface(file)
         click.echo(f"{name}: a surface")
     elif has_no_punch(file):
-        load_boundary(file)
+        loaded, document = load_boundary(file)
+        check_combination(document, loaded.scene, loaded.numerics)
         click.echo(f"{name}: a loaded body")
     else:
-        scene = load_scene(file).scene
+        contact = load_scene(file)
+        check_combination(scene_document(file), contact.scene, contact.numerics)
         click.echo(f"{name}: a scene")
-        if scene.interface.reaches_across:
+        if contact.scene.interface.reaches_across:
             from gfmd_numba.simulate.contact import doubt as doubt_of
 
             doubt = doubt_of(file)
@@ -114,15 +117,15 @@ def _examine_contact() -> str:
 
     from gfmd_numba.elasticity import stiffness
     from gfmd_numba.fourier import grid
-    from gfmd_numba.scene import Numerics
     from gfmd_numba.solvers.equilibrium import equilibrate
+    from gfmd_numba.solvers.options import Options
     from gfmd_numba.theory import closed_forms
 
     nx, amplitude, load = 256, 0.01, 0.01
     x = np.arange(nx) / nx - 0.5
     punch = amplitude * (1.0 - np.cos(2.0 * np.pi * x))[np.newaxis]
-    solver = Numerics(solver="conjugate_gradients")
-    found = equilibrate(punch, stiffness.half_space(grid.wavenumbers(nx)), load, solver)
+    options = Options("conjugate_gradients")
+    found = equilibrate(punch, stiffness.half_space(grid.wavenumbers(nx)), load, options)
     expected = closed_forms.westergaard_pressure(x, load, amplitude)
     expected[np.abs(x) > closed_forms.westergaard_half_width(load, amplitude)] = 0.0
     error = float(np.sqrt(np.mean((found.pressure[0] - expected) ** 2)) / expected.max())

@@ -69,6 +69,13 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
         say("note", f"{dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
 
 
+def endings(status: xr.DataArray) -> list[tuple[str, str]]:
+    """Return name and sentence of each way in which runs ended that are not ok."""
+    sentences = [tuple(line.split(": ", 1)) for line in status.attrs["flag_sentences"].splitlines()]
+    found = set(status.values.ravel().tolist()) - {0}
+    return [(name, sentence) for i, (name, sentence) in enumerate(sentences) if i in found]
+
+
 def duration(seconds: float) -> str:
     """Return a time span as people say it."""
     for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):

@@ -7,14 +7,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import MEASURES, gap, measure
 from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
-from gfmd_numba.solvers.equilibrium import Status
-from gfmd_numba.solvers.finiteness import finite_status
+from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
 RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
@@ -68,8 +68,7 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
     """CF attributes of a measure."""
     attributes: dict[str, Any] = {"long_name": long_name, "units": unit}
     if name == "status":
-        attributes["flag_values"] = np.array([s.value for s in Status], dtype=np.int8)
-        attributes["flag_meanings"] = " ".join(s.name for s in Status)
+        attributes |= status.flag_attributes(status.SENTENCES)
     if name.startswith("kappa"):
         attributes["comment"] = (
             "not-a-number where the mean pressure is not above 0: under tension area has no such law"

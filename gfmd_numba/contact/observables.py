@@ -20,10 +20,10 @@ from gfmd_numba.contact.contact_area import (
     touching,
 )
 from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
+from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.roughness import statistics
-from gfmd_numba.solvers.equilibrium import Status
-from gfmd_numba.solvers.finiteness import finite_status
+from gfmd_numba.solvers.status import Status
 
 Reals = npt.NDArray[np.float64]
 

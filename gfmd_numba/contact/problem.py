@@ -7,7 +7,7 @@ neither E, L_x nor g is left, and Poisson's ratio matters only through the stiff
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -16,11 +16,13 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.interface.laws import Exponential, Interface, XuNeedleman
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Body, Discretisation, LoadedBody, Numerics, Scene, SelfAffine
-from gfmd_numba.scene import Interface as Interactions
+from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Scene, SelfAffine
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import SOLVERS, automatic
 
 RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
 
@@ -93,10 +95,10 @@ class Problem:
 
     surface: RandomSurface | Profile
     body: ElasticBody
-    interface: Interface
+    interface: Interactions
     mean_pressure: float | None
     displacement: float | None
-    numerics: Numerics
+    numerics: Options
     tractions: Tractions | None = None
     counter: CounterBody | None = None
 
@@ -112,7 +114,7 @@ class Problem:
             "interface": asdict(self.interface),
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
-            "numerics": self.numerics.model_dump(exclude={"topography_order"}),  # of rough bodies, after this
+            "numerics": asdict(self.numerics),
         }
         if self.tractions is not None:
             content["tractions"] = self.tractions.digest
@@ -180,20 +182,16 @@ def reduce(
     length = rms_gradient * (scene.length or 1.0)
     energy = length * rms_gradient * contact_modulus(scene)
     interface, interactions = _interface(scene.interface, scene.body, length, energy)
-    exact = displacement is not None or interface.law is not None  # a jump may hang on any small difference
+    exact = displacement is not None or interface.exponential is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
-    solver = numerics.solver
-    if solver == "auto":
-        linear = interface.law is None and not interface.couples
-        solver = "active_set_newton" if linear else "verlet"
-    numerics = _decided(numerics, solver)
+    options = solver_options(numerics, automatic(scene.dimension, interface.laws))
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:
         other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
         counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
-    problem = Problem(surface, body, interface, pressure, displacement, numerics, tractions, counter)
+    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
     effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
     if scene.body.stiffness_scale != 1.0:
         wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
@@ -221,14 +219,16 @@ def contact_modulus(scene: Scene | LoadedBody) -> float:
 
 
 @lru_cache
-def _decided(numerics: Numerics, solver: str) -> Numerics:
-    """Numerics without what has been decided by now: equal problems have equal ones."""
-    return numerics.model_copy(update={"solver": solver, "effects": "exact"})
+def solver_options(numerics: Numerics, automatic: str) -> Options:
+    """Options of the solver that the numerics name, or of the `automatic` one, without those that it does not have."""
+    solver = automatic if numerics.solver == "auto" else numerics.solver
+    own = {name: getattr(numerics, name) for name in SOLVERS[solver].options}
+    return Options(solver, numerics.residual, numerics.max_iterations, numerics.precision, **own)
 
 
 @lru_cache(maxsize=4096)
 def _body(
-    asked: Body, interface: Interface, mean_matters: bool, loaded: bool, tolerance: float
+    asked: Body, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
     body = elastic_body(asked)
     condensed = Effect(
@@ -256,27 +256,15 @@ def _body(
 
 
 @lru_cache(maxsize=4096)
-def _interface(asked: Interactions, body: Body, length: float, energy: float) -> tuple[Interface, tuple[Effect, ...]]:
-    wall, exponential, cohesive, friction = asked.hard_wall, asked.exponential, asked.cohesive, asked.friction
-    law = cohesion = None
-    if exponential is not None:
-        law = Exponential(exponential.work_of_adhesion / energy, exponential.range / length)
-    if cohesive is not None:
-        cohesion = XuNeedleman(
-            cohesive.work_of_adhesion / energy, cohesive.normal_length / length, cohesive.tangential_length / length
-        )
-    effects = [
-        _as_asked("hard wall", wall),
-        _as_asked("exponential law", exponential),
-        _as_asked("cohesive law", cohesive),
-        _as_asked("friction", friction),
-    ]
-    coefficient = None if friction is None else friction.coefficient
-    if coefficient is not None and math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5:
-        coefficient = None
+def _interface(asked: Interface, body: Body, length: float, energy: float) -> tuple[Interactions, tuple[Effect, ...]]:
+    interactions = Interactions.scaled(asked, length, energy)
+    effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
+    incompressible = math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5
+    if interactions.friction is not None and incompressible:
+        interactions = replace(interactions, friction=None)
         reason = "an incompressible half-space has no tangential displacement under normal load"
-        effects[-1] = Effect("friction", "dropped", reason)
-    return Interface(wall is not None, law, coefficient, cohesion), tuple(effects)
+        effects["friction"] = Effect("friction", "dropped", reason)
+    return interactions, tuple(effects.values())
 
 
 def _as_asked(name: str, record: object) -> Effect:

@@ -10,7 +10,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.solvers.equilibrium import Equilibrium, Start, equilibrate
+from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def solve(
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
-    start = None if before is None else Start.after(before, punch, sliding)
+    start = None if before is None else following(before, punch, sliding)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
     return Contact(heights, punch, equilibrium, deflected)
 

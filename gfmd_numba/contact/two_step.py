@@ -11,7 +11,8 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.topography import Response
-from gfmd_numba.solvers.equilibrium import Equilibrium, Status
+from gfmd_numba.solvers.equilibrium import Equilibrium
+from gfmd_numba.solvers.status import Status
 
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 _MOST_ROUNDS = 30

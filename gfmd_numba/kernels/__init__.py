@@ -9,12 +9,12 @@ from gfmd_numba.kernels.active_sets import (
     open_gap,
     revise_contact,
 )
+from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
-from gfmd_numba.kernels.neighbours import neighbours_pressure
-from gfmd_numba.kernels.prescribed import free_mean, prescribed_step, prescribed_violation
-from gfmd_numba.kernels.semiseparable import decays_factor, decays_solve
+from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.spectral import couple, multiply
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 
@@ -27,15 +27,15 @@ __all__ = [
     "contact_nodes",
     "couple",
     "coupled_step",
-    "decays_factor",
-    "decays_solve",
     "exponential_pull",
+    "exponential_sum_factor",
+    "exponential_sum_solve",
     "fire_step",
     "free_mean",
     "friction_violation",
     "kkt_violation",
     "multiply",
-    "neighbours_pressure",
+    "near_field_pressure",
     "newton_direction",
     "newton_error",
     "newton_update",

@@ -1,4 +1,4 @@
-"""Rules between the bodies of a scene: which of them is rough, which deforms, and what then acts between them."""
+"""Rules between the bodies of a scene: which of them is rough, and which deforms."""
 
 from __future__ import annotations
 
@@ -32,16 +32,3 @@ def check_bodies(scene: Scene) -> None:
                 "a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, "
                 "as a half-space has no reference for displacement",
             )
-    if scene.follows_topography:
-        for name, body in zip(("body", "counter_body"), scene.deformable, strict=False):
-            if body.stiffness_scale != 1.0:
-                raise broken_rule((name, "stiffness_scale"), "1 where a deformable body is rough or both deform")
-        for name in ("friction", "cohesive"):
-            if getattr(scene.interface, name) is not None:
-                raise broken_rule(
-                    ("interface", name),
-                    "nothing that drags where a deformable body is rough or both deform: only normal tractions are "
-                    "followed there; map the roughness to a rigid punch",
-                )
-        if scene.boundary is not None:
-            raise broken_rule(("boundary",), "nothing where a deformable body is rough or both deform")

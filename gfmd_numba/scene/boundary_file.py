@@ -41,8 +41,6 @@ class BoundaryFile(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        if self.numerics.solver not in ("auto", "verlet"):
-            raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
         if self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary):
             raise broken_rule(("points",), "the number of nodes, which no file of the boundary tells")
         return self

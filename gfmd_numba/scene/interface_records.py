@@ -1,6 +1,10 @@
-"""Records of what acts between body and punch; an absent interaction is `None`."""
+"""Records of what acts between body and punch; an absent interaction is `None`.
 
-from typing import Self
+Each law says whether its tractions are normal or tangential, whether they act across an open gap, whether they keep
+the bodies apart, and whether they need touching nodes.
+"""
+
+from typing import ClassVar, Self
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -11,16 +15,30 @@ class HardWall(BaseModel):
     """Non-overlap constraint, which has no parameters."""
 
     model_config = RECORD
+    normal: ClassVar = True
+    tangential: ClassVar = False
+    across_open_gap: ClassVar = False
+    needs_touching_nodes: ClassVar = False
+    keeps_apart: ClassVar = True
 
 
 class Exponential(BaseModel):
     """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
 
     model_config = RECORD
+    normal: ClassVar = True
+    tangential: ClassVar = False
+    across_open_gap: ClassVar = True
+    needs_touching_nodes: ClassVar = False
     work_of_adhesion: Signed = Field(
         description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
     )
     range: Size = Field(description="Interaction range, in m if the scene has a length, else in L_x")
+
+    @property
+    def keeps_apart(self) -> bool:
+        """Whether it repels."""
+        return self.work_of_adhesion < 0
 
     @model_validator(mode="after")
     def _acts(self) -> Self:
@@ -33,6 +51,11 @@ class Cohesive(BaseModel):
     """Xu and Needleman's cohesive law of gap and slip together."""
 
     model_config = RECORD
+    normal: ClassVar = True
+    tangential: ClassVar = True
+    across_open_gap: ClassVar = True
+    needs_touching_nodes: ClassVar = False
+    keeps_apart: ClassVar = True
     work_of_adhesion: Size = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     normal_length: Size = Field(
         description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
@@ -44,6 +67,11 @@ class Friction(BaseModel):
     """Coulomb friction between touching nodes (dimensionless)."""
 
     model_config = RECORD
+    normal: ClassVar = False
+    tangential: ClassVar = True
+    across_open_gap: ClassVar = False
+    needs_touching_nodes: ClassVar = True
+    keeps_apart: ClassVar = False
     coefficient: float = Field(
         gt=0,
         allow_inf_nan=True,
@@ -62,23 +90,35 @@ class Interface(BaseModel):
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
 
     @property
+    def laws(self) -> dict[str, HardWall | Exponential | Cohesive | Friction]:
+        """The laws that act, by name."""
+        return {name: law for name, law in self if law is not None}
+
+    @property
+    def couples(self) -> bool:
+        """Whether tangential tractions act."""
+        return any(law.tangential for law in self.laws.values())
+
+    @property
     def reaches_across(self) -> bool:
         """Whether anything acts across an open gap."""
-        return self.exponential is not None or self.cohesive is not None
+        return any(law.across_open_gap for law in self.laws.values())
 
     @model_validator(mode="after")
-    def _keeps_apart(self) -> Self:
-        repels = self.exponential is not None and self.exponential.work_of_adhesion < 0
-        if self.hard_wall is None and self.cohesive is None and not repels:
+    def _laws_agree(self) -> Self:
+        laws = self.laws
+        if not any(law.keeps_apart for law in laws.values()):
             raise broken_rule(
                 (),
                 "hard_wall, cohesive, or an exponential law that repels: something must keep the bodies apart",
             )
-        others = [name for name in ("exponential", "friction") if getattr(self, name) is not None]
-        if self.cohesive is not None and others:
+        whole = [name for name, law in laws.items() if law.normal and law.tangential]
+        others = [name for name in laws if name not in ("hard_wall", *whole)]
+        if whole and others:
             raise broken_rule(
-                (others[0],), f"one law of normal and tangential tractions, not {others[0]} beside cohesive"
+                (others[0],), f"one law of normal and tangential tractions, not {others[0]} beside {whole[0]}"
             )
-        if self.friction is not None and self.hard_wall is None:
-            raise broken_rule(("friction",), "friction beside a hard_wall, on which there are touching nodes")
+        for name, law in laws.items():
+            if law.needs_touching_nodes and self.hard_wall is None:
+                raise broken_rule((name,), f"{name} beside a hard_wall, on which there are touching nodes")
         return self

@@ -48,6 +48,18 @@ ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
 EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisation 1/k_l (dimensionless)")]
+TimeStep = Annotated[
+    float,
+    Field(
+        gt=0,
+        le=1,
+        json_schema_extra={
+            "allowed": "a number above 0 and at most 1, as more is above the stability limit of the stiffest mode, "
+            "as a rule wave nx/2"
+        },
+    ),
+]
+Damping = Annotated[float, Field(ge=0, le=100)]
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

@@ -7,14 +7,14 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.bodies import check_bodies
-from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
+from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.interface_records import Interface
-from gfmd_numba.scene.maps import check_anisotropy, check_map
 from gfmd_numba.scene.quantities import (
     RECORD,
     REDUCED_PRESSURE,
     Anisotropy,
     AspectRatio,
+    Damping,
     Dimension,
     EpsC,
     EpsF,
@@ -26,6 +26,7 @@ from gfmd_numba.scene.quantities import (
     Seed,
     Signed,
     Size,
+    TimeStep,
     broken_rule,
 )
 
@@ -117,24 +118,7 @@ class Scene(BaseModel):
 
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
-        if self.dimension == 2:
-            check_map(self)
-        else:
-            check_anisotropy(self)
         check_bodies(self)
-        return self
-
-    @model_validator(mode="after")
-    def _punch_leaves_tractions_only(self) -> Self:
-        for component in COMPONENTS if self.boundary is not None else ():
-            if getattr(self.boundary, f"{component}_displacement") is not None:
-                raise broken_rule(
-                    ("boundary", f"{component}_displacement"),
-                    "tractions beside a punch, which prescribes displacements itself (sticking: friction with "
-                    "coefficient .inf); without roughness, interface and loading both",
-                )
-        if self.boundary is not None and self.interface.cohesive is not None:
-            raise broken_rule(("boundary",), "nothing beside a cohesive law, whose slip counts from the unloaded body")
         return self
 
     @model_validator(mode="after")
@@ -214,6 +198,9 @@ def _tolerance(given: Any) -> Any:
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
 
 
+SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
+
+
 class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
@@ -221,72 +208,38 @@ class Numerics(BaseModel):
     solver: Literal["auto", "verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"] = Field(
         "auto", description="Solver"
     )
-    topography_order: int = Field(
-        2,
+    topography_order: int | None = Field(
+        None,
         ge=0,
         le=3,
-        description="Order in the slope of a deformable body's own roughness; 0: the two-step GFMD of thesis",
+        description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2",
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
-    time_step: float = Field(
-        0.95,
-        gt=0,
-        le=1,
-        description="Time step as a fraction of the stability limit",
-        json_schema_extra={
-            "allowed": "a number above 0 and at most 1, as more is above the stability limit of the stiffest mode, "
-            "as a rule wave nx/2"
-        },
+    time_step: TimeStep | None = Field(
+        None, description="Time step as a fraction of the stability limit; None: the solver's own"
     )
     effects: Tolerance = Field(
         1e-4, description="Largest relative change of kappa that leaving out an effect may cause"
     )
     precision: Literal["double", "single"] = Field("double", description="Precision of the solver's numbers")
-    damping: float = Field(
-        0.5, ge=0, le=100, description="Damping as a fraction of the slowest mode's critical damping"
+    damping: Damping | None = Field(
+        None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
+    @property
+    def slope_order(self) -> int:
+        """Order in the slope to which topographies are followed."""
+        return 2 if self.topography_order is None else self.topography_order
 
-SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
-PRESSURE_SOLVERS = ("active_set_newton", "conjugate_gradients")
-
-
-def check_solver(scene: Scene, numerics: Numerics) -> None:
-    """Raise a located PydanticCustomError if the solver knows no such interface or rigid mean displacement."""
-    incompressible = all(body.effective_poissons_ratio == 0.5 for body in scene.deformable)
-    rigid = scene.loading.displacement is not None and incompressible
-    law = scene.interface.exponential is not None
-    couples = scene.interface.friction is not None or scene.interface.cohesive is not None
-    if rigid and (law or couples):
-        raise broken_rule(
-            ("scene", "body", "poissons_ratio"),
-            "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law",
-        )
-    if rigid and numerics.solver not in ("auto", *PRESSURE_SOLVERS):
-        raise broken_rule(
-            ("numerics", "solver"),
-            "'active_set_newton', 'conjugate_gradients' or 'auto' under loading.displacement at poissons_ratio 0.5, "
-            "where the mean displacement is rigid",
-        )
-    if scene.dimension == 2 and numerics.solver not in ("auto", *PRESSURE_SOLVERS):
-        raise broken_rule(
-            ("numerics", "solver"), "'active_set_newton', 'conjugate_gradients' or 'auto' with dimension 2"
-        )
-    if couples and numerics.solver not in ("auto", "verlet"):
-        raise broken_rule(("numerics", "solver"), "'verlet' or 'auto', the solver of both displacements")
-    if numerics.precision == "single":
-        if law or couples or scene.follows_topography:
+    @model_validator(mode="after")
+    def _residual_is_within_precision(self) -> Self:
+        if self.precision == "single" and self.residual < SINGLE_RESIDUAL:
             raise broken_rule(
-                ("numerics", "precision"), "'double' but for a frictionless hard wall of a punch on a smooth body"
-            )
-        if numerics.residual < SINGLE_RESIDUAL:
-            raise broken_rule(
-                ("numerics", "residual"),
+                ("residual",),
                 f"at least {SINGLE_RESIDUAL:g} in single precision, whose rounding alone leaves about 1e-8 nx",
             )
-    if law and numerics.solver in PRESSURE_SOLVERS:
-        raise broken_rule(("numerics", "solver"), "any other solver, as this one knows the hard wall only")
+        return self
 
 
 class Step(BaseModel):
@@ -323,7 +276,6 @@ class SceneFile(BaseModel):
             raise broken_rule(("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs")
         if not random and self.discretisation is not None:
             raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
-        check_solver(self.scene, self.numerics)
         for i, step in enumerate(self.path):
             self._check_step(i, step)
         return self
@@ -333,8 +285,7 @@ class SceneFile(BaseModel):
         other = "displacement" if scene.loading.displacement is None else "reduced_pressure"
         if getattr(step, other) is not None:
             raise broken_rule(("path", i, other), f"what the loading prescribes, which is not {other}")
-        couples = scene.interface.friction is not None or scene.interface.cohesive is not None
-        if step.sliding is not None and (not couples or isinf(scene.body.aspect_ratio)):
+        if step.sliding is not None and (not scene.interface.couples or isinf(scene.body.aspect_ratio)):
             raise broken_rule(
                 ("path", i, "sliding"),
                 "nothing without friction or a cohesive law, and a finite aspect_ratio as reference",

@@ -89,7 +89,7 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
         check_discretisation(document, scene_file.discretisation, locations, dimension=scene_file.scene.dimension)
         check_range(document, scene_file.scene, scene_file.discretisation.nx)
         anisotropy = getattr(scene_file.scene.roughness, "anisotropy", None)
-        if anisotropy is not None:
+        if anisotropy is not None and scene_file.scene.dimension == 2:
             location = ("scene", "roughness", "anisotropy")
             check_anisotropy_fits(document, anisotropy, location, scene_file.discretisation)
     scene = scene_file.scene

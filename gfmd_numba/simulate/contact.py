@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution, problem, solution, two_step
+from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, load_attributes
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.measured import read_profile
@@ -24,13 +25,14 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
+    check_combination(scene_document(source), scene, file.numerics)
     rough, surface, rms_gradient = _surfaces(source, file)
     prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None
     for i, (scene, sliding) in enumerate(_path(file)):
         reduced, effects = problem.reduce(scene, surface, rms_gradient, file.numerics, prescribed)
         if rough is not None:
-            pressed = two_step.solve(reduced, rough.bodies, rms_gradient, file.numerics.topography_order, before)
+            pressed = two_step.solve(reduced, rough.bodies, rms_gradient, file.numerics.slope_order, before)
             before = pressed.contact.equilibrium
             steps.append(rough_scene.dataset(scene, reduced, rough, pressed))
             continue

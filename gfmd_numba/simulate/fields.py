@@ -69,7 +69,7 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         if file.scene.dimension == 2:
             raise InputError("contact: given one of dimension 2; allowed: a contact of dimension 1, over x alone")
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
-        scene, order = file.scene, file.numerics.topography_order
+        scene, order = file.scene, file.numerics.slope_order
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     return scene, order

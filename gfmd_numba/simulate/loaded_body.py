@@ -9,13 +9,17 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.contact.dataset import CONVENTIONS, measure_attributes, refuse_nonfinite, scales, units
-from gfmd_numba.contact.problem import elastic_body
+from gfmd_numba.contact.problem import elastic_body, solver_options
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document, LoadedBody, load_boundary
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
+from gfmd_numba.solvers.table import able
 
 Reals = npt.NDArray[np.float64]
+
+SOLVER = able(["prescribed"])[0]
 
 
 def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Dataset:
@@ -25,6 +29,7 @@ def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Da
     """
     file, document = load_boundary(source)
     scene = file.scene
+    check_combination(document, scene, file.numerics)
     arrays = _balanced(document, scene, read_boundary(document, scene.boundary, file.points))
     nx = len(next(iter(arrays.values())))
     scale = scales(scene, 1.0)
@@ -37,10 +42,10 @@ def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Da
         elastic_body(scene.body).coupled_stiffness(nx),
         np.nan_to_num(traction, nan=0.0) / scale["pressure"],
         displacement / scale["height"],
-        file.numerics,
+        solver_options(file.numerics, SOLVER),
     )
     dataset = _dataset(scene, deformed)
-    dataset.attrs |= {"scene": file.model_dump_json(), "solver": "verlet"}
+    dataset.attrs |= {"scene": file.model_dump_json(), "solver": SOLVER}
     return dataset
 
 

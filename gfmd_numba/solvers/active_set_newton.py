@@ -1,14 +1,18 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
-from gfmd_numba.solvers.preconditioners.exponential_sum import Decays
-from gfmd_numba.solvers.preconditioners.far_field import Collective
-from gfmd_numba.solvers.pressure_iterate import PressedBody
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
+from gfmd_numba.solvers.preconditioners.far_field import FarField
+from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
@@ -25,34 +29,34 @@ _AHEAD = 0.1  # of the share of nodes that changed
 _INNER_ITERATIONS = 40
 
 
-class ActiveSetNewton(PressedBody):
+class ActiveSetNewton(PressureIterate):
     """Pressure of a batch, found by guessing the contact: its nodes alone then pose a linear problem.
 
     Nodes under tension leave, overlapping ones join. Where neighbours are drawn along by a displaced node, as on a
     half-space, the contact of exact solutions shrinks towards that of the equilibrium. The linear problems are
-    solved by conjugate gradients, ever more exactly. Preconditioned by decays on profiles, they take some transforms
-    whatever the grid; on maps, by neighbours and what is far away, a few more for each doubling of nx. The first guess
+    solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles, they take some
+    transforms whatever the grid; on maps, by near and far field, a few more for each doubling of nx. The first guess
     comes from the waves that a coarser grid holds.
     """
 
     check_every = 1
 
-    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None, residual: float) -> None:
-        super().__init__(punch, stiffness, load)
-        rows, n = len(punch), self.field.n
+    def __init__(self, batch: Batch, options: Options) -> None:
+        super().__init__(batch)
+        rows, n = len(batch.punch), self.field.n
         self.changed = np.full(rows, n)  # nodes by the last step, out of
         self.touching = np.full(rows, n)
         self._coarse_transforms = np.zeros(rows)
         if n > _COARSEST:
-            self._guess(punch, stiffness, load)
+            self._guess(batch, options)
         self._contact = self.pressure > 0.0
-        self._inverse: Decays | Collective
+        self._inverse: ExponentialSum | FarField
         self._is_map = len(self.field.shape) == 2
         if self._is_map:
-            self._inverse = Collective(stiffness, self.field.shape)
+            self._inverse = FarField(batch.normal_stiffness, self.field.shape)
         else:
-            self._inverse = Decays(self.compliance.astype(np.float64) * n, n)
-        self._target = 0.2 * residual  # the certificate's measure is a slightly different one
+            self._inverse = ExponentialSum(self.compliance.astype(np.float64) * n, n)
+        self._target = 0.2 * options.residual  # the certificate's measure is a slightly different one
         self._tolerance = np.full(rows, _LOOSE_MAP if self._is_map else _LOOSE)
         self._nodes = np.empty(n, dtype=np.int64)
         self._closing, self._pressure_change, self._uniform = np.empty((3, n))
@@ -111,14 +115,14 @@ class ActiveSetNewton(PressedBody):
             field.apply(self.compliance, row, source=1)
             kernels.newton_update(p, gap, t, field.result[i], energy, nodes, count, n, r, self.free_mean)
 
-    def _guess(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
+    def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
-        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in punch])  # bits of a row alone
-        smooth = smooth.astype(punch.dtype)
-        coarse = ActiveSetNewton(smooth, stiffness[grid.wave_indices(shape)], load, _SETTLED)
-        active = np.arange(len(punch))
+        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # bits of a row alone
+        smooth, waves = smooth.astype(batch.punch.dtype), batch.normal_stiffness[grid.wave_indices(shape)]
+        coarse = ActiveSetNewton(replace(batch, punch=smooth, stiffness=waves), replace(options, residual=_SETTLED))
+        active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)
             active = active[coarse.changed[active] > _SETTLED * coarse.touching[active]]
@@ -128,8 +132,8 @@ class ActiveSetNewton(PressedBody):
             # of nodes beside the contact, whose pressure would be interpolated too, those nearer to it than not
             inside = _interpolated((p > 0.0).astype(np.float64), fine_shape) >= 0.5
             fine[:n] = np.where(inside, _interpolated(p, fine_shape), 0.0).ravel()
-        if load is not None:
-            self.pressure[:, :n] *= (load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
+        if batch.load is not None:
+            self.pressure[:, :n] *= (batch.load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
         cost = m * np.log(m) / (n * np.log(n))
         self._coarse_transforms = coarse.n_transforms * cost
 

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 Reals = npt.NDArray[np.float64]
@@ -38,7 +38,7 @@ class Deformed:
     wall_time: float
 
 
-def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, numerics: Numerics) -> Deformed:
+def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, options: Options) -> Deformed:
     """Displace and load the surface of a body node by node `[component, x]`, tangential then normal (L_x, E*).
 
     `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
@@ -46,19 +46,19 @@ def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, nu
     slab, which is infinite, makes the mean normal displacement 0 and asks for at least one free node.
     """
     started = time.perf_counter()
-    relaxation = _Relaxation(stiffness, traction, displacement, numerics)
-    iterations, residual = 0, relaxation.residual()
-    while residual > numerics.residual and iterations < numerics.max_iterations:
-        steps = min(_CHECK_EVERY, numerics.max_iterations - iterations)
+    problem = _BoundaryValueProblem(stiffness, traction, displacement, options)
+    iterations, residual = 0, problem.residual()
+    while residual > options.residual and iterations < options.max_iterations:
+        steps = min(_CHECK_EVERY, options.max_iterations - iterations)
         for _ in range(steps):
-            relaxation.advance()
+            problem.advance()
         iterations += steps
-        residual = relaxation.residual()
-    status = Status.ok if residual <= numerics.residual else Status.not_converged
-    field, n = relaxation.field, displacement.shape[1]
+        residual = problem.residual()
+    status = Status.ok if residual <= options.residual else Status.not_converged
+    field, n = problem.field, displacement.shape[1]
     return Deformed(
-        displacement=relaxation.displacement[:, :n].copy(),
-        traction=field.result[:, :n] + relaxation.excess[:, np.newaxis],
+        displacement=problem.displacement[:, :n].copy(),
+        traction=field.result[:, :n] + problem.excess[:, np.newaxis],
         status=status if np.isfinite(residual) else Status.nonfinite,
         residual=residual,
         n_iterations=iterations,
@@ -67,13 +67,13 @@ def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, nu
     )
 
 
-class _Relaxation:
+class _BoundaryValueProblem:
     """Both displacements and the tractions that restore them; two transform pairs a step.
 
     `excess` is the uniform pressure of an incompressible slab: the multiplier of its mean normal displacement, 0.
     """
 
-    def __init__(self, stiffness: CoupledStiffness, traction: Reals, displacement: Reals, numerics: Numerics) -> None:
+    def __init__(self, stiffness: CoupledStiffness, traction: Reals, displacement: Reals, options: Options) -> None:
         n = displacement.shape[1]
         self._free = np.isnan(displacement)
         self._traction = np.where(self._free, traction, 0.0)
@@ -82,9 +82,10 @@ class _Relaxation:
         smaller, larger = elastic.principal()
         softest, stiffest = float(smaller[smaller > 0.0].min()), float(larger.max())
         self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
-        dt = numerics.time_step * stability_limit(softest, stiffest, numerics.damping)
+        damping = options.number("damping")
+        dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
-        self._memory = 1.0 - numerics.damping * critical_damping(softest, dt) * dt * dt
+        self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         self.field = Convolution(2, n)
         self._symbols = [self.field.symbol(k) for k in (elastic.k11, elastic.k13, elastic.k33)]
         (self.displacement,) = self.field.sources

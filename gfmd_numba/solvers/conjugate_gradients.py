@@ -4,20 +4,22 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.solvers.pressure_iterate import PressedBody
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 
-class ConjugateGradients(PressedBody):
+class ConjugateGradients(PressureIterate):
     """Pressure of a batch; two forward and two inverse transforms an iteration."""
 
     check_every = 10
 
-    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
-        super().__init__(punch, stiffness, load)
-        self._norm, self._step, self._keep = np.zeros((3, len(punch)))
+    def __init__(self, batch: Batch, options: Options) -> None:
+        super().__init__(batch)
+        self._norm, self._step, self._keep = np.zeros((3, len(batch.punch)))
 
     def advance(self, active: Rows) -> None:
         """Make one iteration in the active rows."""

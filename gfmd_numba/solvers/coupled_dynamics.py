@@ -1,22 +1,20 @@
 """Damped dynamics of normal and tangential displacement together, with sticking or Coulomb friction (thesis 2.4)."""
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
-from gfmd_numba.interface.laws import Interface
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 
-class CoupledRelaxation:
+class CoupledDynamics:
     """Both displacements of a batch and the tractions that restore them; two transform pairs a step.
 
     Rows of the field are tangential displacements, then normal ones. `anchor` is where the punch holds a node that
@@ -25,54 +23,46 @@ class CoupledRelaxation:
 
     check_every = 10
 
-    def __init__(
-        self,
-        punch: Reals,
-        stiffness: CoupledStiffness,
-        load: Reals,
-        interface: Interface,
-        sliding: float,
-        start: Reals,
-        tangential_start: Reals,
-        anchor: Reals,
-        time_step: float,
-        damping: float,
-        largest_pressure: float,
-    ) -> None:
+    def __init__(self, batch: Batch, options: Options) -> None:
+        punch, stiffness, interface, start = batch.punch, batch.coupled_stiffness, batch.interface, batch.start
         rows, n = punch.shape
         self._rows = rows
         self._friction = interface.friction or 0.0
-        self._law = interface.law
-        self._cohesion = interface.cohesion
-        self._sliding = sliding
+        self._law = interface.exponential
+        self._cohesion = interface.cohesive
+        self._sliding = batch.sliding
         self.certificate = Certificate(rows)
-        self.load = load
+        self.load = batch.loads
         self.field = Convolution(2 * rows, n)
         self._punch = aligned_rows(rows, n)
         self._punch[:, :n] = punch
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (both,) = self.field.sources
-        self.tangential, self.displacement = both[:rows], both[rows:]
-        self.tangential[:, :n] = tangential_start
-        self.displacement[:, :n] = np.minimum(start, punch)
+        self._tangential, self.displacement = both[:rows], both[rows:]
+        self._tangential[:, :n] = start.tangential
+        self.displacement[:, :n] = np.minimum(start.displacement, punch)
         self._last = both.copy()
-        self._anchor = np.full_like(self.tangential, np.nan)
-        self._anchor[:, :n] = anchor
-        self.tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
+        self._anchor = np.full_like(self._tangential, np.nan)
+        self._anchor[:, :n] = start.anchor
+        self._tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
         self._k11, self._k13, self._k33 = (self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33))
         smaller, larger = stiffness.principal()
         softest = float(smaller[smaller > 0.0].min())
-        stiffest = float(larger.max())
-        for law in (interface.law, interface.cohesion):
-            stiffest += 0.0 if law is None else law.stiffest(largest_pressure, interface.hard_wall)
+        stiffest = float(larger.max()) + batch.law_stiffness()
+        time_step, damping = options.number("time_step"), options.number("damping")
         dt = time_step * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
-        self._strength = 0.0 if interface.law is None else abs(interface.law.strength)
-        if interface.cohesion is not None:
-            self._strength = interface.cohesion.work / interface.cohesion.normal / math.e
+        self._strength = 0.0 if interface.exponential is None else abs(interface.exponential.strength)
+        if interface.cohesive is not None:
+            self._strength = interface.cohesive.strength
         self._restore(np.arange(rows))
+
+    @property
+    def tangential(self) -> tuple[Reals, Reals]:
+        """Tangential displacement of the body and the traction that restores it."""
+        return self._tangential, self._tangential_restoring
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
@@ -83,7 +73,7 @@ class CoupledRelaxation:
         """Make one time step in the active rows."""
         last_tangential, last_normal = self._last[: self._rows], self._last[self._rows :]
         kernels.coupled_step(
-            self.tangential, last_tangential, self._anchor, self.tangential_restoring, self.displacement, last_normal,
+            self._tangential, last_tangential, self._anchor, self._tangential_restoring, self.displacement, last_normal,
             self.restoring, self.wall, self.load, self._friction, active, self.field.n, self._memory, self._push,
         )  # fmt: skip
         self._restore(active)
@@ -93,7 +83,7 @@ class CoupledRelaxation:
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         kernels.friction_violation(
-            self.tangential, self._anchor, self.tangential_restoring, self.displacement, self.restoring, self.wall,
+            self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
             self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
         return certificate.residual(self.load, active, self._strength)
@@ -107,6 +97,6 @@ class CoupledRelaxation:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:
             self._cohesion.pull(
-                self.tangential, self.tangential_restoring, self.displacement, self.restoring, self._punch,
+                self._tangential, self._tangential_restoring, self.displacement, self.restoring, self._punch,
                 self._sliding, active, self.field.n,
             )  # fmt: skip

@@ -7,11 +7,37 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
-from gfmd_numba.interface.laws import Interface
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.integrators import Fire, gronbech_jensen, position_verlet
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
+
+
+def verlet_dynamics(batch: Batch, options: Options) -> "DampedDynamics":
+    """Begin with the position Stormer-Verlet scheme."""
+    settings = *_extremes(batch), options.number("time_step"), options.number("damping")
+    return DampedDynamics(batch, lambda displacement: position_verlet(displacement, *settings))
+
+
+def gronbech_jensen_dynamics(batch: Batch, options: Options) -> "DampedDynamics":
+    """Begin with the scheme of Gronbech-Jensen and Farago."""
+    settings = *_extremes(batch), options.number("time_step"), options.number("damping")
+    return DampedDynamics(batch, lambda displacement: gronbech_jensen(displacement, *settings))
+
+
+def fire_dynamics(batch: Batch, options: Options) -> "DampedDynamics":
+    """Begin with the fast inertial relaxation engine."""
+    stiffest, time_step = _extremes(batch)[1], options.number("time_step")
+    return DampedDynamics(batch, lambda displacement: Fire(displacement, stiffest, time_step))
+
+
+def _extremes(batch: Batch) -> tuple[float, float]:
+    """Stiffness of the softest and of the stiffest mode, the latter with the laws."""
+    elastic = batch.normal_stiffness[batch.normal_stiffness > 0.0]
+    return float(elastic.min()), float(elastic.max()) + batch.law_stiffness()
 
 
 class Integrator(Protocol):
@@ -20,28 +46,20 @@ class Integrator(Protocol):
     def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None: ...  # noqa: D102
 
 
-class Relaxation:
+class DampedDynamics:
     """Displacement of a batch and the traction that restores it; one forward and one inverse transform a step.
 
-    `load` is the mean pressure pushing the body against the punch `[realisation]`, zero where the displacement of
-    the punch is prescribed instead. `wall` is what the displacement may not pass; the `law` acts across the gap
-    to the punch.
+    `wall` is what the displacement may not pass; the law acts across the gap to the punch.
     """
 
     check_every = 10
+    tangential: tuple[Reals, Reals] | None = None
 
-    def __init__(
-        self,
-        punch: Reals,
-        stiffness: Reals,
-        load: Reals,
-        interface: Interface,
-        start: Reals,
-        integrator: Callable[[Reals], Integrator],
-    ) -> None:
-        rows, shape = len(punch), punch.shape[1:]
-        punch, start = punch.reshape(rows, -1), start.reshape(rows, -1)
-        self.load = load
+    def __init__(self, batch: Batch, integrator: Callable[[Reals], Integrator]) -> None:
+        rows, shape = len(batch.punch), batch.punch.shape[1:]
+        punch, start = batch.punch.reshape(rows, -1), batch.start.displacement.reshape(rows, -1)
+        interface = batch.interface
+        self.load = batch.loads
         self.field = Convolution(rows, *shape, dtype=punch.dtype)
         n = self.field.n
         self._punch = aligned_rows(rows, n, punch.dtype)
@@ -50,9 +68,9 @@ class Relaxation:
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = np.minimum(start, punch)
         self.restoring = self.field.result
-        self._stiffness = self.field.symbol(stiffness)
-        self._law = interface.law
-        self._strength = 0.0 if interface.law is None else abs(interface.law.strength)
+        self._stiffness = self.field.symbol(batch.normal_stiffness)
+        self._law = interface.exponential
+        self._strength = 0.0 if interface.exponential is None else abs(interface.exponential.strength)
         self.certificate = Certificate(rows)
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))

@@ -1,9 +1,10 @@
-"""Static equilibrium of a batch: pick a solver, iterate until the certificate holds, say how it ended."""
+"""Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import IntEnum
-from typing import Protocol
+from functools import cache
+from pkgutil import resolve_name
 
 import numpy as np
 import numpy.typing as npt
@@ -11,55 +12,18 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.interface.laws import Interface
-from gfmd_numba.scene import Numerics
-from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.certificate import Certificate, pressure_scale
-from gfmd_numba.solvers.conjugate_gradients import ConjugateGradients
-from gfmd_numba.solvers.coupled_dynamics import CoupledRelaxation
-from gfmd_numba.solvers.damped_dynamics import Integrator, Relaxation
-from gfmd_numba.solvers.integrators import Fire, gronbech_jensen, position_verlet
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.certificate import pressure_scale
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import SOLVERS
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
-HARD_WALL = Interface(hard_wall=True)
-
-_NEWTON_STEPS = 50  # usually below 10: with more, conjugate gradients take over
-_BLOCK_SAMPLES = 2**15  # samples a block of rows may hold: its arrays then stay in the second-level cache
-_BATCH_SAMPLES = 2**18  # the same for a solver that finishes one row before the next
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
-
-
-class Status(IntEnum):
-    """How a run ended; only `ok` results are used. Of a campaign some may be `unfinished` or `not_asked`."""
-
-    ok = 0
-    not_converged = 1
-    unstable = 2
-    nonfinite = 3
-    timeout = 4
-    crashed = 5
-    unfinished = 6
-    not_asked = 7
-
-
-class Solver(Protocol):
-    """What `equilibrate` asks of a solver: after `residual`, `restoring` is the traction of `displacement`."""
-
-    check_every: int  # iterations between two looks at the certificate
-    field: Convolution
-    displacement: Reals
-    restoring: Reals
-    wall: Reals
-    load: Reals
-    certificate: Certificate
-
-    @property
-    def n_transforms(self) -> npt.NDArray[np.int64]: ...  # noqa: D102
-    def advance(self, active: Rows) -> None: ...  # noqa: D102
-    def residual(self, active: Rows) -> Reals: ...  # noqa: D102
+_FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected to exceed that
 
 
 @dataclass(frozen=True)
@@ -100,42 +64,40 @@ class Equilibrium:
     growing_wave: Rows | None = None
 
 
-@dataclass(frozen=True)
-class Start:
-    """What a batch begins with `[realisation, x]`: displacements, and where the punch holds the nodes it touched.
+def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
+    """Begin with an equilibrium whose touching nodes follow the punch, also sideways.
 
-    The `anchor` is tangential, and not-a-number for nodes that did not touch.
+    A gap torn open by the step itself would break an adhesive contact early.
     """
+    displacement = np.where(before.touching, punch, before.displacement)
+    if before.tangential is None:
+        return replace(Start.at_rest(punch), displacement=displacement)
+    moved = before.tangential.displacement + sliding - before.tangential.sliding
+    anchor = np.where(before.touching, moved, np.nan)
+    return Start(displacement, before.tangential.displacement, anchor)
 
-    displacement: Reals
-    tangential: Reals
-    anchor: Reals
 
-    @classmethod
-    def at_rest(cls, punch: Reals) -> "Start":
-        """The undeformed body, pushed back where the punch penetrates it."""
-        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, punch.shape), np.broadcast_to(np.nan, punch.shape))
+def begin(batch: Batch, options: Options) -> Iteration:
+    """Begin a solver on a batch; raises ValueError for one that cannot follow both displacements, if both are."""
+    solver = SOLVERS[options.solver]
+    implementation = solver.coupled if isinstance(batch.stiffness, CoupledStiffness) else solver.condensed
+    if implementation is None:
+        raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
+    return _implementation(implementation)(batch, options)
 
-    @classmethod
-    def after(cls, before: Equilibrium, punch: Reals, sliding: float) -> "Start":
-        """An equilibrium whose touching nodes follow the punch, also sideways.
 
-        A gap torn open by the step itself would break an adhesive contact early.
-        """
-        displacement = np.where(before.touching, punch, before.displacement)
-        if before.tangential is None:
-            return replace(cls.at_rest(punch), displacement=displacement)
-        moved = before.tangential.displacement + sliding - before.tangential.sliding
-        anchor = np.where(before.touching, moved, np.nan)
-        return cls(displacement, before.tangential.displacement, anchor)
+@cache
+def _implementation(path: str) -> Callable[[Batch, Options], Iteration]:
+    found: Callable[[Batch, Options], Iteration] = resolve_name(path)
+    return found
 
 
 def equilibrate(
     punch: Reals,
     stiffness: Reals | CoupledStiffness,
     load: float | None,
-    numerics: Numerics,
-    interface: Interface = HARD_WALL,
+    options: Options,
+    interface: Interactions = HARD_WALL,
     start: Start | None = None,
     sliding: float = 0.0,
 ) -> Equilibrium:
@@ -161,34 +123,32 @@ def equilibrate(
         full_contact_pressure=scale,
     )
     start = Start.at_rest(punch) if start is None else start
-    block = max(1, (_BATCH_SAMPLES if numerics.solver == "active_set_newton" else _BLOCK_SAMPLES) // n)
+    solver = SOLVERS[options.solver]
+    elastic = _with_free_mean(stiffness) if load is not None else stiffness
+    blown_up = _BLOWN_UP * (scale + (load or 0.0))
+    block = max(1, solver.block_samples // n)
     for first in range(0, realisations, block):
         rows = np.arange(first, min(first + block, realisations))
-        some = slice(first, first + block)
         started = time.perf_counter()
-        largest = float(scale[rows].max())
-        if isinstance(stiffness, CoupledStiffness):
-            starts = start.displacement[some], start.tangential[some], start.anchor[some]
-            solver: Solver = _coupled_solver(
-                punch[some], stiffness, load, numerics, interface, sliding, starts, largest
-            )
-        else:
-            solver = _solver(punch[some], stiffness, load, numerics, interface, start.displacement[some], largest)
-        blown_up = _BLOWN_UP * (scale + (load or 0.0))
-        _iterate(solver, rows, blown_up, numerics, result)
+        largest = (load or 0.0) + _FLUCTUATIONS * float(scale[rows].max())
+
+        def batch(some: slice | Rows, largest: float = largest) -> Batch:
+            given = None if load is None else np.full(len(punch[some]), load)
+            return Batch(punch[some], elastic, given, interface, start.rows(some), sliding, largest)
+
+        _iterate(begin(batch(slice(first, first + block)), options), rows, blown_up, options, result)
         stuck = rows[result.status[rows] != Status.ok]
-        if numerics.solver == "active_set_newton" and stuck.size and numerics.max_iterations > _NEWTON_STEPS:
-            other = numerics.model_copy(update={"solver": "conjugate_gradients"})
-            solver = _solver(punch[stuck], condensed, load, other, interface, start.displacement[stuck], largest)
-            _iterate(solver, stuck, blown_up, other, result)
+        if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
+            other = replace(options, solver=solver.successor)
+            _iterate(begin(batch(stuck), other), stuck, blown_up, other, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
-    if interface.law is not None:
-        result.pressure[:] -= interface.law.traction(punch - result.displacement)
-    if interface.cohesion is not None and result.tangential is not None:
+    if interface.exponential is not None:
+        result.pressure[:] -= interface.exponential.traction(punch - result.displacement)
+    if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
-        result.pressure[:] -= interface.cohesion.normal_traction(gap, slip)
-        result.tangential.traction[:] += interface.cohesion.tangential_traction(gap, slip)
+        result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
+        result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
     if (result.status == Status.unstable).any():
         return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
     return result
@@ -210,63 +170,19 @@ def _growing_wave(result: Equilibrium, stiffness: Reals | CoupledStiffness, free
     return growing
 
 
-def _solver(
-    punch: Reals,
-    stiffness: Reals,
-    load: float | None,
-    numerics: Numerics,
-    interface: Interface,
-    start: Reals,
-    scale: float,
-) -> Solver:
-    if load is not None:  # the mean displacement is free: it follows the load without restoring force
-        stiffness = stiffness.copy()
-        stiffness.flat[0] = 0.0
-    if numerics.solver in ("active_set_newton", "conjugate_gradients"):
-        given = None if load is None else np.full(len(punch), load)
-        if numerics.solver == "active_set_newton":
-            return ActiveSetNewton(punch, stiffness, given, numerics.residual)
-        return ConjugateGradients(punch, stiffness, given)
-    loads = np.full(len(punch), 0.0 if load is None else load)
-    elastic = stiffness[stiffness > 0.0]
-    softest, stiffest = float(elastic.min()), float(elastic.max())
-    if interface.law is not None:  # no pressure is expected far beyond the fluctuation of full contact
-        stiffest += interface.law.stiffest(float(loads[0]) + 6.0 * scale, interface.hard_wall)
-
-    def integrator(displacement: Reals) -> Integrator:
-        if numerics.solver == "fire":
-            return Fire(displacement, stiffest, numerics.time_step)
-        scheme = {"verlet": position_verlet, "gronbech_jensen": gronbech_jensen}[numerics.solver]
-        return scheme(displacement, softest, stiffest, numerics.time_step, numerics.damping)
-
-    return Relaxation(punch, stiffness, loads, interface, start, integrator)
+def _with_free_mean(stiffness: Reals | CoupledStiffness) -> Reals | CoupledStiffness:
+    """Stiffness of bodies whose mean displacement follows the load without restoring force."""
+    if isinstance(stiffness, CoupledStiffness):
+        return stiffness.with_free_mean()
+    stiffness = stiffness.copy()
+    stiffness.flat[0] = 0.0
+    return stiffness
 
 
-def _coupled_solver(
-    punch: Reals,
-    stiffness: CoupledStiffness,
-    load: float | None,
-    numerics: Numerics,
-    interface: Interface,
-    sliding: float,
-    starts: tuple[Reals, Reals, Reals],
-    scale: float,
-) -> CoupledRelaxation:
-    if load is not None:
-        stiffness = stiffness.with_free_mean()
-    loads = np.full(len(punch), 0.0 if load is None else load)
-    largest = float(loads[0]) + 6.0 * scale  # no pressure is expected far beyond the fluctuation of full contact
-    return CoupledRelaxation(
-        punch, stiffness, loads, interface, sliding, *starts, numerics.time_step, numerics.damping, largest
-    )
-
-
-def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, result: Equilibrium) -> None:
+def _iterate(solver: Iteration, rows: Rows, blown_up: Reals, options: Options, result: Equilibrium) -> None:
     """Advance all rows until each is certified or gives up, and store each as it ends."""
     n = solver.field.n
-    limit = numerics.max_iterations
-    if numerics.solver == "active_set_newton":
-        limit = min(limit, _NEWTON_STEPS)
+    limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
     active = np.arange(rows.size)
     iterations = 0
     while active.size:
@@ -276,7 +192,7 @@ def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, re
         iterations += steps
         residual = solver.residual(active)
         status = np.full(active.size, Status.not_converged, dtype=np.int8)
-        status[residual <= numerics.residual] = Status.ok
+        status[residual <= options.residual] = Status.ok
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= limit)
@@ -288,10 +204,10 @@ def _iterate(solver: Solver, rows: Rows, blown_up: Reals, numerics: Numerics, re
         result.displacement[where] = solver.displacement[done, :n].reshape(shape)
         result.pressure[where] = pressure[done, :n].reshape(shape)
         result.touching[where] = result.pressure[where] > 0.0
-        if result.tangential is not None:
-            assert isinstance(solver, CoupledRelaxation)
-            result.tangential.displacement[where] = solver.tangential[done, :n]
-            result.tangential.traction[where] = solver.tangential_restoring[done, :n]
+        if result.tangential is not None and solver.tangential is not None:
+            displacement, restoring = solver.tangential
+            result.tangential.displacement[where] = displacement[done, :n]
+            result.tangential.traction[where] = restoring[done, :n]
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations

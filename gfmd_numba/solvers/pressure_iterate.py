@@ -1,4 +1,4 @@
-"""A batch of bodies under a pressure, as the solvers that iterate on the pressure see it: profiles or maps, flat."""
+"""What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,22 +6,24 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.iteration import Batch
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 
-class PressedBody:
+class PressureIterate:
     """Pressure of a batch, the gap it leaves and the certificate of both; the pressure begins uniform.
 
-    `load` is the prescribed mean pressure `[realisation]`, or None where the displacement of the punch is
-    prescribed; only then may the stiffness at q = 0 be non-zero (or infinite, for an incompressible slab).
+    Where the displacement of the punch is prescribed, the stiffness at q = 0 may be infinite (an incompressible slab).
     """
 
-    def __init__(self, punch: Reals, stiffness: Reals, load: Reals | None) -> None:
-        rows, shape = len(punch), punch.shape[1:]
-        punch, stiffness = punch.reshape(rows, -1), stiffness.ravel()
-        self.free_mean = load is not None
+    tangential: tuple[Reals, Reals] | None = None
+
+    def __init__(self, batch: Batch) -> None:
+        rows, shape = len(batch.punch), batch.punch.shape[1:]
+        punch, stiffness = batch.punch.reshape(rows, -1), batch.normal_stiffness.ravel()
+        self.free_mean = batch.load is not None
         self._rigid_mean = not np.isfinite(stiffness[0])
         # an incompressible slab keeps its volume: below the mean of the punch there is no room for it
         self._impossible = punch.mean(axis=1) < 0.0
@@ -32,8 +34,8 @@ class PressedBody:
         self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
         softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
-        start = -softest * punch.min(axis=1) if load is None else load
-        self.load = np.zeros(rows) if load is None else load
+        start = -softest * punch.min(axis=1) if batch.load is None else batch.load
+        self.load = batch.loads
         self.pressure[:, :n] = start[:, np.newaxis]
         with np.errstate(divide="ignore"):
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)

@@ -13,7 +13,7 @@ _STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node i
 _FAINT = 1e-9  # decay over a period beyond which only neighbours across the cut would feel it
 
 
-class Decays:
+class ExponentialSum:
     """Inverse of sum_s weight_s exp(-rate_s |i - j|) + white delta_ij, close to a compliance, on some nodes.
 
     The bounds of the ratio of two symbols are those of the ratio of their energies, and remain so if both are
@@ -50,7 +50,7 @@ class Decays:
         if count > len(self._diagonal):
             self._decay, self._lower = np.empty((2, count, self._rates.size))
             self._diagonal = np.empty(count)
-        kernels.decays_factor(
+        kernels.exponential_sum_factor(
             nodes, count, self._n, self._rates, self._weights, self._white, self._floor,
             self._decay, self._lower, self._diagonal, self._carried,
         )  # fmt: skip
@@ -58,7 +58,7 @@ class Decays:
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that causes the displacement there."""
-        kernels.decays_solve(
+        kernels.exponential_sum_solve(
             displacement, self._count, self._weights, self._decay, self._lower, self._diagonal, pressure,
             self._carried[0],
         )  # fmt: skip

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.solvers.preconditioners.near_field import Neighbours
+from gfmd_numba.solvers.preconditioners.near_field import NearField
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
@@ -16,17 +16,18 @@ _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that show
 _ONE = np.zeros(1, dtype=np.int64)
 
 
-class Collective:
+class FarField:
     """Preconditioner of the compliance on some nodes: near neighbours, softened by what they cannot see.
 
-    Neighbours A take each contact for alone. Pressures far away add a smooth displacement, Q S Q^T of their sums over
-    blocks Q^T p, with the compliance S of the waves that blocks hold. By Woodbury's identity the inverse with both is
-    A - D Q (S^-1 + Q^T D Q)^-1 Q^T D, up to the pressure D of a uniform displacement for A itself; as A - D is
-    positive, so is this. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count.
+    `NearField` A treats each contact as if it were isolated. Pressures far away add a smooth displacement, Q S Q^T of
+    their sums over blocks Q^T p, with the compliance S of the waves that blocks hold. By Woodbury's identity the
+    inverse with both is A - D Q (S^-1 + Q^T D Q)^-1 Q^T D, up to the pressure D of a uniform displacement for A
+    itself; as A - D is positive, so is this. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does
+    not count.
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
-        self._near = Neighbours(stiffness, shape)
+        self._near = NearField(stiffness, shape)
         self._shape, self._blocks = shape, tuple(n // _BLOCK for n in shape)
         self._none = min(self._blocks) < _FEWEST
         self._uniform, self._stiff, self._place, self._count = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64), 0

@@ -12,7 +12,7 @@ Rows = npt.NDArray[np.int64]
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
 
 
-class Neighbours:
+class NearField:
     """Preconditioner of the compliance on some nodes: the stiffness between those that are near neighbours.
 
     In two dimensions stiffness decays with the cube of the distance, so that the rest is small. `stiffness` is
@@ -41,4 +41,4 @@ class Neighbours:
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that about causes the displacement there."""
-        kernels.neighbours_pressure(displacement, self._nodes, self._count, self._stencil, self._map, pressure)
+        kernels.near_field_pressure(displacement, self._nodes, self._count, self._stencil, self._map, pressure)

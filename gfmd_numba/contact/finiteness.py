@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.solvers.equilibrium import Status
+from gfmd_numba.solvers.status import Status
 
 # without contact these are 0/0, and some are unknown on maps
 _UNDEFINED = frozenset(

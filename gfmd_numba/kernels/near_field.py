@@ -5,7 +5,7 @@ from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def neighbours_pressure(u: Reals, nodes: Indices, count: int, stencil: Reals, scratch: Reals, p: Reals) -> None:
+def near_field_pressure(u: Reals, nodes: Indices, count: int, stencil: Reals, scratch: Reals, p: Reals) -> None:
     """Pressure p on the nodes from the displacement u there by the `[2 m + 1, 2 m + 1]` stencil of a stiffness.
 
     `scratch` is a map of zeros, and is left so.

@@ -11,7 +11,7 @@ from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def decays_factor(
+def exponential_sum_factor(
     nodes: Indices,
     count: int,
     n: int,
@@ -57,7 +57,7 @@ def decays_factor(
 
 
 @jit
-def decays_solve(
+def exponential_sum_solve(
     y: Reals,
     count: int,
     weights: Reals,
@@ -67,7 +67,7 @@ def decays_solve(
     z: Reals,
     carried: Reals,
 ) -> None:
-    """Solve L D L' z = y with the factors of `decays_factor`; `carried` `[rate]` is scratch."""
+    """Solve L D L' z = y with the factors of `exponential_sum_factor`; `carried` `[rate]` is scratch."""
     terms = weights.size
     carried[:] = 0.0
     for i in range(count):

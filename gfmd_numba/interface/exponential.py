@@ -1,0 +1,60 @@
+"""Finite-range law of the gap alone: energy, traction and curvature."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.scene.interface_records import Exponential
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class ExponentialLaw:
+    """Finite-range law with energy -work exp(-gap / length) per area (6.109): work > 0 attracts, < 0 repels.
+
+    Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
+    """
+
+    work: float
+    length: float
+
+    @classmethod
+    def scaled(cls, asked: Exponential, length: float, energy: float) -> Self:
+        """Law of a scene, its lengths and its energies per area over these."""
+        return cls(asked.work_of_adhesion / energy, asked.range / length)
+
+    @property
+    def strength(self) -> float:
+        """Traction at zero gap."""
+        return self.work / self.length
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2 where no gap is negative, work / length^2 at zero gap; 0 for repulsion."""
+        return max(self.strength / self.length, 0.0)
+
+    def energy(self, gap: Reals) -> Reals:
+        """Energy per area of the surfaces at a gap."""
+        return np.asarray(-self.work * np.exp(-gap / self.length))
+
+    def traction(self, gap: Reals) -> Reals:
+        """Traction that pulls the body towards the punch (6.110)."""
+        return np.asarray(self.strength * np.exp(-gap / self.length))
+
+    def stiffness(self, gap: Reals) -> Reals:
+        """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
+        return -self.traction(gap) / self.length
+
+    def stiffest(self, pressure: float, hard_wall: bool) -> float:
+        """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
+        strongest = min(pressure, -self.strength) if hard_wall else pressure
+        return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
+
+    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Rows, n: int) -> None:
+        """Take the traction of the law off the restoring traction `ku` in the active rows."""
+        kernels.exponential_pull(u, ku, punch, active, n, self.strength, self.length)

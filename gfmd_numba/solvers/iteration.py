@@ -1,0 +1,110 @@
+"""What a solver is given, and what is asked of it: the same of every solver."""
+
+from dataclasses import dataclass
+from typing import Protocol, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.certificate import Certificate
+
+Reals = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.int64]
+
+HARD_WALL = Interactions(hard_wall=True)
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a batch begins with `[realisation, (y,) x]`: displacements, and where the punch holds nodes it touched.
+
+    The `anchor` is tangential, and not-a-number for nodes that did not touch.
+    """
+
+    displacement: Reals
+    tangential: Reals
+    anchor: Reals
+
+    @classmethod
+    def at_rest(cls, punch: Reals) -> Self:
+        """The undeformed body, pushed back where the punch penetrates it."""
+        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, punch.shape), np.broadcast_to(np.nan, punch.shape))
+
+    def rows(self, some: slice | Rows) -> "Start":
+        """Start of some rows alone."""
+        return Start(self.displacement[some], self.tangential[some], self.anchor[some])
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Elastic bodies under rigid punches `[realisation, (y,) x]` (L_x, E*), as a solver is given them.
+
+    `stiffness` is K(q) `[(ny,) nx // 2 + 1]`, condensed or coupled; `load` the mean pressure `[realisation]`, with
+    K(0) = 0, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
+    displacement of the punch, `largest_pressure` what no pressure is expected to exceed.
+    """
+
+    punch: Reals
+    stiffness: Reals | CoupledStiffness
+    load: Reals | None
+    interface: Interactions
+    start: Start
+    sliding: float = 0.0
+    largest_pressure: float = np.inf
+
+    @property
+    def loads(self) -> Reals:
+        """Mean pressure `[realisation]` that pushes the body, 0 where the displacement is prescribed."""
+        return np.zeros(len(self.punch)) if self.load is None else self.load
+
+    @property
+    def normal_stiffness(self) -> Reals:
+        """Stiffness of the normal displacement where the tangential one is not followed; raises TypeError otherwise."""
+        if isinstance(self.stiffness, CoupledStiffness):
+            raise TypeError("this solver follows the normal displacement alone")
+        return self.stiffness
+
+    @property
+    def coupled_stiffness(self) -> CoupledStiffness:
+        """Stiffness of both displacements; raises TypeError where only the normal one is followed."""
+        if not isinstance(self.stiffness, CoupledStiffness):
+            raise TypeError("this solver follows both displacements")
+        return self.stiffness
+
+    def law_stiffness(self) -> float:
+        """Bound of the stiffness that the laws add to that of the bodies."""
+        laws = (self.interface.exponential, self.interface.cohesive)
+        return sum(law.stiffest(self.largest_pressure, self.interface.hard_wall) for law in laws if law is not None)
+
+
+class Iteration(Protocol):
+    """A solver at work on a batch: after `residual`, `restoring` is the traction of `displacement`, flat rows both."""
+
+    check_every: int  # iterations between two looks at the certificate
+    field: Convolution
+    displacement: Reals
+    restoring: Reals
+    wall: Reals
+    load: Reals
+    certificate: Certificate
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation."""
+        ...
+
+    @property
+    def tangential(self) -> tuple[Reals, Reals] | None:
+        """Tangential displacement and the traction that restores it; None where only the normal one is followed."""
+        ...
+
+    def advance(self, active: Rows) -> None:
+        """Make one iteration in the active rows."""
+        ...
+
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions `[active]`."""
+        ...

@@ -1,0 +1,94 @@
+"""The table of solvers: what each one is, what it can do and what it can be told.
+
+Pure data: importing it compiles nothing. The first solver of the table that can do all that a problem asks for is the
+one that `auto` stands for.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+RESIDUAL, MAX_ITERATIONS = 1e-8, 200_000  # the defaults of every solver
+
+# What a problem may ask of a solver, and how a message goes on that names those that can.
+ABILITIES = {
+    "rigid mean": " under loading.displacement at poissons_ratio 0.5, where the mean displacement is rigid",
+    "dimension 1": " with dimension 1",
+    "dimension 2": " with dimension 2",
+    "friction": ", the solver of both displacements",
+    "cohesive": ", the solver of both displacements",
+    "prescribed": ", the solver of both displacements",
+    "exponential": ", as the others know the hard wall only",
+    "hard_wall": " with a hard_wall",
+    "single": " in single precision",
+}
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver; what can be done is named as in `ABILITIES`.
+
+    `condensed` begins it where the normal displacement alone is followed, `coupled` where both are: "module:callable"
+    of a problem and options. `options` are those that not every solver has, with their defaults. A block of rows holds
+    at most `block_samples` samples: up to 2^15 its arrays stay in the second-level cache; a solver that finishes one
+    row before the next has no use for that. After `gives_up_after` iterations the solver named `successor` begins anew.
+    """
+
+    sentence: str
+    can: frozenset[str]
+    condensed: str
+    coupled: str | None = None
+    options: Mapping[str, float] = field(default_factory=dict)
+    block_samples: int = 2**15
+    gives_up_after: int | None = None
+    successor: str | None = None
+
+
+_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard_wall", "rigid mean", "single"})
+_DISPLACEMENT = frozenset({"dimension 1", "hard_wall", "exponential", "single"})
+_TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
+
+SOLVERS = {
+    "active_set_newton": Solver(
+        "guesses which nodes touch and solves the linear problem that is left, preconditioned",
+        can=_PRESSURE,
+        condensed="gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
+        block_samples=2**18,
+        gives_up_after=50,  # usually below 10
+        successor="conjugate_gradients",
+    ),
+    "conjugate_gradients": Solver(
+        "constrained conjugate gradients on the pressure",
+        can=_PRESSURE,
+        condensed="gfmd_numba.solvers.conjugate_gradients:ConjugateGradients",
+    ),
+    "verlet": Solver(
+        "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",
+        can=_DISPLACEMENT | {"cohesive", "friction", "prescribed"},
+        condensed="gfmd_numba.solvers.damped_dynamics:verlet_dynamics",
+        coupled="gfmd_numba.solvers.coupled_dynamics:CoupledDynamics",
+        options=_TIME_STEP | _DAMPING,
+    ),
+    "gronbech_jensen": Solver(
+        "damped dynamics by the scheme of Gronbech-Jensen and Farago",
+        can=_DISPLACEMENT,
+        condensed="gfmd_numba.solvers.damped_dynamics:gronbech_jensen_dynamics",
+        options=_TIME_STEP | _DAMPING,
+    ),
+    "fire": Solver(
+        "fast inertial relaxation engine, which finds its own damping",
+        can=_DISPLACEMENT,
+        condensed="gfmd_numba.solvers.damped_dynamics:fire_dynamics",
+        options=_TIME_STEP,
+    ),
+}
+
+
+def able(needs: Iterable[str]) -> tuple[str, ...]:
+    """Names of the solvers that can do all that is needed, the fastest first."""
+    needed = frozenset(needs)
+    return tuple(name for name, solver in SOLVERS.items() if needed <= solver.can)
+
+
+def automatic(dimension: int, laws: Iterable[str]) -> str:
+    """Name of the solver that `auto` stands for."""
+    return able((f"dimension {dimension}", *laws))[0]

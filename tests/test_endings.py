@@ -1,0 +1,38 @@
+"""Every way a run may end has a name, a number in the files and a sentence that says what to do."""
+
+import gfmd_numba
+from gfmd_numba.campaign import outcome
+from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.solvers import status
+from gfmd_numba.solvers.status import Status, flag_attributes
+
+
+def test_every_ending_has_a_sentence():
+    assert set(status.SENTENCES) == set(Status)
+    assert set(outcome.SENTENCES) == set(Outcome)
+    assert all(sentence.endswith(".") for sentence in outcome.SENTENCES.values())
+
+
+def test_a_campaign_has_the_endings_of_the_solver_and_its_own():
+    """The numbers stand in files: none may change."""
+    assert {ended.name: ended.value for ended in Outcome} == {
+        **{ended.name: ended.value for ended in Status},
+        "timeout": 4,
+        "crashed": 5,
+        "unfinished": 6,
+        "not_asked": 7,
+    }
+    assert flag_attributes(outcome.SENTENCES)["flag_values"].tolist() == list(range(8))
+
+
+def test_results_carry_the_sentences():
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+    found = gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}})
+    attributes = found["status"].attrs
+    assert attributes["flag_meanings"].split() == [ended.name for ended in Status]
+    assert attributes["flag_sentences"].splitlines()[0] == f"ok: {status.SENTENCES[Status.ok]}"

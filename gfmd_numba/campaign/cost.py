@@ -24,6 +24,7 @@ _SAMPLES, _MOST_REALISATIONS = 2**17, 16  # nodes solved at a time in the pilot,
 _LEAST_PILOTS, _MOST_PILOTS = 4, 32
 _LEAST_NODES = 2**12  # of a smaller problem in place of one that takes too long: below, calls take the time
 _LOOKED_AT = 50  # problems, those that tell most, for one the pilot can afford
+_MACHINE = 0.25  # of the logarithm of all run times: a machine is not equally fast all day
 _DRAWS = 200
 
 
@@ -196,6 +197,6 @@ def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, k
         shift = x @ rng.multivariate_normal(np.zeros(x.shape[1]), found.covariance)
         shift[measured] = 0.0
         total[i] = weight @ np.exp(logarithm + shift + own * rng.standard_normal(len(x)))
-    total *= np.exp(SCATTER * rng.standard_normal(_DRAWS))  # a machine is not equally fast all day
+    total *= np.exp(_MACHINE * rng.standard_normal(_DRAWS))
     each = dict(zip((problem.identity for problem in problems), np.exp(logarithm).tolist(), strict=True))
     return Cost(each, total, int(measured.sum()), len(known.rows) - int(measured.sum()))

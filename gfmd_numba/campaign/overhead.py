@@ -16,7 +16,7 @@ from gfmd_numba.campaign.file import Fit
 from gfmd_numba.campaign.plan import Plan, coordinates
 from gfmd_numba.campaign.run_times import remember, remembered
 
-UNSURE = 1.25  # factor below which it stays with 90 % probability
+UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
 
 _IMPORTED = "distributed, matplotlib.figure, netCDF4, scipy.optimize, gfmd_numba.analysis, gfmd_numba.campaign.run"
 _START = "start of a process"  # key of its run time

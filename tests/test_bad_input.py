@@ -208,8 +208,7 @@ SCENES = {
     ),
     "time step above the limit": (
         ("{solver: auto}", "{time_step: 1.01}"),
-        "bad.yaml:10:23: numerics.time_step: given 1.01; allowed: a number above 0 and "
-        "at most 1, as more is above "
+        "bad.yaml:10:23: numerics.time_step: given 1.01; allowed: a number from 1e-6 to 1, as more is above "
         "the stability limit",
     ),
     "residual too large": (

@@ -184,7 +184,7 @@ path: []
         (
             "solver: auto",
             "solver: verlet, time_step: 1.01",
-            "8:39: numerics.time_step: given 1.01; allowed: a number above 0 and at most 1, as more is above the "
+            "8:39: numerics.time_step: given 1.01; allowed: a number from 1e-6 to 1, as more is above the "
             "stability limit",
         ),
         (

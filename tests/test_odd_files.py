@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_cli import SCENE, gfmd
 
+import gfmd_numba
 from gfmd_numba.scene import InputError, load_scene, read_document, regular_file
 from gfmd_numba.simulate.surface import surface_dataset
 
@@ -117,3 +118,22 @@ def test_a_damaged_header_of_an_array_is_told(tmp_path, name):
     (tmp_path / "p.npy").write_bytes(content)
     with pytest.raises(InputError, match=r"given p.npy \((no .npy array of numbers|an array of shape)"):
         surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "p.npy")}})
+
+
+def test_a_link_is_of_the_kind_its_name_says(tmp_path):
+    """The file it leads to was asked for its kind: KeyError ''."""
+    (tmp_path / "heights").write_text("\n".join(map(str, np.sin(np.arange(32.0)))))
+    (tmp_path / "shadow").write_text("root:*:19000:0:99999:7:::\nbin:*:1\n")
+    (tmp_path / "p.csv").symlink_to(tmp_path / "heights")
+    (tmp_path / "q.csv").symlink_to(tmp_path / "shadow")
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
+    rough = {"method": "measured", "file": str(tmp_path / "p.csv")}
+    assert int(gfmd_numba.solve({**scene, "roughness": rough})["status"]) == 0
+    with pytest.raises(InputError, match=r"given q.csv \(could not convert string 'root"):
+        gfmd_numba.solve({**scene, "roughness": rough | {"file": str(tmp_path / "q.csv")}})
+    loaded = {
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
+        "boundary": {"normal_traction": str(tmp_path / "q.csv")},
+    }
+    with pytest.raises(InputError, match=r"given q.csv \(could not convert string 'root"):
+        gfmd_numba.solve({"scene": loaded})

@@ -29,6 +29,11 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     needed = {"x", "height", "pressure", "gap", "mean_pressure", "full_contact_pressure", "status"}
     if not needed <= dataset.variables.keys() or "y" in dataset.dims:
         raise UnusableDataError("given no results of a line contact; allowed: what `gfmd solve` leaves of one")
+    fields = [dataset[name] for name in ("height", "pressure", "gap")]
+    numbers = all(dataset[name].dtype.kind in "fiu" for name in needed)
+    over_x = dataset.sizes.get("x", 0) >= 4 and all(field.size and "x" in field.dims for field in fields)
+    if not numbers or not over_x or any(set(dataset[name].dims) - set(fields[1].dims) for name in needed):
+        raise UnusableDataError("given altered results; allowed: what `gfmd solve` leaves of a line contact")
     if (dataset["status"] != 0).any():
         raise UnusableDataError("given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
     touching = dataset["gap"] == 0.0
@@ -47,7 +52,7 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     result["length"] = ("length", np.sqrt(octaves[1:] * octaves[:-1]) / dataset.sizes["x"])
     result["pressure_density_persson"] = xr.apply_ufunc(
         persson.pressure_density, result["pressure"], dataset["mean_pressure"] / dataset["full_contact_pressure"], 1.0
-    ).transpose(*result["pressure_density"].dims)
+    ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
     for name, long_name in _LONG_NAMES.items():
         result[name].attrs = {"long_name": long_name, "units": "1"}
     return result

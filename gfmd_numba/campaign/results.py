@@ -6,6 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from gfmd_numba.scene.document import InputError, read_document
+from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
 _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
@@ -62,9 +63,9 @@ def read_results(path: Path) -> xr.Dataset:
 
 
 def _unaltered(file: Path) -> bool:
-    """Whether a file is as it was sealed; one without a seal passes."""
+    """Whether a file is as it was sealed; one without a seal passes if it can be read at all."""
     content = file.read_bytes()
     if not content.endswith(_SEAL):
-        return True
+        return can_be_read(file, most_numbers())
     end = len(content) - _DIGEST_BYTES - len(_SEAL)
     return hashlib.sha256(content[:end]).digest() == content[end : -len(_SEAL)]

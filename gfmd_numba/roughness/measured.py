@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
@@ -107,6 +108,8 @@ def load_netcdf(path: Path) -> "xr.Dataset":
     import xarray as xr
 
     check_regular(path, most_numbers())
+    if not can_be_read(path, most_numbers()):
+        raise ValueError("no netCDF file, or a damaged one")
     try:
         with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
             size = dataset.nbytes  # compressed, or never written, it may be any

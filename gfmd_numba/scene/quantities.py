@@ -51,10 +51,10 @@ EpsT = Annotated[float, Field(gt=0, le=1, description="Thermodynamic discretisat
 TimeStep = Annotated[
     float,
     Field(
-        gt=0,
+        ge=1e-6,
         le=1,
         json_schema_extra={
-            "allowed": "a number above 0 and at most 1, as more is above the stability limit of the stiffest mode, "
+            "allowed": "a number from 1e-6 to 1, as more is above the stability limit of the stiffest mode, "
             "as a rule wave nx/2"
         },
     ),

@@ -170,7 +170,7 @@ def existing_file(document: Document, location: Location, name: str, suffixes: t
         kind = "the folder " if os.path.isdir(file) else "no regular file " if os.path.exists(file) else ""
         hint = nearest(name, _files(folder, suffixes))
         raise document.error(location, name, f"an existing file, unlike {kind}{file}", hint)
-    return str(file.resolve())
+    return os.path.abspath(file)  # a link keeps its name, which tells the kind
 
 
 def _files(folder: Path, suffixes: tuple[str, ...]) -> list[str]:

@@ -18,6 +18,7 @@ Reals = npt.NDArray[np.float64]
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
 _LEVELS = 101
+_FIELDS = ("pressure", "normal_traction", "tangential_traction", "body_height", "counter_body_height")
 _NAMES = {
     "u1": ("displacement_1", "length", "displacement along x"),
     "u3": ("displacement_3", "length", "displacement along z, out of the body"),
@@ -72,7 +73,20 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         scene, order = file.scene, file.numerics.slope_order
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
+    if not _is_whole(contact):
+        raise InputError("contact: given an altered one; allowed: what gfmd_numba.solve returns")
     return scene, order
+
+
+def _is_whole(contact: xr.Dataset) -> bool:
+    """Whether what the fields are made from is there, in numbers with units over x, and a step if there are some."""
+    fields = [contact[name] for name in _FIELDS if name in contact]
+    if "status" not in contact or contact["x"].dims != ("x",) or contact.sizes["x"] < 4:
+        return False
+    laid_out = {field.dims for field in fields} <= {("x",), ("step", "x")} and contact["status"].dims in ((), ("step",))
+    numbers = all(each.dtype.kind in "fiu" for each in (contact["x"], contact["status"], *fields))
+    named = "units" in contact["x"].attrs and "units" in fields[0].attrs
+    return laid_out and numbers and named and contact.sizes.get("step", 1) > 0
 
 
 def _recorded(record: type[Record], contact: xr.Dataset) -> Record:

@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from alterations import SIZES, changed_bytes, changed_number, changed_text, changed_value
-from gfmd_numba.campaign.specification import load_campaign
-from gfmd_numba.loaded import solve_loaded
-from gfmd_numba.observables import measure
-from gfmd_numba.single import solve_scene
-from gfmd_numba.surface import surface_dataset
 
-from gfmd_numba import contact
+from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.observables import measure
 from gfmd_numba.scene import has_no_punch, load_boundary, load_scene
 from gfmd_numba.scene.surface_file import load_surface
+from gfmd_numba.simulate.contact import solve_scene
+from gfmd_numba.simulate.loaded_body import solve_loaded
+from gfmd_numba.simulate.surface import surface_dataset
 
 MOST_NODES, MOST_STEPS = 300, 60
 
@@ -168,7 +168,7 @@ def use(kind, path):
             problem = plan(path).problems[-1]
             if problem.surface.nodes <= MOST_NODES:
                 numerics = problem.numerics.model_copy(update={"max_iterations": MOST_STEPS})
-                measure(contact.solve(replace(problem, numerics=numerics), range(1)))
+                measure(solution.solve(replace(problem, numerics=numerics), range(1)))
     elif has_no_punch(path):
         loaded = load_boundary(path)[0]
         if (loaded.points or 1) <= MOST_NODES:

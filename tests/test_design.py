@@ -119,7 +119,7 @@ def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
     assert said.exit_code == 0, said.output
     for line in ("realisations  reference: ", "error ", "residual ", "price         1.0%: "):
         assert line in said.output
-    assert "target: 0.08 " in planned.read_text()
+    assert "\ntarget: 0.08" in planned.read_text()
     ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
     assert ran.exit_code == 0, ran.output
     assert "reached by all groups" in ran.output

@@ -89,7 +89,7 @@ def test_a_text_that_would_not_read_as_meant_is_refused(tmp_path, monkeypatch):
 
 def test_the_planned_campaign_leaves_the_results_of_the_first_alone(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(accuracy, "pilot", lambda planned: None)
+    monkeypatch.setattr(accuracy, "pilot", lambda planned: accuracy.Pilot(None, [], 1, 1))
     monkeypatch.setattr(accuracy, "design", lambda *_: DESIGN)
     monkeypatch.setattr(accuracy, "loosest_residual", lambda *_: 1e-3)
     campaign(tmp_path)

@@ -95,7 +95,7 @@ def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tup
     parts = {"contacts": cpu[0], "start": beside.start, "workers": workers * beside.worker}
     parts |= {"results": beside.results, "fit and picture": beside.fit}
     shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
-    click.echo(f"of CPU time   {shown}")
+    say("of CPU time", shown, width=14)
 
 
 def _check_target(planned: Plan, name: str) -> None:

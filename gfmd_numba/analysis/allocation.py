@@ -13,8 +13,8 @@ from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataErro
 from gfmd_numba.analysis.tfc import exponent_range
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
-_CONFIDENCE = 0.95  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
-_LARGE = 1.3  # standard errors by which a correction is found too large by one campaign in ten
+_CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
+_LARGE = 2.2  # standard errors: by so much a campaign may find a correction too large
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 

@@ -110,7 +110,7 @@ def _write_numbers(path, pick):
         }
         if pick.random() < 0.8:
             attributes = {"units": pick.choice(["m", "m", "m", "1", "um", "\x1b", "days since 1"])}
-        dataset = xr.Dataset({pick.choice(["height", "h", "x", "é"]): (dims, heights)})
+        dataset = xr.Dataset({pick.choice(["height", "height", "height", "h", "x", "é"]): (dims, heights)})
         if pick.random() < 0.7 and "x" not in dataset:
             dataset["x"] = ("x", np.arange(heights.shape[-1]) * pick.choice([*5 * [1 / 32], *SIZES]), {"units": "m"})
         next(iter(dataset.data_vars.values()), dataset.get("x", dataset)).attrs.update(attributes)

@@ -167,7 +167,7 @@ def use(kind, path):
         if campaign.n_cases <= 50:
             problem = plan(path).problems[-1]
             if problem.surface.nodes <= MOST_NODES:
-                numerics = problem.numerics.model_copy(update={"max_iterations": MOST_STEPS})
+                numerics = replace(problem.numerics, max_iterations=MOST_STEPS)
                 measure(solution.solve(replace(problem, numerics=numerics), range(1)))
     elif has_no_punch(path):
         loaded = load_boundary(path)[0]

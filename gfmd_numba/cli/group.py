@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any, TextIO
 
 import click
 
+from gfmd_numba.cli.streams import UntoldError, drop_output, open_streams
 from gfmd_numba.scene.printable import printable
 
-BAD_INPUT, SOME_FAILED, INTERRUPTED = 2, 3, 130
+UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
+
+_FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
 
 
 class _Gfmd(click.Group):
     """Turns what the user can mend into one message and an exit code."""
 
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run the command line, whatever standard streams are open."""
+        open_streams()
+        return super().main(*args, **kwargs)
+
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; bad input exits with 2, an interrupt with 130."""
+        """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
         import warnings
 
         from gfmd_numba.scene.document import InputError
@@ -23,20 +32,47 @@ class _Gfmd(click.Group):
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = _show_warning
+                _allow_files()
                 return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
         except click.UsageError as error:
             raise click.UsageError(printable(error.format_message()), error.ctx) from None
         except InputError as error:
-            click.echo(f"gfmd: {error}", err=True)
+            _tell(str(error))
             ctx.exit(BAD_INPUT)
         except OSError as error:
-            click.echo(f"gfmd: {printable(error)}", err=True)
+            _tell(printable(error))
             ctx.exit(BAD_INPUT)
+        except UntoldError as error:
+            drop_output()
+            _tell(f"standard output cannot be written ({error}); files that were written are kept")
+            ctx.exit(UNTOLD)
         except KeyboardInterrupt:
-            click.echo("gfmd: interrupted; finished work is kept, the same command resumes", err=True)
+            _tell("interrupted; finished work is kept, the same command resumes")
             ctx.exit(INTERRUPTED)
+
+
+def _tell(sentence: str) -> None:
+    with suppress(OSError):  # nobody can be told: the exit code still says it
+        click.echo(f"gfmd: {sentence}", err=True)
+
+
+def _allow_files() -> None:
+    """Raise the limit of open files to what workers need; raises InputError where it may not be raised so far."""
+    try:
+        import resource
+    except ImportError:  # a system without such limits
+        return
+    from gfmd_numba.scene.document import InputError
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = _MANY_FILES if hard == resource.RLIM_INFINITY else min(hard, _MANY_FILES)
+    if soft != resource.RLIM_INFINITY and soft < most:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        soft = most
+    if soft != resource.RLIM_INFINITY and soft < _FEWEST_FILES:
+        raise InputError(f"ulimit -n: given {soft} open files; allowed: at least {_FEWEST_FILES}")
 
 
 def _show_warning(
@@ -48,7 +84,7 @@ def _show_warning(
     line: str | None = None,
 ) -> None:
     """Show a warning as a sentence, without the line of the program that gave it."""
-    click.echo(f"gfmd: {message}", err=True)
+    _tell(str(message))
 
 
 @click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})

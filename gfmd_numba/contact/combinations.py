@@ -108,8 +108,7 @@ def check_combination(
     for location, allowed in _solver_refusals(found, numerics):
         refused.setdefault(location, allowed)
     if refused:
-        lines = (document.line(at, brief(document.value(at)), allowed) for at, allowed in refused.items())
-        raise InputError("\n".join(lines))
+        raise InputError(*(document.line(at, brief(document.value(at)), allowed) for at, allowed in refused.items()))
 
 
 def _features(scene: Scene | LoadedBody, numerics: Numerics, grid: Grid | None) -> Features:

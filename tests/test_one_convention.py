@@ -33,7 +33,11 @@ def test_no_module_outside_fourier_transforms_on_its_own(path):
 
 
 def test_only_planned_transforms_import_fftw():
-    found = {path.name for path in ROOT.glob("fourier/*.py") if any("pyfftw" in name for name in transforms(path.read_text()))}
+    found = {
+        path.name
+        for path in ROOT.glob("fourier/*.py")
+        if any("pyfftw" in name for name in transforms(path.read_text()))
+    }
     assert found == {"convolution.py"}
 
 

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from test_cli import SCENE, gfmd
 
+from gfmd_numba.cli.columns import print_table
 from gfmd_numba.scene import InputError, load_scene, read_document
 from gfmd_numba.scene.printable import printable
 from gfmd_numba.scene.surface_file import load_surface
@@ -107,3 +108,10 @@ def test_a_wrong_argument_is_escaped(arguments):
     done = gfmd(*arguments)
     assert done.exit_code == 2
     assert_harmless(done.output, done.output.rstrip("\n").count("\n") + 1)
+
+
+def test_cells_and_headings_of_a_table_are_escaped(capsys):
+    print_table("title \x1b[2J", {"name": ["\x1b[31m", "b"]}, {"unit \u202e": ["1", "\x07"]})
+    said = capsys.readouterr().out
+    assert "\\x1b[31m" in said
+    assert all(line.isprintable() for line in said.splitlines())

@@ -8,6 +8,7 @@ from textwrap import wrap
 import click
 
 from gfmd_numba.cli.sentences import COLUMNS, say
+from gfmd_numba.scene.printable import printable
 
 _GAP = "  "
 _WIDEST_HEADING = 10
@@ -34,7 +35,7 @@ def print_table(title: str, parameters: Mapping[str, list[str]], values: Mapping
         height = max(map(len, block))
         click.echo()
         for line in zip(*([" " * len(column[0])] * (height - len(column)) + column for column in block), strict=True):
-            click.echo(_GAP.join(line).rstrip())
+            click.echo(printable(_GAP.join(line).rstrip()))
     click.echo()
 
 

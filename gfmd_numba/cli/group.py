@@ -84,7 +84,7 @@ def _show_warning(
     line: str | None = None,
 ) -> None:
     """Show a warning as a sentence, without the line of the program that gave it."""
-    _tell(str(message))
+    _tell(printable(message))
 
 
 @click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})

@@ -8,10 +8,11 @@ import sys
 import numpy as np
 
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 LEVELS = (2, 4, 8, 16, 32, 64)
@@ -23,7 +24,7 @@ def main(realisations=60, pressure=0.007, cut_on=2, roughness_octaves=10):
         values = {}
         for level in LEVELS:
             cut_off = cut_on * 2**roughness_octaves
-            surface = RandomSurface(hurst, cut_on, cut_off, 2 * cut_off * level, 2018)
+            surface = RandomSurface(SelfAffineWaves(hurst, cut_on, cut_off), 2 * cut_off * level, 2018)
             numerics = Options("active_set_newton")
             problem = Problem(surface, ElasticBody(None, None), Interactions(True), pressure, None, numerics)
             values[level] = measure(solve(problem, range(realisations)))

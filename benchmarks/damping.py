@@ -4,18 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000
 
 
 def problem(hurst, pressure, nx):
-    surface = RandomSurface(hurst, 2, nx // 8, nx, 4)
+    surface = RandomSurface(SelfAffineWaves(hurst, 2, nx // 8), nx, 4)
     return Problem(surface, ElasticBody(None, None), Interactions(True), pressure, None, Options("verlet"))
 
 

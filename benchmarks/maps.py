@@ -13,13 +13,14 @@ import numpy as np
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
@@ -28,7 +29,7 @@ SURFACES, RESIDUAL = 6, 1e-8
 
 
 def problem(hurst, cut_off, nx, load, cut_on=2, anisotropy=1.0):
-    surface = RandomSurface(hurst, cut_on, cut_off, nx, 2018, dimension=2, anisotropy=anisotropy)
+    surface = RandomSurface(SelfAffineWaves(hurst, cut_on, cut_off, anisotropy=anisotropy), nx, 2018, dimension=2)
     numerics = Options("active_set_newton", residual=RESIDUAL)
     return Problem(surface, ElasticBody(None, None), Interactions(hard_wall=True), load, None, numerics)
 
@@ -103,7 +104,7 @@ def kappa_over_anisotropy():
 
 def line_contact(hurst, nx, load, profiles=600):
     """Kappa of profiles of the same waves, to which maps tend that are ever longer along y."""
-    surface = RandomSurface(hurst, 8, 128, nx, 2018)
+    surface = RandomSurface(SelfAffineWaves(hurst, 8, 128), nx, 2018)
     numerics = Options("active_set_newton", residual=RESIDUAL)
     asked = Problem(surface, ElasticBody(None, None), Interactions(hard_wall=True), load, None, numerics)
     found = measure(solution.solve(asked, range(profiles)))

@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import persson
 
@@ -31,7 +32,7 @@ LEVELS = np.linspace(0.0, 5.0, 51)
 def press(hurst, body, load):
     """Measures of the contacts, the histogram of their pressures over s per node, and the mean squares of these."""
     numerics = Options("active_set_newton", residual=1e-8)
-    surface = RandomSurface(hurst, 2, 1024, 16384, SEED)
+    surface = RandomSurface(SelfAffineWaves(hurst, 2, 1024), 16384, SEED)
     pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     values = observables.measure(pressed)

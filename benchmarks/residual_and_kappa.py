@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from gfmd_numba.contact.observables import gap, measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 SURFACES, SOLVERS = 8, ("verlet", "conjugate_gradients", "active_set_newton")
@@ -21,17 +22,24 @@ def cases():
         for pressure in (0.007, 0.05, 0.3):
             for nx in (1024, 8192):
                 yield Problem(
-                    RandomSurface(hurst, 2, nx // 8, nx, 4),
+                    RandomSurface(SelfAffineWaves(hurst, 2, nx // 8), nx, 4),
                     half_space,
                     wall,
                     pressure,
                     None,
                     Options("active_set_newton"),
                 )
-    surface = RandomSurface(0.8, 2, 256, 2048, 4)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 256), 2048, 4)
     yield Problem(surface, slab, wall, 0.05, None, Options("active_set_newton"))
     yield Problem(surface, slab, wall, None, 0.03, Options("active_set_newton"))
-    yield Problem(RandomSurface(0.8, 2, 32, 128, 4, 2), half_space, wall, 0.05, None, Options("active_set_newton"))
+    yield Problem(
+        RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 4, 2),
+        half_space,
+        wall,
+        0.05,
+        None,
+        Options("active_set_newton"),
+    )
 
 
 print(

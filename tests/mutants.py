@@ -41,12 +41,12 @@ fit: {{variable: kappa, exponents: shared, fixed: {{eps_c: [1, 2]}}}}
 target: 0.1
 case_timeout: 100
 """
-_SPECTRUM = "{model: %s, hurst: 0.8, correlation_length: 4e-6, mound_separation: 9e-6, cut_on: 2e-6}"
-_RANDOM = "surface: {method: %s, spectrum: %s, rms_height: 3e-7}\nlength: 1e-4\npoints: 128\n"
+_MOUNDS = "model: %s, hurst: 0.8, correlation_length: 4e-6, mound_separation: 9e-6, cut_on: 2e-6"
+_RANDOM = "surface: {method: %s, %s, rms_height: 3e-7, points: 128}\nlength: 1e-4\n"
 _RANGE = "hurst_range: {shortest: 3e-6, longest: 3e-5}\n"
-_ANISOTROPIC = "{model: length_anisotropy, hurst: 0.8, correlation_length_x: 2e-5, correlation_length_y: 3e-5}"
-_SELF_AFFINE = "{model: self_affine, hurst: 0.8, roll_off: 2e-5, cut_on: 4e-6, plateau: true}"
-_RECURSIVE = "{method: successive_addition, hurst: 0.8, roll_off: 2e-5, cut_on: 4e-6, rms_gradient: 0.1}"
+_ANISOTROPIC = "model: length_anisotropy, hurst: 0.8, correlation_length_x: 2e-5, correlation_length_y: 3e-5"
+_SELF_AFFINE = "model: self_affine, hurst: 0.8, roll_off: 2e-5, cut_on: 4e-6, plateau: true"
+_RECURSIVE = "{method: successive_addition, hurst: 0.8, roll_off: 2e-5, cut_on: 4e-6, rms_gradient: 0.1, points: 100}"
 
 TEXTS = {
     "scene": [
@@ -66,12 +66,12 @@ TEXTS = {
         _CAMPAIGN.replace("scene: {", "scene: {dimension: 2, ").replace("aspect_ratio: [0.5, .inf], ", ""),
     ],
     "surface": [
-        _RANDOM % ("psd", _SPECTRUM % "exponential") + _RANGE,
-        _RANDOM % ("fourier_filter", _SPECTRUM % "k_correlation"),
+        _RANDOM % ("psd", _MOUNDS % "exponential") + _RANGE,
+        _RANDOM % ("fourier_filter", _MOUNDS % "k_correlation"),
         (_RANDOM % ("psd", _ANISOTROPIC)).replace("128", "24") + "dimension: 2\n",
         _RANDOM % ("psd", _SELF_AFFINE),
-        f"surface: {_RECURSIVE}\nlength: 1e-4\npoints: 100\n",
-        "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror}\nlength: 1e-4\npoints: 100\n",
+        f"surface: {_RECURSIVE}\nlength: 1e-4\n",
+        "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror, points: 100}\nlength: 1e-4\n",
     ],
 }
 KINDS = (*TEXTS, "npy", "csv", "nc", "table")
@@ -160,7 +160,7 @@ def use(kind, path):
     is_surface = kind == "surface" or (kind not in TEXTS and path.read_text(encoding="utf-8").startswith("surface:"))
     if is_surface:
         file = load_surface(path)[0]
-        if (file.points or 1) ** (file.dimension or 1) <= 32 * MOST_NODES:
+        if (file.surface.points or 1) ** (file.dimension or 1) <= 32 * MOST_NODES:
             surface_dataset(path)
     elif kind == "campaign":
         campaign = load_campaign(path)[0]

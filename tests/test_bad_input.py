@@ -67,8 +67,8 @@ SCENES = {
     "unknown key": (
         ("hurst: 0.8", "hurts: 0.8"),
         "bad.yaml:3:3: scene.roughness.hurst: given nothing; allowed: a number from 0 to 1\n"
-        "bad.yaml:5:5: scene.roughness.hurts: given an unknown key; allowed: one of 'method', 'hurst', "
-        "'rms_gradient', 'anisotropy'; did you mean 'hurst'?",
+        "bad.yaml:5:5: scene.roughness.hurts: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
+        "'points', 'cut_on', 'method', 'model', 'hurst', 'roll_off', 'plateau', 'anisotropy'; did you mean 'hurst'?",
     ),
     "key of another level": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),
@@ -77,8 +77,9 @@ SCENES = {
     ),
     "key of another method": (
         ("method: psd", "method: psd\n    file: steel.npy"),
-        "bad.yaml:5:5: scene.roughness.file: given an unknown key; allowed: one of 'method', 'hurst', "
-        "'rms_gradient', 'anisotropy'; 'file' belongs to scene.roughness with method measured",
+        "bad.yaml:5:5: scene.roughness.file: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
+        "'points', 'cut_on', 'method', 'model', 'hurst', 'roll_off', 'plateau', 'anisotropy'; "
+        "'file' belongs to scene.roughness with method measured",
     ),
     "unknown key at the top": (
         ("numerics: {", "numeric: {"),
@@ -93,11 +94,12 @@ SCENES = {
     ),
     "unknown method": (
         ("method: psd", "method: pds"),
-        "bad.yaml:4:13: scene.roughness.method: given 'pds'; allowed: one of 'measured', 'psd'; did you mean 'psd'?",
+        "bad.yaml:4:13: scene.roughness.method: given 'pds'; allowed: one of 'fourier_filter', 'measured', "
+        "'midpoint_displacement', 'psd', 'successive_addition'; did you mean 'psd'?",
     ),
     "no method": (
         ("method: psd\n    ", ""),
-        "bad.yaml:3:3: scene.roughness.method: given nothing; allowed: one of 'measured', 'psd'",
+        "bad.yaml:3:3: scene.roughness.method: given nothing; allowed: one of 'fourier_filter', 'measured', 'midp",
     ),
     "wrong type": (
         ("hurst: 0.8", "hurst: [0.8, 0.9]"),
@@ -237,7 +239,8 @@ SCENES = {
     ),
     "psd without discretisation": (
         ("discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}\n", ""),
-        "bad.yaml:1:1: discretisation: given nothing; allowed: a mapping with eps_c, eps_f and eps_t, which method psd",
+        "bad.yaml:1:1: discretisation: given nothing; allowed: a mapping with eps_c, eps_f and eps_t, which "
+        "a random surface without points of its own needs",
     ),
     "k_l not whole": (
         ("eps_t: 1/2", "eps_t: 2/5"),
@@ -289,7 +292,7 @@ SCENES = {
     ),
     "key that is no word": (
         ("hurst: 0.8", 'hurst: 0.8\n    "a\\nb": 1'),
-        "bad.yaml:6:5: scene.roughness['a\\nb']: given an unknown key; allowed: one of 'method', 'hurst', ",
+        "bad.yaml:6:5: scene.roughness['a\\nb']: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', ",
     ),
     "list as a key": (
         ("hurst: 0.8", "[a]: 0.8"),
@@ -456,7 +459,7 @@ def test_measured_profile_with_discretisation(tmp_path):
     (tmp_path / "steel.npy").touch()
     assert complaint(tmp_path, load_scene, MEASURED).startswith(
         "bad.yaml:10:17: discretisation: given {'eps_c': 0.5, 'eps_f': 0.015625, 'eps_t': 0.5}; "
-        "allowed: nothing, as a measured profile has its own grid"
+        "allowed: nothing, as every surface has its own grid"
     )
 
 
@@ -531,8 +534,8 @@ CAMPAIGNS = {
     ),
     "measured profile": (
         ("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: steel.npy}"),
-        "bad.yaml:6:23: scene.roughness.method: given 'measured'; allowed: 'psd' in a "
-        "campaign; a measured profile "
+        "bad.yaml:6:23: scene.roughness.method: given 'measured'; allowed: a random surface in a "
+        "campaign, like method 'psd'; a measured profile "
         "belongs to `gfmd solve`",
     ),
     "pressure axis under displacement": (

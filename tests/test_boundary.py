@@ -6,11 +6,12 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import kernels
-from gfmd_numba.contact.problem import RandomSurface, reduce
+from gfmd_numba.contact.problem import reduce
 from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import BoundaryFile, Numerics, Scene
 from gfmd_numba.solvers.boundary_value_problem import deform
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -338,7 +339,7 @@ def test_identity_and_effects_of_tractions():
         "interface": {"hard_wall": {}},
         "loading": {"reduced_pressure": 0.01},
     }
-    drawn = RandomSurface(0.8, 2, 32, 128, 0)
+    drawn = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0)
 
     def reduced(*prescribed):
         return reduce(Scene.model_validate(scene), drawn, 0.01, Numerics(), *prescribed)

@@ -7,11 +7,12 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, plot_statistics
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
@@ -19,7 +20,7 @@ LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
 
 def pressed(load, body, realisations=3):
     numerics = Options("active_set_newton", residual=1e-10)
-    surface = RandomSurface(0.8, 2, 128, 1024, 5)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 128), 1024, 5)
     return solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(realisations))
 
 
@@ -51,7 +52,9 @@ def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     """Parseval on both components: (K11 |v|^2 + K33 |u|^2 + 2 K13 Im(v u*)) / 2."""
     numerics = Options("verlet", residual=1e-9)
     body, wall = ElasticBody(0.2, None), Interactions(True, friction=friction)
-    result = solution.solve(Problem(RandomSurface(0.8, 2, 32, 256, 5), body, wall, 0.05, None, numerics), range(2))
+    result = solution.solve(
+        Problem(RandomSurface(SelfAffineWaves(0.8, 2, 32), 256, 5), body, wall, 0.05, None, numerics), range(2)
+    )
     assert (result.equilibrium.status == 0).all()
     u = grid.coefficients(result.equilibrium.displacement)
     v = grid.coefficients(result.equilibrium.tangential.displacement)

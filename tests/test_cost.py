@@ -37,7 +37,7 @@ def true_seconds(problem):
     work = (
         surface.nodes**1.05 * np.log2(surface.nodes) + 4e4
     )  # what is done once for each contact counts on small grids
-    return 2e-8 * work * (1.0 + surface.hurst) * problem.mean_pressure**0.3
+    return 2e-8 * work * (1.0 + surface.generator.hurst) * problem.mean_pressure**0.3
 
 
 def noise(problem, salt=0):

@@ -10,10 +10,11 @@ from test_tfc import ALPHA, REFERENCE, C, campaign, noisy
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}
@@ -142,7 +143,7 @@ def test_the_budget_survives_netcdf(tmp_path):
 @pytest.mark.parametrize("residual", [1e-2, 1e-3, 1e-5, 1e-8])
 def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, nodes, solver, residual):
     nx, dimension = nodes
-    surface = RandomSurface(0.8, 2, nx // 8, nx, 5, dimension)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, nx // 8), nx, 5, dimension)
     body = ElasticBody(0.33, 0.1)
     tight = Options("active_set_newton", residual=1e-12)
     problem = Problem(surface, body, Interactions(True), load, displacement, tight)
@@ -161,7 +162,12 @@ def test_a_node_on_the_brink_counts(leaves):
     """Its pressure or gap is below what the residual leaves open: on the other side, kappa is another."""
     numerics = Options("active_set_newton")
     problem = Problem(
-        RandomSurface(0.8, 2, 128, 1024, 5), ElasticBody(None, None), Interactions(True), 0.05, None, numerics
+        RandomSurface(SelfAffineWaves(0.8, 2, 128), 1024, 5),
+        ElasticBody(None, None),
+        Interactions(True),
+        0.05,
+        None,
+        numerics,
     )
     contact = solve(problem, range(1))
     found = contact.equilibrium

@@ -18,8 +18,7 @@ from gfmd_numba.cli import main
 from gfmd_numba.storage.atomic_file import replace
 
 SURFACE = """
-surface: {method: psd, spectrum: {model: self_affine, hurst: 0.8, cut_on: 0.01, roll_off: 0.5}, rms_gradient: 0.1}
-points: 512
+surface: {method: psd, hurst: 0.8, cut_on: 0.01, roll_off: 0.5, rms_gradient: 0.1, points: 512}
 """
 COMMANDS = {
     "solve": "solve scene.yaml -o contact.nc",

@@ -51,10 +51,14 @@ reference: {eps_c: 1/2, eps_f: 1/4, eps_t: 1}
 SURFACE = """
 surface:
   method: psd
-  spectrum: {model: exponential, hurst: 0.8, correlation_length: 4e-6, mound_separation: 9e-6, cut_on: 1e-6}
+  model: exponential
+  hurst: 0.8
+  correlation_length: 4e-6
+  mound_separation: 9e-6
+  cut_on: 1e-6
   rms_height: 3e-7
+  points: 512
 length: 1e-4
-points: 512
 """
 KINDS = {"campaign": (load_campaign, CAMPAIGN), "scene": (load_scene, SCENE), "surface": (load_surface, SURFACE)}
 WORDS = """

@@ -11,12 +11,13 @@ from folded import unfolded
 import gfmd_numba
 from gfmd_numba.cli import main
 from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
-from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem, RandomSurface
+from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 
@@ -41,7 +42,7 @@ def test_softening_is_the_largest_negative_curvature_of_the_energy(energy):
 
 
 def problem(nx, interface, body=None, counter=None):
-    surface = RandomSurface(0.8, 2, 32, nx, 1)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 32), nx, 1)
     return Problem(surface, body or ElasticBody(None, None), interface, 0.1, None, Options("verlet"), counter=counter)
 
 

@@ -7,12 +7,13 @@ import xarray as xr
 from gfmd_numba import body_fields, run
 from gfmd_numba.analysis.plots.campaign import plot_contact
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.simulate import contact as single
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -43,7 +44,7 @@ def rough(nx, realisations=range(1), hurst=0.8, seed=3):
 
 
 def problem(nx=64, load=0.03, cut_off=16, solver="active_set_newton"):
-    surface = RandomSurface(0.8, 2, cut_off, nx, 7, dimension=2)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, cut_off), nx, 7, dimension=2)
     return Problem(surface, HALF_SPACE, Interactions(hard_wall=True), load, None, Options(solver))
 
 
@@ -277,13 +278,13 @@ def test_file_of_a_map(tmp_path):
             SCENE.partition("roughness")[2],
             ": {method: measured, file: a.npy}\ninterface: {hard_wall: {}}\nloading: {reduced_pressure: 0.05}",
             "roughness.method",
-            "'psd' with dimension 2",
+            "a random surface with dimension 2, like method 'psd'",
         ),
         (
             "0.2}\nroughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}",
             "0.2, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}}",
             "roughness.method",
-            "'psd' with dimension 2",
+            "a random surface with dimension 2, like method 'psd'",
         ),
         (
             "0.33,",

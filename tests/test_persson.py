@@ -6,12 +6,13 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from gfmd_numba.contact import observables, solution
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory import persson
 
@@ -22,7 +23,7 @@ SURFACES = 20
 def press(hurst, body, load):
     """Contacts in g E* of surfaces with 8 nodes to the shortest wave, and their measures."""
     numerics = Options("active_set_newton", residual=1e-8)
-    surface = RandomSurface(hurst, 2, 256, 4096, 2018)
+    surface = RandomSurface(SelfAffineWaves(hurst, 2, 256), 4096, 2018)
     pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     return pressed, observables.measure(pressed)

@@ -7,12 +7,13 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.observables import gap, measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
@@ -21,8 +22,10 @@ from gfmd_numba.solvers.options import Options
 SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
 NX = 1024
 TIGHT = Options("active_set_newton", residual=1e-12)
-PROBLEM = Problem(RandomSurface(0.5, 2, 128, NX, 7), ElasticBody(None, None), Interactions(True), 0.05, None, TIGHT)
-MAP = replace(PROBLEM, surface=RandomSurface(0.8, 2, 8, 64, 7, 2))
+PROBLEM = Problem(
+    RandomSurface(SelfAffineWaves(0.5, 2, 128), NX, 7), ElasticBody(None, None), Interactions(True), 0.05, None, TIGHT
+)
+MAP = replace(PROBLEM, surface=RandomSurface(SelfAffineWaves(0.8, 2, 8), 64, 7, 2))
 
 
 def single(problem, solver, residual=1e-3):

@@ -6,15 +6,16 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.observables import contact_area_fraction
-from gfmd_numba.contact.problem import Problem, RandomSurface, reduce
+from gfmd_numba.contact.problem import Problem, reduce
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import Numerics, Scene
 from gfmd_numba.solvers.options import Options
 
-SURFACE = RandomSurface(0.8, 2, 32, 128, 0)
+SURFACE = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0)
 
 
 def exact_stiffening(nu, aspect_ratio):
@@ -56,7 +57,7 @@ def test_beside_adhesion_nothing_that_matters_is_dropped():
 
 @pytest.mark.parametrize("aspect_ratio", [0.3, 0.5, 1.0])
 def test_dropping_a_slab_changes_the_mean_area_by_less_than_its_stiffening(aspect_ratio):
-    surface = RandomSurface(0.8, 1, 64, 1024, 3)
+    surface = RandomSurface(SelfAffineWaves(0.8, 1, 64), 1024, 3)
     numerics = Options("conjugate_gradients")
     areas = [
         contact_area_fraction(solve(Problem(surface, body, Interactions(True), 0.3, None, numerics), range(40)))

@@ -226,7 +226,7 @@ COUNTER = BODY | {"roughness": ROUGH}
 BAD = {
     "all flat": (
         {},
-        "scene.roughness: given nothing; allowed: a mapping with method 'psd' or 'measured', of the punch",
+        "scene.roughness: given nothing; allowed: a mapping with a method like 'psd' or 'measured', of the punch",
     ),
     "punch beside a counter body": (
         {"counter_body": COUNTER, "roughness": ROUGH},

@@ -8,8 +8,9 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from gfmd_numba.contact.problem import RandomSurface, reduce
+from gfmd_numba.contact.problem import reduce
 from gfmd_numba.interface.table import LAWS
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
@@ -25,7 +26,7 @@ SCENE = {
 
 
 def identity(**numerics):
-    asked = Scene.model_validate(SCENE), RandomSurface(0.8, 2, 32, 128, 0), 0.01, Numerics(**numerics)
+    asked = Scene.model_validate(SCENE), RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01, Numerics(**numerics)
     return reduce(*asked)[0].identity
 
 

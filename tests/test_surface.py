@@ -25,10 +25,10 @@ SCALING = {
 }
 RECURSIVE = {"hurst": 0.8, "roll_off": 20e-6, "cut_on": 1e-6}
 SURFACES = [
-    *(({"method": "psd", "spectrum": s}, d) for s in (SELF_AFFINE, K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
-    ({"method": "psd", "spectrum": SELF_AFFINE | {"plateau": False}}, 1),
-    *(({"method": "fourier_filter", "spectrum": s}, d) for s in (K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
-    *(({"method": method, "spectrum": s}, 2) for method in ("psd", "fourier_filter") for s in (ANISOTROPIC, SCALING)),
+    *(({"method": "psd", **s}, d) for s in (SELF_AFFINE, K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
+    ({"method": "psd", **SELF_AFFINE, "plateau": False}, 1),
+    *(({"method": "fourier_filter", **s}, d) for s in (K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
+    *(({"method": method, **s}, 2) for method in ("psd", "fourier_filter") for s in (ANISOTROPIC, SCALING)),
     *(
         ({"method": method, **RECURSIVE}, d)
         for method in ("midpoint_displacement", "successive_addition")
@@ -39,7 +39,7 @@ SURFACES = [
 
 @pytest.mark.parametrize(("surface", "dimension"), SURFACES, ids=str)
 def test_every_method_and_model(surface, dimension):
-    file = {"surface": surface | {"rms_height": 3e-7}, "length": 1e-4, "dimension": dimension, "points": 256}
+    file = {"surface": surface | {"rms_height": 3e-7, "points": 256}, "length": 1e-4, "dimension": dimension}
     dataset = surface_dataset(file)
     assert dataset["height"].shape == (256,) * dimension
     assert dataset["height"].attrs["units"] == "m"
@@ -50,14 +50,14 @@ def test_every_method_and_model(surface, dimension):
     seen = theory > 1e-10 * theory.max()
     assert seen.sum() > 8
     ratio = np.log(dataset["spectral_density"].values[seen] / theory[seen]) * np.sqrt(dataset["waves"].values[seen])
-    if "spectrum" in surface and "anisotropy" not in surface["spectrum"]["model"]:  # the scatter of rings is known
+    if "model" in surface and "anisotropy" not in surface["model"]:  # the scatter of rings is known
         assert abs(ratio).max() < 6.0
     assert np.isfinite([float(v) for v in dataset.data_vars.values() if not v.dims]).all()
 
 
 def test_the_surface_is_the_generators_scaled_to_its_gradient():
-    file = {"surface": {"method": "psd", "spectrum": K_CORRELATION, "rms_gradient": 0.1}, "length": 1e-4}
-    dataset = surface_dataset(file | {"points": 128, "seed": 7, "realisation": 3})
+    surface = {"method": "psd", **K_CORRELATION, "rms_gradient": 0.1, "points": 128}
+    dataset = surface_dataset({"surface": surface, "length": 1e-4, "seed": 7, "realisation": 3})
     power = spectral.psd_power(KCorrelation(1, 0.7, 4e-6), 128, 63, 1e-4)
     heights = spectral.surfaces(power, 128, 63, 7, range(3, 4))
     np.testing.assert_allclose(dataset["height"], statistics.scaled(heights, (1e-4,), None, 0.1)[0], rtol=1e-12)
@@ -66,12 +66,12 @@ def test_the_surface_is_the_generators_scaled_to_its_gradient():
 
 def test_lengths_are_in_periods_without_a_length():
     spectrum = {"model": "self_affine", "hurst": 0.5, "roll_off": 0.2, "cut_on": 0.01}
-    file = {"surface": {"method": "psd", "spectrum": spectrum, "rms_height": 0.01}, "points": 512}
+    file = {"surface": {"method": "psd", **spectrum, "rms_height": 0.01, "points": 512}}
     dataset = surface_dataset(file | {"hurst_range": {"shortest": 0.01, "longest": 0.2}})
     assert dataset["height"].attrs["units"] == "1"
     scaled = {**spectrum, "roll_off": 0.2e-3, "cut_on": 0.01e-3}
     in_metres = surface_dataset(
-        {"surface": {"method": "psd", "spectrum": scaled, "rms_height": 0.01e-3}, "points": 512, "length": 1e-3}
+        {"surface": {"method": "psd", **scaled, "rms_height": 0.01e-3, "points": 512}, "length": 1e-3}
         | {"hurst_range": {"shortest": 0.01e-3, "longest": 0.2e-3}}
     )
     np.testing.assert_allclose(in_metres["height"], 1e-3 * dataset["height"], rtol=1e-9)
@@ -82,8 +82,8 @@ def test_lengths_are_in_periods_without_a_length():
 
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_command_writes_surface_and_picture(tmp_path, dimension):
-    file = {"surface": {"method": "psd", "spectrum": K_CORRELATION, "rms_height": 3e-7}, "length": 1e-4}
-    (tmp_path / "s.yaml").write_text(yaml.safe_dump(file | {"points": 64, "dimension": dimension}))
+    file = {"surface": {"method": "psd", **K_CORRELATION, "rms_height": 3e-7, "points": 64}, "length": 1e-4}
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(file | {"dimension": dimension}))
     assert gfmd("check", tmp_path / "s.yaml").output == f"{tmp_path / 's.yaml'}: a surface\n"
     done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
     assert done.exit_code == 0
@@ -96,8 +96,8 @@ def test_command_writes_surface_and_picture(tmp_path, dimension):
 
 
 def test_a_written_surface_is_read_as_a_measured_one(tmp_path):
-    file = {"surface": {"method": "psd", "spectrum": K_CORRELATION, "rms_height": 3e-7}, "length": 1e-4}
-    dataset = surface_dataset(file | {"points": 64, "dimension": 2})
+    file = {"surface": {"method": "psd", **K_CORRELATION, "rms_height": 3e-7, "points": 64}, "length": 1e-4}
+    dataset = surface_dataset(file | {"dimension": 2})
     dataset.to_netcdf(tmp_path / "s.nc", engine="netcdf4")
     again = surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "s.nc"), "detrend": "none"}})
     np.testing.assert_allclose(again["height"], dataset["height"], rtol=1e-12)
@@ -115,7 +115,7 @@ def test_measured_profile_is_processed_and_says_how(tmp_path):
         header="x [m], z [m]",
     )
     (tmp_path / "s.yaml").write_text(
-        "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror}\npoints: 400\n"
+        "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror, points: 400}\n"
     )
     done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
     assert done.exit_code == 0
@@ -130,15 +130,18 @@ def test_measured_profile_is_processed_and_says_how(tmp_path):
 TEXT = """\
 surface:
   method: psd
-  spectrum: {model: exponential, hurst: 0.8, correlation_length: 4e-6, mound_separation: 9e-6, cut_on: 1e-6}
+  model: exponential
+  hurst: 0.8
+  correlation_length: 4e-6
+  mound_separation: 9e-6
+  cut_on: 1e-6
   rms_height: 3e-7
+  points: 512
 length: 1e-4
-points: 512
 """
 RANDOM = """\
-surface: {method: midpoint_displacement, hurst: 0.8, roll_off: 2e-5, cut_on: 1e-6, rms_gradient: 0.1}
+surface: {method: midpoint_displacement, hurst: 0.8, roll_off: 2e-5, cut_on: 1e-6, rms_gradient: 0.1, points: 512}
 length: 1e-4
-points: 512
 """
 
 
@@ -147,23 +150,23 @@ points: 512
     [
         (
             TEXT,
-            "length: 4e-6",
-            "length: 4e-5",
+            "correlation_length: 4e-6",
+            "correlation_length: 4e-5",
             "correlation_length: given 4e-05; allowed: at most mound_separation = 9e-06",
         ),
         (
             TEXT,
             "hurst: 0.8",
             "hurst: 1.2",
-            "surface.spectrum.hurst: given 1.2; allowed: a number from 0.01 to 1",
+            "surface.hurst: given 1.2; allowed: a number from 0.01 to 1",
         ),
-        (TEXT, "hurst: 0.8", "hurst: 0", "3:41: surface.spectrum.hurst: given 0; allowed"),
+        (TEXT, "hurst: 0.8", "hurst: 0", "4:10: surface.hurst: given 0; allowed"),
         (TEXT, "cut_on: 1e-6", "cut_on: 1e-7", "cut_on: given 1e-07; allowed: at least 3.92157e-07, the shortest wave"),
-        (TEXT, "  rms_height: 3e-7\n", "", "2:3: surface: given {'method': 'psd'"),
-        (TEXT, "points: 512", "points: 3", "6:9: points: given 3; allowed: a whole number from 4"),
-        (TEXT, "points: 512\n", "", "points: given nothing; allowed: a whole number at least 4, which a random"),
+        (TEXT, "  rms_height: 3e-7\n", "", "2:3: surface: given {'correlation_length': 4e-06"),
+        (TEXT, "points: 512", "points: 3", "9:11: surface.points: given 3; allowed: a whole number from 4"),
+        (TEXT, "  points: 512\n", "", "surface.points: given nothing; allowed: the number of grid points over L_x"),
         (TEXT, "points: 512", "points: 100000000000", "a grid that fits in"),
-        (TEXT, "points: 512", "points: 512\nhurst_range: {shortest: 2, longest: 1}", "7:25: hurst_range.shortest"),
+        (TEXT, "points: 512", "points: 512\nhurst_range: {shortest: 2, longest: 1}", "10:25: hurst_range.shortest"),
         (TEXT, "model: exponential", "model: exponentail", "did you mean 'exponential'?"),
         (TEXT, "method: psd", "method: psdm", "did you mean 'psd'?"),
         (RANDOM, "hurst: 0.8", "hurst: -0.1", "1:49: surface.hurst: given -0.1; allowed: a number from 0 to 1"),
@@ -179,17 +182,22 @@ def test_bad_surface_files(tmp_path, text, old, new, said):
 
 def test_a_range_of_the_hurst_exponent_without_waves(tmp_path):
     text = TEXT + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
-    assert "bad.yaml:7:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
+    assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
 
 
 def test_models_that_need_a_map(tmp_path):
-    file = {"surface": {"method": "psd", "spectrum": ANISOTROPIC, "rms_height": 3e-7}, "length": 1e-4, "points": 64}
+    surface = {"method": "psd", **ANISOTROPIC, "rms_height": 3e-7, "points": 64}
+    file = {"surface": surface, "length": 1e-4}
     message = complaint(tmp_path, load_surface, yaml.safe_dump(file))
     assert "dimension: given nothing; allowed: 2, which model length_anisotropy needs" in message
 
 
 def test_a_period_too_short_for_the_filter(tmp_path):
-    text = TEXT.replace("psd", "fourier_filter").replace("length: 1e-4", "length: 5e-6").replace(", cut_on: 1e-6", "")
+    text = (
+        TEXT.replace("psd", "fourier_filter")
+        .replace("\nlength: 1e-4", "\nlength: 5e-6")
+        .replace("  cut_on: 1e-6\n", "")
+    )
     assert "not a spectrum that is negative" in complaint(tmp_path, surface_dataset, text)
 
 

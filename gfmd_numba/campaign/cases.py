@@ -9,7 +9,7 @@ from itertools import product
 from pydantic import BaseModel
 
 from gfmd_numba.campaign.file import AXES, Campaign
-from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce, self_affine
+from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
@@ -29,7 +29,8 @@ _PARTS = {
 class Case:
     """One ensemble: a scene at one discretisation, its realisations, and the dimensionless problem it reduces to.
 
-    `limit` names the discretisation that differs from the reference, or is "reference".
+    `limit` names the discretisation that differs from the reference, or is "reference". `rms_gradient` is the g that
+    is asked of the surfaces.
     """
 
     scene: Scene
@@ -38,6 +39,7 @@ class Case:
     realisations: int
     problem: Problem
     effects: tuple[Effect, ...]
+    rms_gradient: float
 
 
 @dataclass(frozen=True)
@@ -62,9 +64,10 @@ def expand(campaign: Campaign) -> list[Case]:
     for values in product(*(values for _, values in axes)):
         scene = _replaced(campaign.scene, dict(zip((name for name, _ in axes), values, strict=True)))
         for discretisation, limit, realisations in discretisations:
-            surface = random_surface(scene, discretisation, campaign.seed)
-            problem, effects = reduce(scene, surface, self_affine(scene).rms_gradient, campaign.numerics)
-            cases.append(Case(scene, discretisation, limit, realisations, problem, effects))
+            surface, rms_gradient = random_surface(scene, discretisation, campaign.seed)
+            problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
+            own = discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx)
+            cases.append(Case(scene, own, limit, realisations, problem, effects, rms_gradient))
     return cases
 
 
@@ -112,12 +115,12 @@ def split(cases: Iterable[Case], held: Mapping[str, Iterable[Range]]) -> Iterato
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
-    found: dict[tuple[float, ...], list[Case]] = {}
+    found: dict[tuple[object, ...], list[Case]] = {}
     for case in cases:
-        body, roughness = case.scene.body, self_affine(case.scene)
-        pressure = case.problem.mean_pressure or 0.0
-        physics = body.poissons_ratio, body.aspect_ratio, pressure, roughness.hurst, roughness.rms_gradient
-        found.setdefault((*physics, roughness.anisotropy or 1.0), []).append(case)
+        body, roughness = case.scene.body, case.scene.roughness
+        assert roughness is not None  # a campaign's promise
+        physics = body.poissons_ratio, body.aspect_ratio, case.problem.mean_pressure or 0.0
+        found.setdefault((*physics, roughness.model_dump_json(exclude={"points"})), []).append(case)
     return list(found.values())
 
 

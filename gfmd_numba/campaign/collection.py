@@ -18,7 +18,6 @@ from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, 
 from gfmd_numba.campaign.results import sealed
 from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
 from gfmd_numba.contact.observables import MEASURES
-from gfmd_numba.contact.problem import self_affine
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -103,7 +102,7 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 
 def in_file_units(case: Case, measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
-    scale = scales(case.scene, self_affine(case.scene).rms_gradient)
+    scale = scales(case.scene, case.rms_gradient)
     return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
 
 

@@ -1,6 +1,5 @@
 """What a campaign's contacts will cost on this machine: a pilot solves a few, a regression predicts the rest."""
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -14,8 +13,9 @@ from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_
 from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.roughness.generators import RandomSurface
 
 Reals = npt.NDArray[np.float64]
 Told = Callable[[float], None]  # of the share of something long that is done
@@ -158,11 +158,10 @@ def _smaller(problem: Problem) -> Iterator[Problem]:
     surface = problem.surface
     assert isinstance(surface, RandomSurface)  # a campaign has no other
     for halvings in range(1, 32):
-        nx, cut_off = 2 * (surface.nx >> (halvings + 1)), surface.cut_off_index >> halvings
-        cut_on = min(surface.cut_on_index, max(math.ceil(surface.anisotropy), cut_off // 2))
-        if nx ** len(surface.shape) < _LEAST_NODES or cut_on > cut_off:
+        nx, generator = 2 * (surface.nx >> (halvings + 1)), surface.generator.without_shortest(halvings)
+        if nx ** len(surface.shape) < _LEAST_NODES or generator is None:
             return
-        yield replace(problem, surface=replace(surface, nx=nx, cut_on_index=cut_on, cut_off_index=cut_off))
+        yield replace(problem, surface=replace(surface, nx=nx, generator=generator))
 
 
 def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:

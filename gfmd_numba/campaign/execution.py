@@ -17,8 +17,9 @@ from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replace
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.observables import measure
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import brief
 
@@ -139,7 +140,7 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         (problem.numerics.solver, problem.interface, problem.mean_pressure is None): problem for problem in problems
     }
     for problem in kinds.values():
-        tiny = replace(problem, surface=RandomSurface(0.5, 1, 4, 16, 0, len(problem.surface.shape)))
+        tiny = replace(problem, surface=RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape)))
         measure(solve(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1)))
 
 

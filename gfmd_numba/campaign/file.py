@@ -28,6 +28,7 @@ from gfmd_numba.scene.quantities import (
 )
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range
+from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
 AXES = tuple(Discretisation.model_fields)
@@ -164,7 +165,9 @@ class Campaign(BaseModel):
     seed: Seed
     realisations: _Realisations = Field(description="Random surfaces of each case, a number or one for each limit")
     scene: Scene = Field(description="What is in contact")
-    reference: Discretisation = Field(description="Discretisation around which the limits are taken")
+    reference: Discretisation | None = Field(
+        None, description="Discretisation around which the limits are taken; None: surfaces have points of their own"
+    )
     limits: Limits = Field(Limits(), description="Discretisations one at a time")
     grid: Grid = Field(Grid(), description="Parameters as a full product")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
@@ -182,8 +185,11 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._limit_values()))
 
-    def discretisations(self) -> Iterator[tuple[Discretisation, dict[str, Location], str | None, int]]:
+    def discretisations(self) -> Iterator[tuple[Discretisation | None, dict[str, Location], str | None, int]]:
         """Each discretisation, where its values stand in the file, its limit or None, and its surfaces."""
+        if self.reference is None:
+            yield None, {}, None, self.realisations.reference
+            return
         choices: list[list[tuple[float, Location]]] = []
         for axis in AXES:
             values = getattr(self.grid, axis)
@@ -209,7 +215,16 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
+        needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
+        if needed and self.reference is None:
+            raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
+        measured = isinstance(self.scene.roughness, Measured)  # which is refused beside a campaign, as its file says
+        if not needed and not measured and self.reference is not None:
+            raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         for axis in AXES:
+            if self.reference is None and (getattr(self.limits, axis) or getattr(self.grid, axis)):
+                where = "limits" if getattr(self.limits, axis) else "grid"
+                raise broken_rule((where, axis), "nothing, as the surface has points and lengths of its own")
             if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
                 raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
             counts, levels = getattr(self.realisations, axis), getattr(self.limits, axis) or ()
@@ -241,6 +256,8 @@ def load_campaign(source: Source) -> tuple[Campaign, Document]:
         )
     anisotropies = list(_anisotropies(campaign))
     for discretisation, locations, limit, _ in campaign.discretisations():
+        if discretisation is None:
+            break
         for anisotropy, location in anisotropies:
             check_anisotropy_fits(document, anisotropy, location, discretisation)
         check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)

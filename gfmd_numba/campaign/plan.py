@@ -17,7 +17,8 @@ from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.source import Source
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import MEASURES
-from gfmd_numba.contact.problem import Effect, Problem, self_affine
+from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
 
@@ -167,13 +168,13 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "eps_c": [case.discretisation.eps_c for case in cases],
         "eps_f": [case.discretisation.eps_f for case in cases],
         "eps_t": [case.discretisation.eps_t for case in cases],
-        "hurst": [self_affine(case.scene).hurst for case in cases],
+        "hurst": [_surface(case).generator.hurst for case in cases],
         "poissons_ratio": [case.scene.body.poissons_ratio for case in cases],
         "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
         "reduced_pressure": [case.scene.loading.reduced_pressure or np.nan for case in cases],
-        "rms_gradient_target": [self_affine(case.scene).rms_gradient for case in cases],
-        "anisotropy": [self_affine(case.scene).anisotropy or np.nan for case in cases],
-        "nx": [case.discretisation.nx for case in cases],
+        "rms_gradient_target": [case.rms_gradient for case in cases],
+        "anisotropy": [getattr(case.scene.roughness, "anisotropy", None) or np.nan for case in cases],
+        "nx": [case.problem.surface.nx for case in cases],
         "dimension": [case.scene.dimension for case in cases],
     }
 
@@ -191,3 +192,9 @@ def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
         grouped[-1].append(block)
         filled += seconds[block.name]
     return [tuple(group) for group in grouped]
+
+
+def _surface(case: Case) -> RandomSurface:
+    surface = case.problem.surface
+    assert isinstance(surface, RandomSurface)  # a campaign has no other
+    return surface

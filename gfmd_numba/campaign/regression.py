@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.contact.problem import Problem, RandomSurface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.roughness.generators import RandomSurface
 
 Reals = npt.NDArray[np.float64]
 
@@ -75,6 +76,7 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
                 k = np.array([2.0 * np.pi * body.aspect_ratio])
                 ratio = float(stiffness.slab_factor(k, body.poissons_ratio)[0])
             stiffening[slab] = np.log(ratio)
+        cut_on, cut_off = surface.generator.band
         size = np.log(_work(surface.nodes) / _work(8192))
         beyond = max(0.0, np.log(surface.nodes / _CACHED))
         row = [
@@ -83,12 +85,12 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
             0.0 if problem.numerics.solver in _STATIC else size,
             beyond if surface.dimension == 1 else 0.0,
             beyond if surface.dimension == 2 else 0.0,
-            np.log(surface.nx / surface.cut_off_index / 4),
-            np.log(surface.cut_off_index / surface.cut_on_index / 1024),
-            surface.hurst - 0.5,
+            np.log(surface.nx / cut_off / 4),
+            np.log(cut_off / cut_on / 1024),
+            surface.generator.hurst - 0.5,
             0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
             stiffening[slab],
-            np.log(surface.anisotropy),
+            np.log(getattr(surface.generator, "anisotropy", 1.0)),
         ]
         rows.append(row + [float(_kind(problem) == kind) for kind in kinds])
     return np.array(rows).reshape(len(rows), len(_PRIOR) + len(kinds))

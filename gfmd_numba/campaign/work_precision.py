@@ -110,7 +110,7 @@ def _discretisation(case: Case, axis: str, seed: int, realisations: int) -> Iter
     for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
         discretisation = case.discretisation.model_copy(update={axis: reference * factor})
         if reference * factor <= 1.0 and discretisation.misfit is None and discretisation.nx <= _MOST_NODES:
-            surface = random_surface(case.scene, discretisation, seed)
+            surface = random_surface(case.scene, discretisation, seed)[0]
             levels.append((reference * factor, _run(replace(case.problem, surface=surface), realisations)))
     estimators = _ESTIMATORS if axis == "eps_c" else {"corrected on average": "kappa"}
     best = "kappa_edges" if axis == "eps_c" else "kappa"

@@ -131,12 +131,12 @@ def surface(file: Path, output: Path) -> None:
     import gfmd_numba
     from gfmd_numba.analysis import plot_surface
     from gfmd_numba.scene.surface_file import load_surface
-    from gfmd_numba.scene.surface_records import MeasuredField
+    from gfmd_numba.scene.surfaces import Measured
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
     described = load_surface(file)[0].surface
-    check_output(output, file, *([Path(described.file)] if isinstance(described, MeasuredField) else []))
+    check_output(output, file, *([Path(described.file)] if isinstance(described, Measured) else []))
     with waiting("making the surface"):
         dataset = gfmd_numba.make_surface(file)
     write_dataset(output, dataset)

@@ -61,7 +61,7 @@ def schema(kind: str) -> None:
 
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
-    from gfmd_numba.scene.surface_records import SurfaceFile
+    from gfmd_numba.scene.surface_file import SurfaceFile
 
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,

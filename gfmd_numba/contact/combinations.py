@@ -9,6 +9,7 @@ from typing import Literal
 
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location, brief
+from gfmd_numba.scene.surfaces import OF_MAPS
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
@@ -29,13 +30,13 @@ _DRAGS = (
     "nothing that drags where a deformable body is rough or both deform: only normal tractions are followed there; "
     "map the roughness to a rigid punch"
 )
-_RANDOM_MAP = "'psd' with dimension 2, also for a flat or measured punch"
+_RANDOM_MAP = "a random surface with dimension 2, like method 'psd', not a flat or measured punch"
 _COMPRESSIBLE = (
     "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law"
 )
 _DOUBLE = "'double' but for a frictionless hard wall of a punch on a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
-_RANDOM = "'psd' in a campaign; a measured profile belongs to `gfmd solve`"
+_RANDOM = "a random surface in a campaign, like method 'psd'; a measured profile belongs to `gfmd solve`"
 
 REFUSALS = (
     Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
@@ -56,6 +57,7 @@ REFUSALS = (
         "physics",
     ),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
+    Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     Refusal("topography", "stiffness_scale", "1 where a deformable body is rough or both deform", "not built yet"),
     Refusal("topography", "friction", _DRAGS, "not built yet"),
     Refusal("topography", "cohesive", _DRAGS, "not built yet"),
@@ -153,6 +155,9 @@ def _surfaces(scene: Scene) -> Iterator[tuple[str, Location]]:
             yield "stiffness_scale", ("scene", name, "stiffness_scale")
         if body is not None and getattr(body.roughness, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
+    for place, surface in scene.surfaces.items():
+        if isinstance(surface, OF_MAPS):
+            yield "model of maps", ("scene", *place, "model")
     if getattr(scene.roughness, "anisotropy", None) is not None:
         yield "anisotropy", ("scene", "roughness", "anisotropy")
 

@@ -18,39 +18,14 @@ from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Scene, SelfAffine
+from gfmd_numba.roughness import recipe, statistics
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
 
 RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
-
-
-@dataclass(frozen=True)
-class RandomSurface:
-    """An ensemble of self-affine profiles `[nx]` or maps `[nx, nx]`; wave indices count periods in L_x.
-
-    `anisotropy` is the ratio of correlation lengths, y over x, of a map.
-    """
-
-    hurst: float
-    cut_on_index: int
-    cut_off_index: int
-    nx: int
-    seed: int
-    dimension: int = 1
-    anisotropy: float = 1.0
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the surface, (nx,) or (ny, nx)."""
-        return (self.nx,) * self.dimension
-
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return math.prod(self.shape)
 
 
 @dataclass(frozen=True)
@@ -107,6 +82,8 @@ class Problem:
         """Hash of everything that decides the numbers: equal problems are solved once."""
         surface = asdict(self.surface)
         surface.pop("heights", None)
+        if isinstance(self.surface, RandomSurface):
+            surface["method"] = type(self.surface.generator).__name__
         content = {
             "results_version": RESULTS_VERSION,
             "surface": surface,
@@ -123,25 +100,16 @@ class Problem:
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def self_affine(scene: Scene) -> SelfAffine:
-    """Roughness of a scene that asks for random surfaces; raises TypeError for any other."""
-    if not isinstance(scene.roughness, SelfAffine):
-        raise TypeError("a random surface needs roughness.method psd of the punch")
-    return scene.roughness
+def random_surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> tuple[RandomSurface, float]:
+    """Ensemble of surfaces that the punch of a scene has at a discretisation, and the rms gradient asked of it.
 
-
-def random_surface(scene: Scene, discretisation: Discretisation, seed: int) -> RandomSurface:
-    """Ensemble of surfaces a scene with `psd` roughness asks for at one discretisation."""
-    roughness = self_affine(scene)
-    return RandomSurface(
-        hurst=roughness.hurst,
-        cut_on_index=discretisation.cut_on_index,
-        cut_off_index=discretisation.cut_off_index,
-        nx=discretisation.nx,
-        seed=seed,
-        dimension=scene.dimension,
-        anisotropy=roughness.anisotropy or 1.0,
-    )
+    Raises TypeError for a punch without random roughness.
+    """
+    if not isinstance(scene.roughness, Random):
+        raise TypeError("a random surface needs a random roughness of the punch")
+    period = scene.length or 1.0
+    surface = recipe.random_surface(scene.roughness, discretisation, period, scene.dimension, seed)
+    return surface, recipe.rms_gradient(scene.roughness, surface, period)
 
 
 def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, float]:

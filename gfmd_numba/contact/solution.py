@@ -9,7 +9,6 @@ from gfmd_numba.contact.problem import Problem, Profile
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 
 
@@ -39,7 +38,8 @@ def solve(
 
     `sliding` is the tangential displacement of the punch, `raised` what the surface has moved towards it on its own.
     """
-    heights = _heights(problem, realisations)
+    surface = problem.surface
+    heights = surface.heights[np.newaxis] if isinstance(surface, Profile) else surface.heights(realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:
@@ -55,14 +55,6 @@ def solve(
     start = None if before is None else following(before, punch, sliding)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
     return Contact(heights, punch, equilibrium, deflected)
-
-
-def _heights(problem: Problem, realisations: range) -> Reals:
-    asked = problem.surface
-    if isinstance(asked, Profile):
-        return asked.heights[np.newaxis]
-    waves = asked.hurst, asked.cut_on_index, asked.cut_off_index, asked.nx, asked.seed, realisations
-    return self_affine.profiles(*waves) if asked.dimension == 1 else self_affine.maps(*waves, asked.anisotropy)
 
 
 def _stiffness(problem: Problem) -> Reals | CoupledStiffness:

@@ -22,6 +22,11 @@ class LengthAnisotropy:
     def __post_init__(self) -> None:
         _check(self.correlation_lengths, (self.hurst,))
 
+    @property
+    def correlation_length(self) -> float:
+        """Mean of both correlation lengths."""
+        return sum(self.correlation_lengths) / 2.0
+
     def psd(self, q_x: Reals, q_y: Reals) -> Reals:
         """Spectral density `[...]` at wave vectors (q_x, q_y) (3.15 over 2 pi)."""
         x, y = self.correlation_lengths
@@ -42,6 +47,16 @@ class ScalingAnisotropy:
 
     def __post_init__(self) -> None:
         _check(self.correlation_lengths, self.hursts)
+
+    @property
+    def hurst(self) -> float:
+        """Mean of both Hurst exponents."""
+        return sum(self.hursts) / 2.0
+
+    @property
+    def correlation_length(self) -> float:
+        """Mean of both correlation lengths."""
+        return sum(self.correlation_lengths) / 2.0
 
     def psd(self, q_x: Reals, q_y: Reals) -> Reals:
         """Spectral density `[...]` at wave vectors (q_x, q_y) (3.16 over 2 pi)."""

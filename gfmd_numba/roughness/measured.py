@@ -9,9 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.roughness.processing import process
 from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.scene.surfaces import Measured
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +35,19 @@ def read_profile(path: Path, length: float | None = None) -> Reals:
             _check_unit("heights", unit, length)
     check_finite(heights)
     return heights
+
+
+def measured_profile(record: Measured, length: float | None) -> Reals:
+    """Heights `[nx]` of a record over one period, in L_x: read, then made periodic as it asks; raises ValueError.
+
+    The period `length` is that of the result: of a profile that is mirrored, the file holds one half. Heights are in
+    m beside a period in m, in units of the period without one.
+    """
+    measured = None if length is None else length / (2.0 if record.periodic == "mirror" else 1.0)
+    heights = read_profile(Path(record.file), measured) / (length or 1.0)
+    if (record.detrend, record.periodic, record.points) == ("none", "none", None):
+        return heights
+    return process(heights, (1.0,), record.detrend, record.periodic, record.points).heights
 
 
 def check_finite(heights: Reals) -> None:

@@ -7,15 +7,26 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
 
 
-def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
+def profiles(
+    hurst: float,
+    cut_on_index: float,
+    cut_off_index: int,
+    nx: int,
+    seed: int,
+    realisations: range,
+    plateau: bool = True,
+) -> Reals:
     """Heights `[realisation, nx]` of zero mean and unit rms gradient, in L_x.
 
     The amplitude falls as q^-(1/2 + H) (3.28) between the wave indices `cut_on_index` = L_x / lambda_l and
-    `cut_off_index` = L_x / lambda_s,H, is constant below and zero above. Random numbers belong to (seed,
-    realisation, wave index): a finer grid samples the same surface, a larger `cut_off_index` adds waves to it.
+    `cut_off_index` = L_x / lambda_s,H, is constant below (zero without `plateau`) and zero above. Random numbers
+    belong to (seed, realisation, wave index): a finer grid samples the same surface, a larger `cut_off_index` adds
+    waves to it.
     """
     index = np.arange(1, cut_off_index + 1)
     envelope = np.maximum(index, cut_on_index) ** -(0.5 + hurst)
+    if not plateau:
+        envelope[index < cut_on_index * (1.0 - 1e-12)] = 0.0
     spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
     for row, realisation in zip(spectrum, realisations, strict=True):
         amplitudes = envelope * complex_gaussian(seed, realisation, cut_off_index)
@@ -28,12 +39,13 @@ def profiles(hurst: float, cut_on_index: int, cut_off_index: int, nx: int, seed:
 
 def maps(
     hurst: float,
-    cut_on_index: int,
+    cut_on_index: float,
     cut_off_index: int,
     nx: int,
     seed: int,
     realisations: range,
     anisotropy: float = 1.0,
+    plateau: bool = True,
 ) -> Reals:
     """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, in L_x.
 
@@ -44,7 +56,8 @@ def maps(
     smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
     q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
     index = np.hypot(anisotropy * q_y, q_x) / (2.0 * np.pi)
-    kept = (index > 0.0) & (index <= cut_off_index * (1.0 + 1e-12))
+    lowest = 0.0 if plateau else cut_on_index * (1.0 - 1e-12)
+    kept = (index > 0.0) & (index >= lowest) & (index <= cut_off_index * (1.0 + 1e-12))
     envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
     weight = grid.multiplicity(smallest[1]) * np.hypot(q_y, q_x) ** 2
     k_y, k_x = grid.wave_indices(smallest)

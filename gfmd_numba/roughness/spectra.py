@@ -21,6 +21,8 @@ class Spectrum(Protocol):
 
     @property
     def dimension(self) -> int: ...  # noqa: D102
+    @property
+    def hurst(self) -> float: ...  # noqa: D102
     def psd(self, q: Reals) -> Reals: ...  # noqa: D102
 
 
@@ -156,6 +158,11 @@ class Mounded:
     def dimension(self) -> int:
         """Dimension of the reference plane."""
         return self.model.dimension
+
+    @property
+    def hurst(self) -> float:
+        """Hurst exponent of the model under the mounds."""
+        return self.model.hurst
 
     @property
     def correlation_length(self) -> float:

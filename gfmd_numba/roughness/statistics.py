@@ -23,10 +23,17 @@ def wavenumbers(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 
 def spectral_moment(heights: Reals, order: int, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Moment m_n = sum_q q^n |h~(q)|^2 `[...]` over all waves but the mean, in length^(2 - n)."""
-    weighted = grid.multiplicity(heights.shape[-1]) * power(heights, lengths)
-    flat = weighted.reshape(*heights.shape[: -len(lengths)], -1)
+    return moment_of_power(power(heights, lengths), heights.shape[-len(lengths) :], order, lengths)
+
+
+def moment_of_power(power: Reals, shape: tuple[int, ...], order: int, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Moment sum_q q^n P `[...]` over all waves but the mean, of powers laid out like those of `power`."""
+    weighted = grid.multiplicity(shape[-1]) * power
+    flat = weighted.reshape(*power.shape[: -len(shape)], -1)
+    vectors = grid.wavevectors(shape, lengths)
+    q = vectors[0] if len(shape) == 1 else np.hypot(*vectors)
     # summed row by row: a matrix product would round differently in batches of different size
-    return np.asarray((flat[..., 1:] * wavenumbers(heights, lengths).ravel()[1:] ** order).sum(axis=-1))
+    return np.asarray((flat[..., 1:] * q.ravel()[1:] ** order).sum(axis=-1))
 
 
 def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:

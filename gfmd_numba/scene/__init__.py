@@ -9,14 +9,12 @@ from gfmd_numba.scene.records import (
     Body,
     Discretisation,
     Loading,
-    Measured,
     Numerics,
-    Roughness,
     Scene,
     SceneFile,
-    SelfAffine,
 )
 from gfmd_numba.scene.scene_file import check_discretisation, check_range, load_scene, scene_document
+from gfmd_numba.scene.surfaces import Measured, Random, SelfAffine, Surface
 from gfmd_numba.scene.validation import validate
 
 __all__ = [
@@ -34,10 +32,11 @@ __all__ = [
     "Loading",
     "Measured",
     "Numerics",
-    "Roughness",
+    "Random",
     "Scene",
     "SceneFile",
     "SelfAffine",
+    "Surface",
     "check_discretisation",
     "check_range",
     "has_no_punch",

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 def check_bodies(scene: Scene) -> None:
     """Raise a located PydanticCustomError for bodies that cannot be pressed together."""
     counter = scene.counter_body
-    if all(roughness is None for roughness in (scene.roughness, *(body.roughness for body in scene.deformable))):
+    if not scene.surfaces:
         raise broken_rule(
-            ("roughness",), "a mapping with method 'psd' or 'measured', of the punch, or in body of the body itself"
+            ("roughness",),
+            "a mapping with a method like 'psd' or 'measured', of the punch, or in body of the body itself",
         )
     if counter is not None:
         if scene.roughness is not None:

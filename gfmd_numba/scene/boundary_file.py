@@ -9,8 +9,9 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.quantities import RECORD, Size, broken_rule
-from gfmd_numba.scene.records import Body, Measured, Numerics, Scene
+from gfmd_numba.scene.records import Body, Numerics, Scene
 from gfmd_numba.scene.scene_file import load_scene, located_boundary, scene_document
+from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
 _OF_A_PUNCH = {"roughness", "interface", "loading"}

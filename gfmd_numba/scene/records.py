@@ -12,46 +12,21 @@ from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.quantities import (
     RECORD,
     REDUCED_PRESSURE,
-    Anisotropy,
     AspectRatio,
     Damping,
     Dimension,
     EpsC,
     EpsF,
     EpsT,
-    Hurst,
     PoissonsRatio,
     ReducedPressure,
-    RmsGradient,
     Seed,
     Signed,
     Size,
     TimeStep,
     broken_rule,
 )
-
-
-class SelfAffine(BaseModel):
-    """Random self-affine roughness drawn from its power spectral density (dimensionless parameters)."""
-
-    model_config = RECORD
-    method: Literal["psd"] = Field(description="How the surface is made")
-    hurst: Hurst
-    rms_gradient: RmsGradient
-    anisotropy: Anisotropy | None = Field(
-        None, description="Correlation length of a map along y over that along x (dimensionless); None: isotropic"
-    )
-
-
-class Measured(BaseModel):
-    """Measured profile, read from a .npy, .csv or .nc file."""
-
-    model_config = RECORD
-    method: Literal["measured"] = Field(description="How the surface is made")
-    file: str = Field(min_length=1, description="Profile, relative to the scene file's folder")
-
-
-Roughness = Annotated[SelfAffine | Measured, Field(discriminator="method", description="Roughness of a surface")]
+from gfmd_numba.scene.surfaces import Surface, misfit
 
 
 class Body(BaseModel):
@@ -66,7 +41,7 @@ class Body(BaseModel):
         description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
     )
     state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
-    roughness: Roughness | None = Field(
+    roughness: Surface | None = Field(
         None, description="Topography of the body itself, peaks towards the punch; aspect_ratio is of its mean plane"
     )
 
@@ -98,7 +73,7 @@ class Scene(BaseModel):
 
     model_config = RECORD
     body: Body = Field(description="Elastic body")
-    roughness: Roughness | None = Field(None, description="The rigid punch's roughness; None: flat")
+    roughness: Surface | None = Field(None, description="The rigid punch's roughness; None: flat")
     counter_body: Body | None = Field(None, description="A second elastic body in place of the rigid punch")
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
@@ -110,6 +85,14 @@ class Scene(BaseModel):
     def deformable(self) -> tuple[Body, ...]:
         """The elastic bodies."""
         return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
+
+    @property
+    def surfaces(self) -> dict[tuple[str, ...], Surface]:
+        """The rough surfaces of punch and bodies, by their places in the scene."""
+        places = {("roughness",): self.roughness, ("body", "roughness"): self.body.roughness}
+        if self.counter_body is not None:
+            places["counter_body", "roughness"] = self.counter_body.roughness
+        return {place: surface for place, surface in places.items() if surface is not None}
 
     @property
     def follows_topography(self) -> bool:
@@ -165,6 +148,11 @@ class Discretisation(BaseModel):
     def nx(self) -> int:
         """Number of grid points over the period, 2/(eps_t eps_f eps_c)."""
         return round(self.waves["eps_c"])
+
+    @classmethod
+    def of_waves(cls, longest: float, shortest: float, nx: int) -> "Discretisation":
+        """What the wave indices of a surface with lengths of its own amount to; they need not be whole."""
+        return cls.model_construct(eps_c=2 * shortest / nx, eps_f=longest / shortest, eps_t=1 / longest)
 
     @property
     def misfit(self) -> str | None:
@@ -261,7 +249,9 @@ class SceneFile(BaseModel):
     model_config = RECORD
     scene: Scene = Field(description="What is in contact")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
-    discretisation: Discretisation | None = Field(None, description="Needed by, and only by, method psd")
+    discretisation: Discretisation | None = Field(
+        None, description="Grid and wavelengths of random surfaces that do not say their own"
+    )
     seed: Seed = 0
     realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
     path: tuple[Step, ...] = Field(
@@ -270,12 +260,18 @@ class SceneFile(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        rough = [self.scene.roughness, *(body.roughness for body in self.scene.deformable)]
-        random = any(isinstance(roughness, SelfAffine) for roughness in rough)
-        if random and self.discretisation is None:
-            raise broken_rule(("discretisation",), "a mapping with eps_c, eps_f and eps_t, which method psd needs")
-        if not random and self.discretisation is not None:
-            raise broken_rule(("discretisation",), "nothing, as a measured profile has its own grid")
+        rough = self.scene.surfaces
+        if self.discretisation is None and any(surface.needs_discretisation for surface in rough.values()):
+            raise broken_rule(
+                ("discretisation",),
+                "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
+            )
+        if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
+            raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
+        for place, surface in rough.items():
+            wrong = misfit(surface, self.scene.length or 1.0)
+            if wrong is not None:
+                raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         for i, step in enumerate(self.path):
             self._check_step(i, step)
         return self

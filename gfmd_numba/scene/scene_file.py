@@ -8,7 +8,8 @@ from typing import Any
 
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document, InputError, Location, brief, read_document
-from gfmd_numba.scene.records import Body, Discretisation, Measured, Roughness, Scene, SceneFile
+from gfmd_numba.scene.records import Body, Discretisation, Scene, SceneFile
+from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import nearest, validate
 
 ARRAYS_PER_REALISATION = {1: 16, 2: 24}  # of its size, for a profile and a map
@@ -52,6 +53,16 @@ def check_discretisation(
         )
 
 
+def _check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
+    import psutil
+
+    needed = 8 * float(points) ** dimension * ARRAYS_PER_REALISATION[dimension] / 1e9
+    available = psutil.virtual_memory().total / 1e9
+    if needed > available:
+        allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
+        raise document.error(location, points, allowed)
+
+
 def check_anisotropy_fits(
     document: Document, anisotropy: float, location: Location, discretisation: Discretisation
 ) -> None:
@@ -93,6 +104,10 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
             location = ("scene", "roughness", "anisotropy")
             check_anisotropy_fits(document, anisotropy, location, scene_file.discretisation)
     scene = scene_file.scene
+    for place, surface in scene.surfaces.items():
+        if surface.points is not None:
+            _check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
+            check_range(document, scene, surface.points)
     located: dict[str, object] = {"roughness": _located(document, ("scene", "roughness"), scene.roughness)}
     for name in ("body", "counter_body"):
         body: Body | None = getattr(scene, name)
@@ -104,7 +119,7 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
     return scene_file.model_copy(update={"scene": scene.model_copy(update=located)})
 
 
-def _located(document: Document, location: Location, roughness: Roughness | None) -> Roughness | None:
+def _located(document: Document, location: Location, roughness: Surface | None) -> Surface | None:
     """Roughness whose file, if any, exists and has an absolute path; raises InputError."""
     if not isinstance(roughness, Measured):
         return roughness

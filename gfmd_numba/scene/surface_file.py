@@ -1,24 +1,73 @@
-"""Surface files and the checks that need more than their records."""
+"""Surface files: one rough surface, random or measured, its period and its realisation."""
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
+
+from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.document import Document
+from gfmd_numba.scene.quantities import RECORD, Dimension, Seed, Size, broken_rule
 from gfmd_numba.scene.scene_file import document_of, existing_file
-from gfmd_numba.scene.surface_records import MeasuredField, SurfaceFile
+from gfmd_numba.scene.surfaces import OF_MAPS, Length, Measured, Surface, misfit
 from gfmd_numba.scene.validation import validate
 
 _ARRAYS = 16  # of the surface's size, that making it and its statistics may take
+
+
+class HurstRange(BaseModel):
+    """Wavelengths between which the Hurst exponent is fitted."""
+
+    model_config = RECORD
+    shortest: Length
+    longest: Length
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.shortest >= self.longest:
+            raise broken_rule(("shortest",), f"a wavelength below longest = {self.longest:g}")
+        return self
+
+
+class SurfaceFile(BaseModel):
+    """One rough surface: how it is made, its period L_x and its realisation."""
+
+    model_config = RECORD
+    surface: Surface
+    length: Size | None = Field(
+        None, description="Period L_x in m, of a measured field its size along x; None: lengths are in L_x"
+    )
+    dimension: Dimension | None = Field(None, description="1: a profile, 2: a map; a measured field has its own")
+    seed: Seed = 0
+    realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
+    hurst_range: HurstRange | None = Field(None, description="Where the Hurst exponent is fitted; None: nowhere")
+
+    @model_validator(mode="after")
+    def _parts_agree(self) -> Self:
+        surface = self.surface
+        if isinstance(surface, Measured):
+            if self.dimension is not None:
+                raise broken_rule(("dimension",), "nothing, as a measured field has its own")
+            return self
+        if surface.points is None:
+            raise broken_rule(("surface", "points"), "a whole number at least 4, with cut_on and roll_off")
+        if self.dimension != 2 and isinstance(surface, OF_MAPS):
+            raise broken_rule(("dimension",), f"2, which model {surface.model} needs")
+        if self.dimension != 2 and getattr(surface, "anisotropy", None) is not None:
+            raise broken_rule(("dimension",), "2, which an anisotropy needs")
+        wrong = misfit(surface, self.length or 1.0)
+        if wrong is not None:
+            raise broken_rule(("surface", wrong[0]), wrong[1])
+        return self
 
 
 def load_surface(source: str | Path | Mapping[str, Any]) -> tuple[SurfaceFile, Document]:
     """Checked surface of a YAML file or mapping, and the document itself; raises InputError."""
     document = document_of(source, "source")
     file = validate(document, SurfaceFile)
-    if file.points is not None:
-        _check_memory(document, file.points ** (file.dimension or 1))
-    if isinstance(file.surface, MeasuredField):
+    if file.surface.points is not None:
+        _check_memory(document, file.surface.points ** (file.dimension or 1))
+    if isinstance(file.surface, Measured):
         measured = existing_file(document, ("surface", "file"), file.surface.file, ())
         file = file.model_copy(update={"surface": file.surface.model_copy(update={"file": measured})})
     return file, document
@@ -30,4 +79,4 @@ def _check_memory(document: Document, samples: int) -> None:
     needed, available = 8 * samples * _ARRAYS / 1e9, psutil.virtual_memory().total / 1e9
     if needed > available:
         allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
-        raise document.error(("points",), document.value(("points",)), allowed)
+        raise document.error(("surface", "points"), document.value(("surface", "points")), allowed)

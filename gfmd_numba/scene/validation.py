@@ -53,7 +53,7 @@ def _at(schema: dict[str, Any], loc: Iterable[str | int]) -> tuple[Location, dic
     for part in loc:
         tagged = node.get("discriminator", {}).get("mapping", {})
         if part in tagged:
-            node = _resolved(schema, {"$ref": tagged[part]})
+            node = _tagged(schema, tagged[part])
         else:
             location += (part,)
             inner = node.get("items", {}) if isinstance(part, int) else node.get("properties", {}).get(part, {})
@@ -68,6 +68,11 @@ def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
         resolved: dict[str, Any] = schema["$defs"][node["$ref"].rpartition("/")[2]]
         return resolved
     return node
+
+
+def _tagged(schema: dict[str, Any], reference: str | dict[str, Any]) -> dict[str, Any]:
+    """Node that a tag of a union stands for: a record, or a union of records with another tag."""
+    return _resolved(schema, {"$ref": reference} if isinstance(reference, str) else reference)
 
 
 def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
@@ -128,7 +133,7 @@ def _keys(schema: dict[str, Any], node: dict[str, Any], home: str) -> Iterator[t
     """Every key the model knows, with the dotted name of the mapping that holds it."""
     for tag, reference in node.get("discriminator", {}).get("mapping", {}).items():
         inside = f"{home} with {node['discriminator']['propertyName']} {tag}"
-        yield from _keys(schema, _resolved(schema, {"$ref": reference}), inside)
+        yield from _keys(schema, _tagged(schema, reference), inside)
     for name, inner in node.get("properties", {}).items():
         yield home, name
         yield from _keys(schema, _resolved(schema, inner), f"{home}.{name}".removeprefix("."))

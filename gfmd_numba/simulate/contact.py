@@ -13,7 +13,8 @@ from gfmd_numba.contact import law_resolution, problem, solution, two_step
 from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, load_attributes
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
-from gfmd_numba.roughness.measured import read_profile
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.measured import measured_profile
 from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
 from gfmd_numba.simulate import rough_bodies as rough_scene
 
@@ -76,7 +77,7 @@ def doubt(source: str | Path | Mapping[str, Any] | SceneFile) -> str:
 
 def _surfaces(
     source: str | Path | Mapping[str, Any] | SceneFile, file: SceneFile
-) -> tuple[rough_scene.Surfaces | None, problem.RandomSurface | problem.Profile, float]:
+) -> tuple[rough_scene.Surfaces | None, RandomSurface | problem.Profile, float]:
     """The rough deformable bodies, if any, the surface of the problem, and the rms gradient g it is in units of."""
     rough = rough_scene.surfaces(file, scene_document(source)) if file.scene.follows_topography else None
     try:
@@ -114,13 +115,11 @@ def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:
         yield scene, sliding
 
 
-def _surface(file: SceneFile) -> tuple[problem.RandomSurface | problem.Profile, float]:
+def _surface(file: SceneFile) -> tuple[RandomSurface | problem.Profile, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        return problem.profile(read_profile(Path(scene.roughness.file), scene.length) / (scene.length or 1.0))
-    assert file.discretisation is not None  # load_scene's promise
-    assert scene.roughness is not None
-    return problem.random_surface(scene, file.discretisation, file.seed), scene.roughness.rms_gradient
+        return problem.profile(measured_profile(scene.roughness, scene.length))
+    return problem.random_surface(scene, file.discretisation, file.seed)
 
 
 def _tractions(
@@ -146,7 +145,9 @@ def _tractions(
 def _unusable_profile(
     source: str | Path | Mapping[str, Any] | SceneFile, scene: Scene, error: ValueError
 ) -> InputError:
-    assert isinstance(scene.roughness, Measured)
+    if not isinstance(scene.roughness, Measured):
+        document, place = scene_document(source), ("scene", "roughness")
+        return document.error(place, document.value(place), f"a usable surface, not {error}")
     given = f"{Path(scene.roughness.file).name} ({error})"
     unit = "L_x" if scene.length is None else "m"
     allowed = f"at least 4 equidistant finite heights in {unit} over one period, not all equal"

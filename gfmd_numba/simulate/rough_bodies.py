@@ -15,9 +15,9 @@ from gfmd_numba.contact.problem import Problem, Profile, contact_modulus, effect
 from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.roughness.measured import read_profile
-from gfmd_numba.scene import Body, Document, InputError, Measured, Roughness, Scene, SceneFile, SelfAffine
+from gfmd_numba.roughness import recipe, statistics
+from gfmd_numba.roughness.measured import measured_profile
+from gfmd_numba.scene import Body, Document, InputError, Measured, Scene, SceneFile, Surface
 
 Reals = npt.NDArray[np.float64]
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -43,14 +43,13 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     scene = file.scene
     heights: dict[Place, Reals] = {}
     seed = file.seed
-    places: dict[Place, Roughness | None] = {("roughness",): scene.roughness}
-    for name, each in zip(NAMES, scene.deformable, strict=False):
-        places[name, "roughness"] = each.roughness
-    for place, roughness in places.items():
-        if roughness is not None:
-            given = _heights(roughness, file, seed, document, ("scene", *place))
-            heights[place] = given if place == ("roughness",) else given - given.mean()
-            seed = seed if isinstance(roughness, Measured) else (seed + 1) % 2**32
+    asked: dict[Place, float] = {}
+    for place, surface in scene.surfaces.items():
+        given, gradient = _heights(surface, file, seed, document, ("scene", *place))
+        heights[place] = given if place == ("roughness",) else given - given.mean()
+        if gradient is not None:
+            asked[place] = gradient
+            seed = (seed + 1) % 2**32
     nx = len(next(iter(heights.values())))
     for place, given in heights.items():
         if len(given) != nx:
@@ -65,23 +64,22 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
         raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
     try:
-        profile, rms_gradient = problem.profile(together, _asked_for(places, heights))
+        profile, rms_gradient = problem.profile(together, _asked_for(asked, heights))
     except ValueError as error:
         allowed = "surfaces that are rough, and not beyond all measure"
         raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
     return Surfaces(bodies, profile, rms_gradient)
 
 
-def _asked_for(places: Mapping[Place, Roughness | None], heights: Mapping[Place, Reals]) -> float:
+def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> float:
     """Rms gradient that a scene asks for, of what it presses together: the same wherever the roughness lies.
 
     Random surfaces are independent of all others, so that mean squares add up in the mean over them; measured ones are
     what they are, so that their heights do.
     """
-    random = [roughness.rms_gradient for roughness in places.values() if isinstance(roughness, SelfAffine)]
-    measured = [heights[place] for place, roughness in places.items() if isinstance(roughness, Measured)]
+    measured = [given for place, given in heights.items() if place not in asked]
     own = [prod(problem.scaled_gradient(np.sum(measured, axis=0)))] if measured else []
-    return hypot(*random, *own)
+    return hypot(*asked.values(), *own)
 
 
 def dataset(scene: Scene, reduced: Problem, given: Surfaces, pressed: Pressed) -> xr.Dataset:
@@ -152,20 +150,25 @@ def doubt(given: Surfaces, found: xr.Dataset) -> str:
     )
 
 
-def _heights(roughness: Roughness, file: SceneFile, seed: int, document: Document, location: Place) -> Reals:
-    if isinstance(roughness, Measured):
+def _heights(
+    surface: Surface, file: SceneFile, seed: int, document: Document, location: Place
+) -> tuple[Reals, float | None]:
+    """Heights `[nx]` in L_x, and the rms gradient asked of a random surface; None of a measured one."""
+    length = file.scene.length
+    if isinstance(surface, Measured):
         try:
-            return read_profile(Path(roughness.file), file.scene.length) / (file.scene.length or 1.0)
+            return measured_profile(surface, length), None
         except ValueError as error:
-            unit = "L_x" if file.scene.length is None else "m"
+            unit = "L_x" if length is None else "m"
             allowed = f"at least 4 equidistant finite heights in {unit} over one period"
-            given = f"{Path(roughness.file).name} ({error})"
+            given = f"{Path(surface.file).name} ({error})"
             raise InputError(document.line((*location, "file"), given, allowed)) from None
-    eps = file.discretisation
-    assert eps is not None  # load_scene's promise
-    one = range(file.realisation, file.realisation + 1)
-    profiles = self_affine.profiles(roughness.hurst, eps.cut_on_index, eps.cut_off_index, eps.nx, seed, one)
-    return np.asarray(roughness.rms_gradient * profiles[0])
+    try:
+        ensemble = recipe.random_surface(surface, file.discretisation, length or 1.0, 1, seed)
+        gradient = recipe.rms_gradient(surface, ensemble, length or 1.0)
+        return np.asarray(gradient * ensemble.heights(range(file.realisation, file.realisation + 1))[0]), gradient
+    except ValueError as error:
+        raise document.error(location, document.value(location), f"a usable surface, not {error}") from None
 
 
 def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:

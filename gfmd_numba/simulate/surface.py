@@ -11,10 +11,10 @@ from scipy.stats import norm
 
 from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
-from gfmd_numba.roughness.recipe import Made, make
+from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.scene.surface_records import HurstRange, MeasuredField
+from gfmd_numba.scene.surface_file import HurstRange, load_surface
+from gfmd_numba.scene.surfaces import Measured
 
 Reals = npt.NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
         made = make(file)
         dataset = _described(made)
     except ValueError as error:
-        if isinstance(file.surface, MeasuredField):
+        if isinstance(file.surface, Measured):
             given = f"{Path(file.surface.file).name} ({error})"
             allowed = "at least 4 equidistant finite heights in each direction, not all equal"
             raise InputError(document.line(("surface", "file"), given, allowed)) from None

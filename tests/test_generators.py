@@ -1,0 +1,82 @@
+"""Every generator draws surfaces of the scale asked for, and refines the same surface on a finer grid."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
+from gfmd_numba.roughness.generators import (
+    ModelWaves,
+    RandomSurface,
+    RecursiveSubdivision,
+    SelfAffineWaves,
+    gradient_over_height,
+)
+from gfmd_numba.roughness.recursive import Recursion
+from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded, SelfAffine
+
+NX = 64
+
+
+def generators(dimension):
+    yield SelfAffineWaves(0.8, 2, 16)
+    yield SelfAffineWaves(0.3, 3.5, 16, plateau=False)
+    yield ModelWaves("psd", KCorrelation(dimension, 0.7, 0.1), 16)
+    yield ModelWaves("fourier_filter", Exponential(dimension, 0.7, 0.1), 16)
+    yield ModelWaves("fourier_filter", Mounded(KCorrelation(dimension, 0.5, 0.05), 0.2), 16)
+    if dimension == 2:
+        yield SelfAffineWaves(0.8, 4, 16, anisotropy=2.0)
+        yield ModelWaves("psd", LengthAnisotropy(0.7, (0.1, 0.2)), 16)
+        yield ModelWaves("psd", ScalingAnisotropy((0.7, 0.5), (0.1, 0.2)), 16)
+    for method in ("midpoint_displacement", "successive_addition"):
+        yield RecursiveSubdivision(Recursion(method, dimension, 0.5, 1 / 16, 1 / 2))
+
+
+ALL = [(generator, dimension) for dimension in (1, 2) for generator in generators(dimension)]
+
+
+@pytest.mark.parametrize(("generator", "dimension"), ALL)
+def test_surfaces_have_unit_rms_gradient_or_the_rms_height_that_belongs_to_it(generator, dimension):
+    periods = (1.0,) * dimension
+    heights = RandomSurface(generator, NX, 7, dimension).heights(range(3))
+    assert heights.shape == (3, *(NX,) * dimension)
+    np.testing.assert_allclose(statistics.rms_gradient(heights, periods), 1.0, rtol=1e-12)
+    by_height = RandomSurface(generator, NX, 7, dimension, by_height=True).heights(range(3))
+    expected = 1.0 / gradient_over_height(generator, (NX,) * dimension)
+    np.testing.assert_allclose(statistics.rms_height(by_height, periods), expected, rtol=1e-12)
+    flat, others = heights.reshape(3, -1), by_height.reshape(3, -1)
+    factor = (flat * others).sum(axis=1) / (flat**2).sum(axis=1)
+    np.testing.assert_allclose(others, factor[:, np.newaxis] * flat, atol=1e-12)
+
+
+@pytest.mark.parametrize(("generator", "dimension"), ALL)
+def test_a_finer_grid_samples_the_same_surface(generator, dimension):
+    coarse = RandomSurface(generator, NX, 7, dimension).heights(range(2))
+    fine = RandomSurface(generator, 2 * NX, 7, dimension).heights(range(2))
+    sampled = fine[(slice(None), *(slice(None, None, 2),) * dimension)]
+    scale = (sampled * coarse).sum() / (coarse**2).sum()  # recursive surfaces may end at another step
+    np.testing.assert_allclose(sampled, scale * coarse, atol=1e-9 * abs(coarse).max())
+
+
+MODELS = [each for each in ALL if isinstance(each[0], ModelWaves)]
+
+
+@pytest.mark.parametrize(("generator", "dimension"), MODELS)
+def test_the_power_of_theory_is_the_mean_power_of_the_ensemble(generator, dimension):
+    shape = (NX,) * dimension
+    found = statistics.power(generator.heights(shape, 3, range(400)), (1.0,) * dimension).mean(axis=0)
+    theory = generator.power(shape)
+    waves = theory > 1e-9 * theory.max()
+    # the mean of 400 exponentially distributed powers scatters by 1 / 20; 16 waves tell that scatter to a sixth
+    assert 0.025 < np.sqrt(np.mean((found[waves] / theory[waves] - 1.0) ** 2)) < 0.08
+    assert found[~waves].max() < 1e-9 * theory.max()
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("plateau", [True, False])
+def test_the_power_of_self_affine_waves_is_that_of_the_spectrum(plateau, dimension):
+    model = SelfAffine(dimension, 0.3, 1 / 16, 1 / 4, 1.0 if plateau else 1 / 4)
+    expected = spectral.psd_power(model, NX, 16)
+    found = SelfAffineWaves(0.3, 4, 16, plateau=plateau).power((NX,) * dimension)
+    np.testing.assert_allclose(found / found.max(), expected / expected.max(), rtol=1e-12)
+    assert statistics.moment_of_power(found, (NX,) * dimension, 0, (1.0,) * dimension) == pytest.approx(1.0)

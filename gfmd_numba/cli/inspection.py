@@ -52,9 +52,14 @@ def check(file: Path) -> None:
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["campaign", "scene", "boundary", "surface"]), default="campaign")
+@click.argument(
+    "kind", type=click.Choice(["campaign", "scene", "boundary", "surface", "combinations"]), default="campaign"
+)
 def schema(kind: str) -> None:
-    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML."""
+    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML.
+
+    The kind combinations prints what goes together in a scene, as Markdown.
+    """
     import json
 
     from pydantic import BaseModel
@@ -64,6 +69,11 @@ def schema(kind: str) -> None:
     from gfmd_numba.scene.surface_records import SurfaceFile
     from gfmd_numba.solvers.table import SOLVERS
 
+    if kind == "combinations":
+        from gfmd_numba.contact.combinations_page import combinations_page
+
+        click.echo(combinations_page(), nl=False)
+        return
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,
         "scene": SceneFile,

@@ -1,6 +1,7 @@
 """What acts between the surfaces of a dimensionless problem."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pkgutil import resolve_name
 from typing import Any, Protocol, Self
 
@@ -60,14 +61,14 @@ class Interactions:
         friction = None if asked.friction is None else asked.friction.coefficient
         return cls(asked.hard_wall is not None, computed.get("normal law"), friction, computed.get("cohesive law"))
 
-    @property
+    @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that act, as in the scene file."""
         acting = {self._path(law) for law in (self.normal_law, self.cohesive) if law is not None}
         flags = {"hard_wall": self.hard_wall, "friction": self.friction is not None}
         return tuple(name for name, law in LAWS.items() if flags.get(name) or law.implementation in acting)
 
-    @property
+    @cached_property
     def abilities(self) -> tuple[str, ...]:
         """What the laws ask of a solver."""
         return tuple(LAWS[name].ability for name in self.laws)

@@ -42,7 +42,7 @@ def solvers(nx):
     yield "verlet, hard wall", 1, one("verlet")
     yield "fire, hard wall", 1, one("fire")
     yield "conjugate gradients", 2, one("conjugate_gradients")
-    yield "verlet, exponential law", 1, one("verlet", exponential=ExponentialLaw(0.001, 0.01))
+    yield "verlet, exponential law", 1, one("verlet", normal_law=ExponentialLaw(0.001, 0.01))
     yield "two components, friction", 2, two(friction=0.3)
     yield "two components, cohesive", 2, two(cohesive=XuNeedlemanLaw(0.001, 0.01, 0.01))
 

@@ -59,7 +59,7 @@ def test_forces_balance_under_a_law(interface, solver):
     result = equilibrate(punch, body, load, Options(solver), interface)
     assert (result.status == 0).all()
     restoring = grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
-    law = interface.exponential.traction(punch - result.displacement)
+    law = interface.normal_law.traction(punch - result.displacement)
     wall = result.pressure + law
     np.testing.assert_allclose(load - restoring + law - wall, 0.0, atol=2e-8)
     assert (wall >= -1e-12).all()
@@ -173,8 +173,9 @@ path: []
         ),
         (
             "{hard_wall: {}}",
-            "{cohesive: {work_of_adhesion: 1, normal_length: 1, tangential_length: 1}, friction: {coefficient: 1}}",
-            "5:98: scene.interface.friction: given {'coefficient': 1}; allowed: one law of normal and tangential",
+            "{hard_wall: {}, "
+            "cohesive: {work_of_adhesion: 1, normal_length: 1, tangential_length: 1}, friction: {coefficient: 1}}",
+            "5:113: scene.interface.friction: given {'coefficient': 1}; allowed: one law of normal and tangential",
         ),
         (
             "{hard_wall: {}}",

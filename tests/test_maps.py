@@ -259,7 +259,7 @@ def test_file_of_a_map(tmp_path):
         assert np.isnan(dataset["kappa_edges"])
         assert float(dataset["rms_gradient"]) == pytest.approx(0.01)
         figure = plot_contact(dataset)
-        with pytest.raises(InputError, match="dimension 2"):
+        with pytest.raises(InputError, match=r"scene\.dimension: given 2; allowed: a contact of dimension 1"):
             body_fields(dataset)
     assert len(figure.axes) == 4  # two maps and their colour bars
 

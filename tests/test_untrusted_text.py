@@ -68,8 +68,8 @@ def test_names_are_escaped_in_what_a_good_command_says(tmp_path):
     done = gfmd("solve", scene, "-o", tmp_path / f"{EVIL}.nc")
     assert done.exit_code == 0
     assert_harmless(done.output, done.output.rstrip("\n").count("\n") + 1)
-    assert done.output.startswith("results  ")
-    assert r"\u2028\r\nb.nc" in done.output.splitlines()[0]
+    assert done.stdout.startswith("results  ")
+    assert r"\u2028\r\nb.nc" in done.stdout.splitlines()[0]
     done = gfmd("init", tmp_path / f"{EVIL}.new")
     assert done.exit_code == 0
     assert_harmless(done.output, done.output.rstrip("\n").count("\n") + 1)

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from math import inf, isinf, prod
+from math import inf, prod
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.campaign.source import Source, campaign_document, written
-from gfmd_numba.contact.combinations import check_combination
+from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import (
     RECORD,
@@ -233,21 +233,16 @@ class Campaign(BaseModel):
         controlled = self.scene.loading.displacement is not None
         if controlled and self.grid.reduced_pressure is not None:
             raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
-        for i, value in enumerate(self.grid.aspect_ratio or ()):
-            if controlled and isinf(value):
-                raise broken_rule(
-                    ("grid", "aspect_ratio", i),
-                    "a finite aspect_ratio, as a half-space has no reference for displacement",
-                )
         return self
 
 
 def load_campaign(source: Source) -> tuple[Campaign, Document]:
     """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError."""
     document = campaign_document(source)
+    check_keys(document)
     campaign = validate(document, Campaign)
     varied = {name: values for name, values in campaign.grid if values is not None}
-    check_combination(document, campaign.scene, campaign.numerics, varied)
+    check_combination(document, campaign.scene, campaign.numerics, grid=varied)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:

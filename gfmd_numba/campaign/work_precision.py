@@ -14,6 +14,7 @@ from gfmd_numba.campaign.file import AXES
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact.observables import measure
 from gfmd_numba.contact.problem import Problem, random_surface
+from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL
@@ -53,8 +54,7 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
 
     Raises InputError for a campaign of maps.
     """
-    if planned.campaign.scene.dimension == 2:
-        raise planned.document.error(("scene", "dimension"), 2, "dimension 1 for `gfmd accuracy`")
+    check_where(planned.document, planned.campaign.scene, "accuracy")
     case = next(case for case in planned.cases if case.limit == "reference")
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
@@ -79,7 +79,7 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
 def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
     """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
     exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
-    solvers = able(("dimension 1", *problem.interface.laws))
+    solvers = able(("dimension 1", *problem.interface.abilities))
     for solver in solvers:
         for residual in _RESIDUALS:
             values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)

@@ -20,7 +20,7 @@ from gfmd_numba.scene.printable import printable
 def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
     from gfmd_numba.campaign.file import Campaign, load_campaign
-    from gfmd_numba.contact.combinations import check_combination
+    from gfmd_numba.contact.refusal import check_combination
     from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document, scene_document
     from gfmd_numba.scene.surface_file import load_surface
 
@@ -41,7 +41,7 @@ def check(file: Path) -> None:
         click.echo(f"{name}: a loaded body")
     else:
         contact = load_scene(file)
-        check_combination(scene_document(file), contact.scene, contact.numerics)
+        check_combination(scene_document(file), contact.scene, contact.numerics, contact.path)
         click.echo(f"{name}: a scene")
         if contact.scene.interface.reaches_across:
             from gfmd_numba.simulate.contact import doubt as doubt_of
@@ -52,9 +52,14 @@ def check(file: Path) -> None:
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["campaign", "scene", "boundary", "surface"]), default="campaign")
+@click.argument(
+    "kind", type=click.Choice(["campaign", "scene", "boundary", "surface", "combinations"]), default="campaign"
+)
 def schema(kind: str) -> None:
-    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML."""
+    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML.
+
+    The kind combinations prints what goes together in a scene, as Markdown.
+    """
     import json
 
     from pydantic import BaseModel
@@ -62,14 +67,23 @@ def schema(kind: str) -> None:
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
+    from gfmd_numba.solvers.table import SOLVERS
 
+    if kind == "combinations":
+        from gfmd_numba.contact.combinations_page import combinations_page
+
+        click.echo(combinations_page(), nl=False)
+        return
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,
         "scene": SceneFile,
         "boundary": BoundaryFile,
         "surface": SurfaceFile,
     }
-    click.echo(json.dumps(records[kind].model_json_schema(), indent=2))
+    described = records[kind].model_json_schema()
+    if "Numerics" in described.get("$defs", {}):
+        described["$defs"]["Numerics"]["properties"]["solver"]["enum"] = ["auto", *SOLVERS]
+    click.echo(json.dumps(described, indent=2))
 
 
 @main.command()

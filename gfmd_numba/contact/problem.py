@@ -88,7 +88,7 @@ class Problem:
             "results_version": RESULTS_VERSION,
             "surface": surface,
             "body": asdict(self.body),
-            "interface": asdict(self.interface),
+            "interface": asdict(self.interface) | {"laws": self.interface.laws},
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
             "numerics": asdict(self.numerics),
@@ -150,10 +150,10 @@ def reduce(
     length = rms_gradient * (scene.length or 1.0)
     energy = length * rms_gradient * contact_modulus(scene)
     interface, interactions = _interface(scene.interface, scene.body, length, energy)
-    exact = displacement is not None or interface.exponential is not None  # a jump may hang on any small difference
+    exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
-    options = solver_options(numerics, automatic(scene.dimension, interface.laws))
+    options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:

@@ -1,13 +1,40 @@
 """What acts between the surfaces of a dimensionless problem."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pkgutil import resolve_name
-from typing import Self
+from typing import Any, Protocol, Self
 
 from gfmd_numba import scene
-from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+
+
+class NormalLaw(Protocol):
+    """A law of the gap alone; lengths in g L_x, stresses in g E*."""
+
+    @property
+    def strength(self) -> float:
+        """Traction at zero gap."""
+        ...
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2 where no gap is negative; 0 for repulsion."""
+        ...
+
+    def traction(self, gap: Reals) -> Reals:
+        """Traction that pulls the body towards the punch."""
+        ...
+
+    def stiffest(self, pressure: float, hard_wall: bool) -> float:
+        """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
+        ...
+
+    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the restoring traction `ku` in the active rows."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -15,37 +42,48 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
+    `laws` are the names of all that acts, as in the scene file.
     """
 
     hard_wall: bool
-    exponential: ExponentialLaw | None = None
+    normal_law: NormalLaw | None = None
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
         """Interactions of a scene, their lengths and their energies per area over these."""
-        computed = {
-            name: resolve_name(implementation).scaled(record, length, energy)
-            for name, record in asked.laws.items()
-            if (implementation := LAWS[name].implementation) is not None
+        computed: dict[str, Any] = {
+            law.ability: resolve_name(law.implementation).scaled(law, length, energy)
+            for law in asked.laws.values()
+            if law.implementation is not None
         }
         friction = None if asked.friction is None else asked.friction.coefficient
-        return cls(hard_wall=asked.hard_wall is not None, friction=friction, **computed)
+        return cls(asked.hard_wall is not None, computed.get("normal law"), friction, computed.get("cohesive law"))
 
-    @property
+    @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that act, as in the scene file."""
-        given = {name: getattr(self, name) for name in LAWS}
-        return tuple(name for name, law in given.items() if law is not None and law is not False)
+        acting = {self._path(law) for law in (self.normal_law, self.cohesive) if law is not None}
+        flags = {"hard_wall": self.hard_wall, "friction": self.friction is not None}
+        return tuple(name for name, law in LAWS.items() if flags.get(name) or law.implementation in acting)
+
+    @cached_property
+    def abilities(self) -> tuple[str, ...]:
+        """What the laws ask of a solver."""
+        return tuple(LAWS[name].ability for name in self.laws)
 
     @property
     def softening(self) -> float:
         """How fast its law softens at most as the gap opens, the largest -d2(energy)/d(gap)2; 0 without one."""
-        law = self.exponential or self.cohesive
+        law = self.normal_law or self.cohesive
         return 0.0 if law is None else law.softening
 
     @property
     def couples(self) -> bool:
         """Whether tangential tractions act, so that both displacements have to be followed."""
-        return any(LAWS[name].record.tangential for name in self.laws)
+        return any(LAWS[name].tangential for name in self.laws)
+
+    @staticmethod
+    def _path(law: object) -> str:
+        return f"{type(law).__module__}:{type(law).__qualname__}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isinf
 from typing import TYPE_CHECKING
 
 from gfmd_numba.scene.quantities import broken_rule
@@ -27,9 +26,3 @@ def check_bodies(scene: Scene) -> None:
                 raise broken_rule((name, "youngs_modulus"), "a number above 0 for both bodies, as they share the load")
         if counter.state != scene.body.state:
             raise broken_rule(("counter_body", "state"), f"{scene.body.state!r}, as that of the body")
-        if scene.loading.displacement is not None and isinf(counter.aspect_ratio):
-            raise broken_rule(
-                ("counter_body", "aspect_ratio"),
-                "a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, "
-                "as a half-space has no reference for displacement",
-            )

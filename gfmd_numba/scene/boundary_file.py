@@ -35,12 +35,6 @@ class BoundaryFile(BaseModel):
     points: int | None = Field(None, ge=4, le=2**22, description="Nodes over the period; None: as many as in the files")
 
     @model_validator(mode="after")
-    def _body_is_flat(self) -> Self:
-        if self.scene.body.roughness is not None:
-            raise broken_rule(("scene", "body", "roughness"), "nothing without a punch: the loaded body is flat")
-        return self
-
-    @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         if self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary):
             raise broken_rule(("points",), "the number of nodes, which no file of the boundary tells")

@@ -1,7 +1,8 @@
 """Records of what acts between body and punch; an absent interaction is `None`.
 
-Each law says whether its tractions are normal or tangential, whether they act across an open gap, whether they keep
-the bodies apart, and whether they need touching nodes.
+Each law says what computes it and what it asks of a solver, whether its tractions are normal or tangential, whether
+they act across an open gap, whether they keep the bodies apart, and whether they need touching nodes. A field of
+`Interface` is the row of a law: `gfmd_numba.interface.table` reads it.
 """
 
 from typing import ClassVar, Self
@@ -15,6 +16,9 @@ class HardWall(BaseModel):
     """Non-overlap constraint, which has no parameters."""
 
     model_config = RECORD
+    title: ClassVar = "hard wall"
+    ability: ClassVar = "hard wall"
+    implementation: ClassVar = None
     normal: ClassVar = True
     tangential: ClassVar = False
     across_open_gap: ClassVar = False
@@ -26,6 +30,9 @@ class Exponential(BaseModel):
     """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
 
     model_config = RECORD
+    title: ClassVar = "exponential law"
+    ability: ClassVar = "normal law"
+    implementation: ClassVar = "gfmd_numba.interface.exponential:ExponentialLaw"
     normal: ClassVar = True
     tangential: ClassVar = False
     across_open_gap: ClassVar = True
@@ -51,6 +58,9 @@ class Cohesive(BaseModel):
     """Xu and Needleman's cohesive law of gap and slip together."""
 
     model_config = RECORD
+    title: ClassVar = "cohesive law"
+    ability: ClassVar = "cohesive law"
+    implementation: ClassVar = "gfmd_numba.interface.xu_needleman:XuNeedlemanLaw"
     normal: ClassVar = True
     tangential: ClassVar = True
     across_open_gap: ClassVar = True
@@ -67,6 +77,9 @@ class Friction(BaseModel):
     """Coulomb friction between touching nodes (dimensionless)."""
 
     model_config = RECORD
+    title: ClassVar = "friction"
+    ability: ClassVar = "friction"
+    implementation: ClassVar = None
     normal: ClassVar = False
     tangential: ClassVar = True
     across_open_gap: ClassVar = False
@@ -80,6 +93,9 @@ class Friction(BaseModel):
     )
 
 
+Law = HardWall | Exponential | Cohesive | Friction
+
+
 class Interface(BaseModel):
     """Interaction between body and punch; an absent one is None."""
 
@@ -90,7 +106,7 @@ class Interface(BaseModel):
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
 
     @property
-    def laws(self) -> dict[str, HardWall | Exponential | Cohesive | Friction]:
+    def laws(self) -> dict[str, Law]:
         """The laws that act, by name."""
         return {name: law for name, law in self if law is not None}
 
@@ -111,12 +127,6 @@ class Interface(BaseModel):
             raise broken_rule(
                 (),
                 "hard_wall, cohesive, or an exponential law that repels: something must keep the bodies apart",
-            )
-        whole = [name for name, law in laws.items() if law.normal and law.tangential]
-        others = [name for name in laws if name not in ("hard_wall", *whole)]
-        if whole and others:
-            raise broken_rule(
-                (others[0],), f"one law of normal and tangential tractions, not {others[0]} beside {whole[0]}"
             )
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:

@@ -80,8 +80,9 @@ def check_anisotropy_fits(
 def check_range(document: Document, scene: Scene, nx: int) -> None:
     """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect."""
     spacing = (scene.length or 1.0) / nx
-    for law in ("exponential", "cohesive"):
-        for name, value in getattr(scene.interface, law) or ():
+    reaching = {name: law for name, law in scene.interface.laws.items() if law.across_open_gap}
+    for law, record in reaching.items():
+        for name, value in record:
             if name != "work_of_adhesion" and value < spacing:
                 raise document.error(
                     ("scene", "interface", law, name),

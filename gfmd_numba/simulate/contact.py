@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution, problem, solution, two_step
-from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, load_attributes
+from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import measured_profile
@@ -26,7 +26,7 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     """
     file = load_scene(source)
     scene = file.scene
-    check_combination(scene_document(source), scene, file.numerics)
+    check_combination(scene_document(source), scene, file.numerics, file.path)
     rough, surface, rms_gradient = _surfaces(source, file)
     prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None

@@ -1,6 +1,7 @@
 """Fields inside the body under a solved contact, as a dataset."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -9,9 +10,10 @@ import xarray as xr
 
 from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.contact.problem import effective_modulus, elastic_body
+from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.document import brief
+from gfmd_numba.scene.document import Document, brief
 
 Reals = npt.NDArray[np.float64]
 
@@ -65,10 +67,7 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         names, order = ["body"], 0
     else:
         file = _recorded(SceneFile, contact)
-        if file.scene.boundary is not None:
-            raise InputError("contact: given one with a boundary; allowed: a contact without, or a loaded body")
-        if file.scene.dimension == 2:
-            raise InputError("contact: given one of dimension 2; allowed: a contact of dimension 1, over x alone")
+        check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside")
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
         scene, order = file.scene, file.numerics.slope_order
     if body not in names:

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.contact.combinations import check_combination
 from gfmd_numba.contact.dataset import CONVENTIONS, measure_attributes, refuse_nonfinite, scales, units
 from gfmd_numba.contact.problem import elastic_body, solver_options
+from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document, LoadedBody, load_boundary
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform

@@ -28,7 +28,7 @@ class CoupledDynamics:
         rows, n = punch.shape
         self._rows = rows
         self._friction = interface.friction or 0.0
-        self._law = interface.exponential
+        self._law = interface.normal_law
         self._cohesion = interface.cohesive
         self._sliding = batch.sliding
         self.certificate = Certificate(rows)
@@ -54,7 +54,7 @@ class CoupledDynamics:
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
-        self._strength = 0.0 if interface.exponential is None else abs(interface.exponential.strength)
+        self._strength = 0.0 if interface.normal_law is None else abs(interface.normal_law.strength)
         if interface.cohesive is not None:
             self._strength = interface.cohesive.strength
         self._restore(np.arange(rows))

@@ -69,8 +69,8 @@ class DampedDynamics:
         self.displacement[:, :n] = np.minimum(start, punch)
         self.restoring = self.field.result
         self._stiffness = self.field.symbol(batch.normal_stiffness)
-        self._law = interface.exponential
-        self._strength = 0.0 if interface.exponential is None else abs(interface.exponential.strength)
+        self._law = interface.normal_law
+        self._strength = 0.0 if interface.normal_law is None else abs(interface.normal_law.strength)
         self.certificate = Certificate(rows)
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))

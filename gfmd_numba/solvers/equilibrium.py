@@ -143,8 +143,8 @@ def equilibrate(
             _iterate(begin(batch(stuck), other), stuck, blown_up, other, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
-    if interface.exponential is not None:
-        result.pressure[:] -= interface.exponential.traction(punch - result.displacement)
+    if interface.normal_law is not None:
+        result.pressure[:] -= interface.normal_law.traction(punch - result.displacement)
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
         result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)

@@ -76,7 +76,7 @@ class Batch:
 
     def law_stiffness(self) -> float:
         """Bound of the stiffness that the laws add to that of the bodies."""
-        laws = (self.interface.exponential, self.interface.cohesive)
+        laws = (self.interface.normal_law, self.interface.cohesive)
         return sum(law.stiffest(self.largest_pressure, self.interface.hard_wall) for law in laws if law is not None)
 
 

@@ -15,10 +15,10 @@ ABILITIES = {
     "dimension 1": " with dimension 1",
     "dimension 2": " with dimension 2",
     "friction": ", the solver of both displacements",
-    "cohesive": ", the solver of both displacements",
+    "cohesive law": ", the solver of both displacements",
     "prescribed": ", the solver of both displacements",
-    "exponential": ", as the others know the hard wall only",
-    "hard_wall": " with a hard_wall",
+    "normal law": ", as the others know the hard wall only",
+    "hard wall": " with a hard_wall",
     "single": " in single precision",
 }
 
@@ -43,8 +43,8 @@ class Solver:
     successor: str | None = None
 
 
-_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard_wall", "rigid mean", "single"})
-_DISPLACEMENT = frozenset({"dimension 1", "hard_wall", "exponential", "single"})
+_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "rigid mean", "single"})
+_DISPLACEMENT = frozenset({"dimension 1", "hard wall", "normal law", "single"})
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
 SOLVERS = {
@@ -63,7 +63,7 @@ SOLVERS = {
     ),
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",
-        can=_DISPLACEMENT | {"cohesive", "friction", "prescribed"},
+        can=_DISPLACEMENT | {"cohesive law", "friction", "prescribed"},
         condensed="gfmd_numba.solvers.damped_dynamics:verlet_dynamics",
         coupled="gfmd_numba.solvers.coupled_dynamics:CoupledDynamics",
         options=_TIME_STEP | _DAMPING,
@@ -89,6 +89,6 @@ def able(needs: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name, solver in SOLVERS.items() if needed <= solver.can)
 
 
-def automatic(dimension: int, laws: Iterable[str]) -> str:
+def automatic(dimension: int, needs: Iterable[str]) -> str:
     """Name of the solver that `auto` stands for."""
-    return able((f"dimension {dimension}", *laws))[0]
+    return able((f"dimension {dimension}", *needs))[0]

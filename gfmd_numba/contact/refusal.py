@@ -1,0 +1,193 @@
+"""Refuse a scene by the tables of combinations and of solvers, every fault on a line of its own."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
+from math import isinf
+from typing import Literal
+
+from gfmd_numba.contact.combinations import REFUSALS, Refusal
+from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene.document import Location, brief
+from gfmd_numba.scene.records import Step
+from gfmd_numba.scene.surfaces import OF_MAPS
+from gfmd_numba.scene.validation import nearest
+from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
+
+Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
+Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file
+Where = Literal["campaign", "accuracy", "fields inside"]
+
+
+def check_combination(
+    document: Document,
+    scene: Scene | LoadedBody,
+    numerics: Numerics,
+    path: Sequence[Step] = (),
+    grid: Grid | None = None,
+) -> None:
+    """Raise InputError, one line for each fault, if a scene and its numerics do not go together.
+
+    `grid` is what a campaign varies, None for a scene on its own.
+    """
+    if numerics.solver not in ("auto", *SOLVERS):
+        names = ["auto", *SOLVERS]
+        listed, hint = "one of " + ", ".join(map(repr, names)), nearest(numerics.solver, names)
+        raise document.error(("numerics", "solver"), numerics.solver, listed, hint)
+    _raise(document, refusals(scene, numerics, path, grid))
+
+
+def check_where(document: Document, scene: Scene | LoadedBody, where: Where) -> None:
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or for fields inside."""
+    _raise(document, _table_refusals(_features(scene, Numerics(), (), None) | {where: [()]}))
+
+
+def check_keys(document: Document) -> None:
+    """Raise InputError for keys of a scene file that a campaign has no place for."""
+    if isinstance(document.data, dict) and "path" in document.data:
+        _raise(document, _table_refusals({"campaign": [()], "path": [("path",)]}))
+
+
+def refusals(
+    scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step] = (), grid: Grid | None = None
+) -> Iterator[tuple[Location, Refusal]]:
+    """What does not go together in a scene, and where it stands in the file."""
+    found = _features(scene, numerics, path, grid)
+    return chain(_table_refusals(found), _solver_refusals(found, numerics))
+
+
+def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> None:
+    first: dict[Location, Refusal] = {}
+    for location, refusal in refused:
+        first.setdefault(location, refusal)
+    if first:
+        raise InputError(*(document.line(at, brief(document.value(at)), row.sentence) for at, row in first.items()))
+
+
+def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
+    for row in REFUSALS:
+        if row.beside in found and row.refused in found:
+            yield from ((location, row) for location in found[row.refused])
+
+
+def _features(
+    scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
+) -> dict[str, list[Location]]:
+    found: dict[str, list[Location]] = {}
+    parts = [_of_numerics(numerics)]
+    parts += [_of_loaded_body(scene)] if isinstance(scene, LoadedBody) else [_of_contact(scene, path, grid or {})]
+    for feature, location in chain(*parts, [("campaign", ())] if grid is not None else []):
+        found.setdefault(feature, []).append(location)
+    return found
+
+
+def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
+    if numerics.precision == "single":
+        yield "single", ("numerics", "precision")
+    if numerics.topography_order is not None:
+        yield "topography_order", ("numerics", "topography_order")
+
+
+def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
+    for feature in ("loaded body", "prescribed", "smooth bodies"):
+        yield feature, ("scene", "boundary")
+    if scene.body.roughness is not None:
+        yield "rough body", ("scene", "body", "roughness")
+
+
+def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
+    yield "punch", ("scene",)
+    yield f"dimension {scene.dimension}", ("scene", "dimension")
+    for name, law in scene.interface.laws.items():
+        for feature in dict.fromkeys((name, law.ability)):
+            yield feature, ("scene", "interface", name)
+    if not scene.interface.couples:
+        yield "contact without drag", ("scene", "interface")
+    if not scene.interface.reaches_across:
+        yield "contact without reach", ("scene", "interface")
+    yield from _of_bodies(scene, grid)
+    yield "topography" if scene.follows_topography else "smooth bodies", ("scene", "body")
+    yield from _of_loading(scene, path)
+    if "anisotropy" in grid:
+        yield "anisotropy", ("grid", "anisotropy")
+    if scene.loading.displacement is not None:
+        yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
+    if scene.loading.displacement is not None:
+        yield "displacement", ("scene", "loading", "displacement")
+        if scene.loading.displacement < 0.0:
+            yield "negative displacement", ("scene", "loading", "displacement")
+    for i, step in enumerate(path):
+        if step.sliding is not None:
+            yield "sliding", ("path", i, "sliding")
+        if (step.displacement or 0.0) < 0.0:
+            yield "negative displacement", ("path", i, "displacement")
+    if scene.boundary is not None:
+        yield "prescribed tractions", ("scene", "boundary")
+        names = [f"{component}_displacement" for component in COMPONENTS]
+        given = [name for name in names if getattr(scene.boundary, name) is not None]
+        yield from (("prescribed displacement", ("scene", "boundary", name)) for name in given[:1])
+
+
+def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What the bodies and their surfaces are."""
+    if scene.roughness is None or isinstance(scene.roughness, Measured):
+        yield "flat punch" if scene.roughness is None else "measured punch", ("scene", "roughness", "method")
+    if getattr(scene.roughness, "anisotropy", None) is not None:
+        yield "anisotropy", ("scene", "roughness", "anisotropy")
+    for place, surface in scene.surfaces.items():
+        if isinstance(surface, OF_MAPS):
+            yield "model of maps", ("scene", *place, "model")
+    if scene.counter_body is not None:
+        yield "counter_body", ("scene", "counter_body")
+    if scene.body.roughness is not None:
+        yield "rough body", ("scene", "body", "roughness")
+    if scene.body.state == "plane_stress":
+        yield "plane stress", ("scene", "body", "state")
+    bodies: dict[str, Body | None] = {"body": scene.body, "counter_body": scene.counter_body}
+    for name, body in bodies.items():
+        if body is None:
+            continue
+        if body.stiffness_scale != 1.0:
+            yield "stiffness_scale", ("scene", name, "stiffness_scale")
+        if getattr(body.roughness, "anisotropy", None) is not None:
+            yield "anisotropy", ("scene", name, "roughness", "anisotropy")
+        if isinf(body.aspect_ratio) and not (name == "body" and "aspect_ratio" in grid):
+            yield "half-space", ("scene", name, "aspect_ratio")
+    for i, value in enumerate(grid.get("aspect_ratio", ())):
+        if isinf(value):
+            yield "half-space", ("grid", "aspect_ratio", i)
+
+
+def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:
+    """Where the file says that no body changes its volume."""
+    if "poissons_ratio" not in grid:
+        if all(body.effective_poissons_ratio == 0.5 for body in scene.deformable):
+            yield ("scene", "body", "poissons_ratio")
+        return
+    for i, value in enumerate(grid["poissons_ratio"]):
+        if scene.body.model_copy(update={"poissons_ratio": value}).effective_poissons_ratio == 0.5:
+            yield ("grid", "poissons_ratio", i)
+
+
+def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Location, Refusal]]:
+    """Refusals of a solver that cannot do what the scene asks for, and of options that it does not have."""
+    needs = [name for name in ABILITIES if name in found]
+    others = able(needs)
+    solver = numerics.solver if numerics.solver != "auto" else next(iter(others), None)
+    if solver is None:
+        return
+    lacks = [need for need in needs if need not in SOLVERS[solver].can]
+    if lacks and found[lacks[0]][0][0] == "grid":
+        allowed = f"a number below 0.5 with solver {solver}, as the mean displacement is rigid at 0.5"
+        yield found[lacks[0]][0], Refusal(solver, lacks[0], allowed, "not built yet")
+    elif lacks and others:
+        named = ", ".join(f"'{other}'" for other in others)
+        allowed = f"{named} or 'auto'{ABILITIES[lacks[0]]}"
+        yield ("numerics", "solver"), Refusal(lacks[0], solver, allowed, "not built yet")
+    for option in ("time_step", "damping"):
+        if getattr(numerics, option) is not None and option not in SOLVERS[solver].options:
+            having = ", ".join(name for name, each in SOLVERS.items() if option in each.options)
+            allowed = f"nothing with solver {solver}, which has no {option}; these have one: {having}"
+            yield ("numerics", option), Refusal(solver, option, allowed, "without effect")

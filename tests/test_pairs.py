@@ -1,0 +1,163 @@
+"""Every pair of a dimension, law, loading, body, solver and place is either solved or refused by the table."""
+
+from collections import Counter, defaultdict
+from itertools import combinations, product
+
+import pytest
+
+import gfmd_numba
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.contact.refusal import check_combination, refusals
+from gfmd_numba.scene import InputError, load_scene, scene_document
+from gfmd_numba.scene.records import Numerics, Scene, Step
+from gfmd_numba.solvers.table import SOLVERS
+
+PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
+EPS = {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1 / 2}  # 64 nodes
+WALL, FRICTION = {"hard_wall": {}}, {"friction": {"coefficient": 0.3}}
+ATTRACTION = {"exponential": {"work_of_adhesion": 1e-5, "range": 0.02}}
+COHESIVE = {"cohesive": {"work_of_adhesion": 1e-4, "normal_length": 0.02, "tangential_length": 0.02}}
+FACTORS = {
+    "dimension": {"profile": {"dimension": 1}, "map": {"dimension": 2}},
+    "law": {
+        "hard wall": {"interface": WALL},
+        "exponential repulsion": {"interface": {"exponential": {"work_of_adhesion": -1e-4, "range": 0.02}}},
+        "exponential attraction": {"interface": WALL | ATTRACTION},
+        "cohesive": {"interface": COHESIVE},
+        "hard wall and cohesive": {"interface": WALL | COHESIVE},
+        "friction": {"interface": WALL | FRICTION},
+        "sticking": {"interface": WALL | {"friction": {"coefficient": float("inf")}}},
+        "friction and exponential": {"interface": WALL | ATTRACTION | FRICTION},
+        "friction and cohesive": {"interface": WALL | COHESIVE | FRICTION},
+        "exponential and cohesive": {"interface": ATTRACTION | COHESIVE},
+    },
+    "loading": {
+        "pressure": {"loading": {"reduced_pressure": 0.05}},
+        "displacement": {"loading": {"displacement": 1e-4}},
+        "path of pressures": {"path": [{"reduced_pressure": 0.1}, {"reduced_pressure": 0.05}]},
+        "path of displacements": {"loading": {"displacement": 1e-4}, "path": [{"displacement": 2e-4}]},
+        "retraction": {"loading": {"displacement": 1e-4}, "path": [{"displacement": -1e-4}]},
+        "sliding": {"path": [{"sliding": 1e-5}]},
+        "prescribed tractions": {"boundary": {"normal_traction": 0.0, "tangential_traction": 0.0}},
+    },
+    "body": {
+        "half-space": {"body": {"poissons_ratio": 0.3}},
+        "slab": {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}},
+        "incompressible half-space": {"body": {"poissons_ratio": 0.5}},
+        "incompressible slab": {"body": {"poissons_ratio": 0.5, "aspect_ratio": 0.5}},
+        "plane stress": {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5, "state": "plane_stress"}},
+        "rough body": {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5, "roughness": PSD}, "roughness": None},
+        "two bodies": {
+            "body": {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "aspect_ratio": 0.5, "roughness": PSD},
+            "counter_body": {"youngs_modulus": 2.0, "poissons_ratio": 0.3, "aspect_ratio": 0.5},
+            "roughness": None,
+        },
+    },
+    "solver": {name: {"solver": name} for name in ("auto", *SOLVERS)},
+    "where": {"one contact": {}, "campaign": {"campaign": True}},
+}
+FILE_KEYS = ("path", "solver", "campaign")
+
+
+def file_of(choice):
+    """The mapping of a scene or campaign file that a choice of one value for each factor comes to."""
+    parts = [FACTORS[factor][value] for factor, value in zip(FACTORS, choice, strict=True)]
+    scene = {"roughness": PSD, "loading": {"reduced_pressure": 0.05}}
+    file = {"numerics": {"residual": 1e-4}}
+    for part in parts:
+        scene |= {key: value for key, value in part.items() if key not in FILE_KEYS}
+        if "path" in part:
+            file["path"] = part["path"]
+        if "solver" in part:
+            file["numerics"]["solver"] = part["solver"]
+    scene = {key: value for key, value in scene.items() if value is not None}
+    if any("campaign" in part for part in parts):
+        return file | {"name": "pairs", "seed": 1, "realisations": 1, "scene": scene, "reference": EPS}
+    eps = EPS | {"eps_c": 1 / 2} if scene["dimension"] == 2 else EPS
+    return file | {"scene": scene, "discretisation": eps}
+
+
+def refusal(choice):
+    """What is said of a choice, None if nothing is."""
+    file = file_of(choice)
+    try:
+        if "reference" in file:
+            load_campaign(file)
+        else:
+            loaded = load_scene(file)
+            check_combination(scene_document(file), loaded.scene, loaded.numerics, loaded.path)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def reasons(choice):
+    """Why the table refuses a choice."""
+    file = file_of(choice)
+    campaign = "reference" in file
+    scene, numerics = Scene.model_validate(file["scene"]), Numerics(**file["numerics"])
+    path = [Step(**step) for step in file.get("path", ())]
+    found = {row.because for _, row in refusals(scene, numerics, path, {} if campaign else None)}
+    return found | ({"not built yet"} if campaign and path else set())
+
+
+def pairs_of(choice):
+    return combinations(zip(FACTORS, choice, strict=True), 2)
+
+
+def covering(choices):
+    """A few of the choices that hold every pair that any of them holds."""
+    left = {pair for choice in choices for pair in pairs_of(choice)}
+    while left:
+        best = max(choices, key=lambda choice: sum(pair in left for pair in pairs_of(choice)))
+        left -= set(pairs_of(best))
+        yield best
+
+
+@pytest.fixture(scope="module")
+def sorted_out():
+    """The choices that are allowed, and what is said of the others."""
+    said = {choice: refusal(choice) for choice in product(*FACTORS.values())}
+    return [choice for choice, refused in said.items() if refused is None], {c: s for c, s in said.items() if s}
+
+
+def test_every_choice_is_refused_by_the_table_or_allowed(sorted_out):
+    allowed, refused = sorted_out
+    assert all(reasons(choice) for choice in refused)
+    assert not any(reasons(choice) for choice in allowed)
+    for said in refused.values():
+        for line in said.splitlines():
+            assert line.startswith(("scene.", "numerics.", "path")), line
+            assert "; allowed: " in line
+
+
+def test_every_pair_is_refused_or_solved(sorted_out, tmp_path):
+    allowed, _ = sorted_out
+    failed = [(choice, status) for choice in covering(allowed) if (status := solved(choice, tmp_path)) != "ok"]
+    assert not failed, failed
+
+
+def test_most_pairs_are_solved(sorted_out):
+    allowed, refused = sorted_out
+    kinds = defaultdict(set)
+    for choice in refused:
+        kind = "physics" if "physics" in reasons(choice) else "not built yet"
+        for pair in pairs_of(choice):
+            kinds[pair].add(kind)
+    for choice in allowed:
+        for pair in pairs_of(choice):
+            kinds[pair].add("solved")
+    counted = Counter(
+        next(kind for kind in ("solved", "not built yet", "physics") if kind in each) for each in kinds.values()
+    )
+    assert counted == {"solved": 325, "not built yet": 117, "physics": 15}  # of 457; change with the tables
+
+
+def solved(choice, folder):
+    """How a choice ends."""
+    file = file_of(choice)
+    if "reference" in file:
+        status = gfmd_numba.run(file, folder / str(len(list(folder.iterdir()))))["status"]
+    else:
+        status = gfmd_numba.solve(file)["status"]
+    return "ok" if (status == 0).all() else str(status.values.tolist())

@@ -1,0 +1,204 @@
+"""The recipes of docs/architecture.md, followed on a copy of the package: each touches two files at most."""
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import gfmd_numba
+
+PACKAGE = Path(gfmd_numba.__file__).parent
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A new file, and what goes into one old file: each text before the anchor that follows it there."""
+
+    new_file: str
+    text: str
+    old_file: str
+    insertions: tuple[tuple[str, str], ...]
+
+    def follow(self, package):
+        assert not (package / self.new_file).exists()
+        (package / self.new_file).write_text(self.text)
+        old = (package / self.old_file).read_text()
+        for insertion, anchor in self.insertions:
+            assert old.count(anchor) == 1, anchor
+            old = old.replace(anchor, insertion + anchor)
+        (package / self.old_file).write_text(old)
+
+
+LAW = Recipe(
+    "interface/quadratic.py",
+    '''\
+"""Quadratic attraction of finite range."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class QuadraticLaw:
+    """Energy -work (1 - gap / length)^2 per area up to the gap `length`."""
+
+    work: float
+    length: float
+
+    @classmethod
+    def scaled(cls, asked, length, energy):
+        return cls(asked.work_of_adhesion / energy, asked.range / length)
+
+    @property
+    def strength(self):
+        return 2.0 * self.work / self.length
+
+    @property
+    def softening(self):
+        return self.strength / self.length
+
+    def traction(self, gap):
+        return self.strength * np.clip(1.0 - gap / self.length, 0.0, None)
+
+    def stiffest(self, pressure, hard_wall):
+        return 0.0
+
+    def pull(self, u, ku, punch, active, n):
+        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])
+''',
+    "scene/interface_records.py",
+    (
+        (
+            '''\
+class Quadratic(BaseModel):
+    """Attraction of finite range with energy -work_of_adhesion (1 - gap/range)^2 per area."""
+
+    model_config = RECORD
+    title: ClassVar = "quadratic law"
+    ability: ClassVar = "normal law"
+    implementation: ClassVar = "gfmd_numba.interface.quadratic:QuadraticLaw"
+    normal: ClassVar = True
+    tangential: ClassVar = False
+    across_open_gap: ClassVar = True
+    needs_touching_nodes: ClassVar = False
+    keeps_apart: ClassVar = False
+    work_of_adhesion: Size = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    range: Size = Field(description="Gap at which it ends, in m if the scene has a length, else in L_x")
+
+
+''',
+            "Law = HardWall |",
+        ),
+        (
+            '    quadratic: Quadratic | None = Field(None, description="Attraction of finite range")\n',
+            "    cohesive: Cohesive | None",
+        ),
+    ),
+)
+SOLVER = Recipe(
+    "solvers/heavy_ball.py",
+    '''\
+"""Heavy-ball descent, which is Verlet's scheme under another name."""
+
+from gfmd_numba.solvers.damped_dynamics import verlet_dynamics
+
+
+def heavy_ball_descent(batch, options):
+    """Begin with the displacement at rest."""
+    return verlet_dynamics(batch, options)
+''',
+    "solvers/table.py",
+    (
+        (
+            """\
+    "heavy_ball": Solver(
+        "descends with momentum",
+        can=_DISPLACEMENT,
+        condensed="gfmd_numba.solvers.heavy_ball:heavy_ball_descent",
+        options=_TIME_STEP | _DAMPING,
+    ),
+""",
+            '    "fire": Solver(',
+        ),
+    ),
+)
+OBSERVABLE = Recipe(
+    "contact/largest_pressure.py",
+    '''\
+"""The largest pressure of a contact."""
+
+
+def largest_pressure(contact):
+    """Largest pressure in g E* `[realisation]`."""
+    pressure = contact.equilibrium.pressure
+    return pressure.max(axis=tuple(range(1, pressure.ndim)))
+''',
+    "contact/observables.py",
+    (
+        (
+            "from gfmd_numba.contact.largest_pressure import largest_pressure\n",
+            "from gfmd_numba.contact.solution import",
+        ),
+        (
+            '    Measure("largest_pressure", "contact", "pressure", "largest contact pressure", largest_pressure),\n',
+            '    Measure("mean_gap",',
+        ),
+    ),
+)
+SCENE = """\
+  body: {youngs_modulus: 1e9, poissons_ratio: 0.3}
+  length: 1e-4
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
+  interface: {hard_wall: {}, quadratic: {work_of_adhesion: 1e-3, range: 1e-5}}
+  loading: {reduced_pressure: 0.05}
+numerics: {solver: heavy_ball, residual: 1e-4, time_step: 0.9}
+"""
+FILES = {
+    "contact.yaml": f"scene:\n{SCENE}discretisation: {{eps_c: 1/4, eps_f: 1/4, eps_t: 1/2}}\n",
+    "campaign.yaml": f"name: recipes\nseed: 1\nrealisations: 8\nscene:\n{SCENE}"
+    "reference: {eps_c: 1/4, eps_f: 1/4, eps_t: 1/2}\nlimits: {eps_c: [1/2, 1/8]}\nfit: {fixed: {eps_c: 1}}\n",
+}
+
+
+@pytest.fixture
+def gfmd(tmp_path):
+    """The command of a copy of the package, in which every recipe was followed."""
+    package = tmp_path / "copy" / "gfmd_numba"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    for recipe in (LAW, SOLVER, OBSERVABLE):
+        recipe.follow(package)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+
+    def command(*arguments):
+        environment = os.environ | {"PYTHONPATH": str(package.parent), "GFMD_CACHE_DIR": str(tmp_path / "cache")}
+        line = [sys.executable, "-m", "gfmd_numba.cli", *arguments]
+        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return command
+
+
+def test_a_law_a_solver_and_an_observable_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):
+    gfmd("check", "contact.yaml")
+    gfmd("solve", "contact.yaml", "-o", "contact.nc")
+    gfmd("run", "campaign.yaml")
+    for file in ("contact.nc", "recipes/recipes.nc"):
+        with xr.open_dataset(tmp_path / file) as found:
+            assert (found["status"] == 0).all()
+            assert found["largest_pressure"].units == "Pa"
+            assert (found["largest_pressure"] > found["mean_pressure"]).all()
+            assert found.attrs.get("solver", "heavy_ball") == "heavy_ball"
+    assert "limit" in gfmd("fit", "recipes")
+    gfmd("plot", "recipes", "-o", "fit.png")
+    assert (tmp_path / "fit.png").stat().st_size > 1000
+    printed = gfmd("schema", "combinations")
+    assert "| quadratic law |" in printed
+    assert "`heavy_ball`" in printed

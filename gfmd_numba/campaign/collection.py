@@ -11,9 +11,10 @@ import xarray as xr
 
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block, Case
+from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
-from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
 from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
@@ -69,7 +70,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
-    dataset = campaign_dataset(coordinates(planned.cases), values, units(planned.campaign.scene), attributes)
+    scene = planned.campaign.scene
+    dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
+    dataset = dataset.assign_attrs(attributes)
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",

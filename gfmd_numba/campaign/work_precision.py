@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.campaign.file import AXES
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact.observables import measure
 from gfmd_numba.contact.problem import Problem, random_surface
@@ -59,7 +59,7 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
-    for axis in AXES:
+    for axis in DISCRETISATIONS:
         yield from _discretisation(case, axis, planned.campaign.seed, realisations)
     yield from _sampling(case.problem, 16 * realisations)
     yield from _effects(case.problem, realisations)

@@ -17,6 +17,11 @@ from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
+INDICES = {
+    "case": "case, in the order of the campaign",
+    "realisation": "realisation: the same random surface in every case",
+    "step": "step of the path, from the first loading",
+}
 RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
 
 
@@ -62,6 +67,11 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, str]]:
 def dropped_effects(effects: Iterable[Effect]) -> str:
     """One line for each effect of the scene that was left out of the computation."""
     return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
+
+
+def cf_attributes(long_name: str, units: str = "1") -> dict[str, str]:
+    """What every variable and coordinate that is written says of itself."""
+    return {"long_name": long_name, "units": units}
 
 
 def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
@@ -142,13 +152,12 @@ def _uniform_compression(scene: Scene, problem: Problem) -> float:
 
 
 def campaign_dataset(
-    coordinates: Mapping[str, list[Any]],
+    coordinates: Mapping[str, tuple[str, list[Any], dict[str, str]]],
     values: list[dict[str, npt.NDArray[Any]]],
     unit: Mapping[str, str],
-    attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Dataset `(case, realisation)` of the measures of every case, already in file units."""
-    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, **attributes})
+    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
     values = [case | {"status": finite_status(case)} for case in values]
     for m in MEASURES:
         stacked = np.stack([case[m.name] for case in values])
@@ -157,9 +166,12 @@ def campaign_dataset(
             stacked,
             measure_attributes(m.name, unit[m.unit], m.long_name),
         )
-    dataset = dataset.assign_coords(realisation=np.arange(dataset.sizes["realisation"]))
-    told = {
-        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
-        "rms_gradient_target": RMS_GRADIENT_TARGET,
-    }
-    return dataset.assign_coords({name: ("case", column, told.get(name)) for name, column in coordinates.items()})
+    return indexed(dataset).assign_coords(coordinates)
+
+
+def indexed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with a number for each case, realisation and step."""
+    counted = [str(dim) for dim in dataset.dims if dim in INDICES]
+    return dataset.assign_coords(
+        {name: (name, np.arange(dataset.sizes[name]), cf_attributes(INDICES[name])) for name in counted}
+    )

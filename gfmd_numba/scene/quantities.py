@@ -60,6 +60,15 @@ TimeStep = Annotated[
     ),
 ]
 Damping = Annotated[float, Field(ge=0, le=100)]
+FrictionCoefficient = Annotated[
+    float,
+    Field(
+        gt=0,
+        allow_inf_nan=True,
+        description="Tangential over normal traction at which a node slides; inf: it sticks where it touches",
+        json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
+    ),
+]
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

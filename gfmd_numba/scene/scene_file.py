@@ -66,14 +66,17 @@ def check_anisotropy_fits(
         )
 
 
-def check_range(document: Document, scene: Scene, nx: int) -> None:
-    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect."""
+def check_range(document: Document, scene: Scene, nx: int, location: Location | None = None) -> None:
+    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect.
+
+    `location` is where the length stands in the file, if not in the scene.
+    """
     spacing = (scene.length or 1.0) / nx
     for law in ("exponential", "cohesive"):
         for name, value in getattr(scene.interface, law) or ():
             if name != "work_of_adhesion" and value < spacing:
                 raise document.error(
-                    ("scene", "interface", law, name),
+                    location or ("scene", "interface", law, name),
                     value,
                     f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
                 )

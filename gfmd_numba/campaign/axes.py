@@ -1,0 +1,163 @@
+"""The one table of axes: what a campaign's grid may vary, where it stands in a scene, and what it is called.
+
+To add an axis, add its row. This is pure data and records: importing it compiles nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from pydantic import BaseModel
+
+from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene.quantities import (
+    REDUCED_PRESSURE,
+    Anisotropy,
+    AspectRatio,
+    EpsC,
+    EpsF,
+    EpsT,
+    FrictionCoefficient,
+    Hurst,
+    PoissonsRatio,
+    ReducedPressure,
+    RmsGradient,
+    Signed,
+    Size,
+)
+
+Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter of a grid: its key, the type of its values, and the place in the scene that they are put in.
+
+    `place` is empty for a discretisation, which stands beside the scene. `symbol` heads a column on the terminal,
+    `label` is its TeX. `unit` is a kind of unit, as a scene's units are named by. Cases that differ in an axis that
+    `forms_groups` are different physics, and never enter one fit. `coordinate_name` is its name in the dataset where
+    that is not its key.
+    """
+
+    name: str
+    type: Any
+    place: Place
+    symbol: str
+    label: str
+    long_name: str
+    unit: str = "1"
+    forms_groups: bool = True
+    coordinate_name: str = ""
+
+    @property
+    def coordinate(self) -> str:
+        """Name of its coordinate in the dataset."""
+        return self.coordinate_name or self.name
+
+    def value(self, scene: Scene, discretisation: Discretisation) -> float | None:
+        """Value of a case; None if the scene has no such parameter."""
+        found: Any = scene if self.place else discretisation
+        for name in self.place or (self.name,):
+            found = getattr(found, name, None)
+        return None if found is None else float(found)
+
+
+AXES = (
+    Axis("hurst", Hurst, ("roughness", "hurst"), "H", "$H$", "Hurst exponent"),
+    Axis("poissons_ratio", PoissonsRatio, ("body", "poissons_ratio"), "nu", r"$\nu$", "Poisson's ratio of the body"),
+    Axis("aspect_ratio", AspectRatio, ("body", "aspect_ratio"), "a", "$a$", "thickness of the body over the period"),
+    Axis(
+        "reduced_pressure",
+        ReducedPressure,
+        ("loading", "reduced_pressure"),
+        "p*",
+        r"$\bar{p}^*$",
+        REDUCED_PRESSURE,
+    ),
+    Axis(
+        "rms_gradient",
+        RmsGradient,
+        ("roughness", "rms_gradient"),
+        "g",
+        r"$\bar{g}$",
+        "rms gradient g asked for, in which reduced_pressure counts",
+        coordinate_name="rms_gradient_target",
+    ),
+    Axis(
+        "anisotropy",
+        Anisotropy,
+        ("roughness", "anisotropy"),
+        "gamma",
+        r"$\gamma$",
+        "correlation length of a map, y over x",
+    ),
+    Axis(
+        "displacement",
+        Signed,
+        ("loading", "displacement"),
+        "d",
+        "$d$",
+        "displacement of the punch beyond first touch",
+        "height",
+        coordinate_name="punch_displacement",
+    ),
+    Axis(
+        "friction_coefficient",
+        FrictionCoefficient,
+        ("interface", "friction", "coefficient"),
+        "mu",
+        r"$\mu$",
+        "tangential over normal traction at which a node slides",
+    ),
+    Axis(
+        "work_of_adhesion",
+        Signed,
+        ("interface", "exponential", "work_of_adhesion"),
+        "w",
+        r"$\Delta\gamma$",
+        "energy per area of the exponential law at zero gap, above 0 attractive",
+        "energy",
+    ),
+    Axis(
+        "interaction_range",
+        Size,
+        ("interface", "exponential", "range"),
+        "z_r",
+        "$z_r$",
+        "range of the exponential law",
+        "height",
+    ),
+    Axis("eps_c", EpsC, (), "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", forms_groups=False),
+    Axis("eps_f", EpsF, (), "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", forms_groups=False),
+    Axis("eps_t", EpsT, (), "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", forms_groups=False),
+)
+OF_THE_SCENE = tuple(axis for axis in AXES if axis.place)
+DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.place)
+
+
+def physics(scene: Scene, discretisation: Discretisation) -> tuple[float | None, ...]:
+    """What cases have in common that may enter one fit."""
+    return tuple(axis.value(scene, discretisation) for axis in AXES if axis.forms_groups)
+
+
+def with_values(scene: Scene, values: Mapping[Place, float]) -> Scene:
+    """Scene with other values in some places, whose records it has."""
+    return scene.model_copy(update=_updates(scene, values))
+
+
+def _updates(record: BaseModel, values: Mapping[Place, float]) -> dict[str, Any]:
+    inner: dict[str, list[tuple[Place, float]]] = {}
+    update: dict[str, Any] = {}
+    for (name, *rest), value in values.items():
+        if rest:
+            inner.setdefault(name, []).append((tuple(rest), value))
+        else:
+            update[name] = value
+    return update | {name: _part(getattr(record, name), tuple(given)) for name, given in inner.items()}
+
+
+@lru_cache(maxsize=4096)
+def _part(part: BaseModel, values: tuple[tuple[Place, float], ...]) -> BaseModel:
+    """Part of a scene with other values; equal parts of many cases are one record."""
+    return part.model_copy(update=_updates(part, dict(values)))

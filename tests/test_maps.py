@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba import body_fields, run
-from gfmd_numba.analysis.plots.campaign import plot_contact
+from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import observables, solution
 from gfmd_numba.contact.problem import Problem, RandomSurface
 from gfmd_numba.elasticity import stiffness

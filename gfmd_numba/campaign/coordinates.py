@@ -9,7 +9,7 @@ from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.dataset import cf_attributes, units
 from gfmd_numba.scene import Scene
 
-Described = tuple[str, list[Any], dict[str, str]]  # dim, values, attributes
+Described = tuple[str, list[Any], dict[str, Any]]  # dim, values, attributes
 
 _OTHERS = {
     "case_id": "identity of the dimensionless problem, which equal cases share",
@@ -40,13 +40,14 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
-    """Coordinates with CF attributes; of an axis also its symbols, and whether it is physics or discretisation."""
+    """Coordinates with CF attributes; of an axis also its symbols, its kind and its rank."""
     unit = units(scene)
-    attributes = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
-    for axis in AXES:
+    attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
+    for rank, axis in enumerate(AXES):
         attributes[axis.coordinate] = cf_attributes(axis.long_name, unit[axis.unit]) | {
             "symbol": axis.symbol,
             "label": axis.label,
             "axis": "physics" if axis.forms_groups else "discretisation",
+            "rank": rank,
         }
     return {name: ("case", column, attributes[name]) for name, column in coordinates(cases).items()}

@@ -69,7 +69,7 @@ def dropped_effects(effects: Iterable[Effect]) -> str:
     return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
 
 
-def cf_attributes(long_name: str, units: str = "1") -> dict[str, str]:
+def cf_attributes(long_name: str, units: str = "1") -> dict[str, Any]:
     """What every variable and coordinate that is written says of itself."""
     return {"long_name": long_name, "units": units}
 
@@ -152,7 +152,7 @@ def _uniform_compression(scene: Scene, problem: Problem) -> float:
 
 
 def campaign_dataset(
-    coordinates: Mapping[str, tuple[str, list[Any], dict[str, str]]],
+    coordinates: Mapping[str, tuple[str, list[Any], dict[str, Any]]],
     values: list[dict[str, npt.NDArray[Any]]],
     unit: Mapping[str, str],
 ) -> xr.Dataset:

@@ -8,12 +8,12 @@ import xarray as xr
 from alterations import SIZES, changed_bytes, changed_number, changed_text, changed_value
 from gfmd_numba.campaign.specification import load_campaign
 from gfmd_numba.loaded import solve_loaded
-from gfmd_numba.observables import measure
 from gfmd_numba.single import solve_scene
 from gfmd_numba.surface import surface_dataset
 
 from gfmd_numba import contact
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.scene import has_no_punch, load_boundary, load_scene
 from gfmd_numba.scene.surface_file import load_surface
 

@@ -18,7 +18,7 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
 from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
-from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import self_affine
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
@@ -107,7 +107,7 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 def in_file_units(case: Case, measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, self_affine(case.scene).rms_gradient)
-    return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
+    return {name: scaled(measured[name], scale[row.unit]) for name, row in OBSERVABLES.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path) -> Measures:
@@ -123,11 +123,11 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         parts.append({name: values[:asked] for name, values in part.items()})
     if longest > realisations:
         parts.append(_nothing(longest - realisations, Outcome.not_asked))
-    return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
+    return {name: np.concatenate([part[name] for part in parts]) for name in (*OBSERVABLES, SECONDS)}
 
 
 def _nothing(count: int, status: Outcome) -> Measures:
-    nothing: Measures = {m.name: np.full(count, np.nan) for m in MEASURES}
+    nothing: Measures = {name: np.full(count, np.nan) for name in OBSERVABLES}
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)
     for counted in ("n_iterations", "n_transforms"):

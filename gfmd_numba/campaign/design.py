@@ -23,7 +23,7 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values
 from gfmd_numba.contact.dataset import campaign_dataset, units
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import Discretisation, InputError

@@ -16,7 +16,7 @@ from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.source import Source
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
@@ -77,7 +77,7 @@ class Plan:
     @property
     def file_bytes(self) -> int:
         """Size of the results, before compression."""
-        return 8 * len(MEASURES) * len(self.cases) * max(self.demand.values())
+        return 8 * len(OBSERVABLES) * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:

@@ -12,7 +12,7 @@ import xarray as xr
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody

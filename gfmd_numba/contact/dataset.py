@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import MEASURES, gap, measure
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
@@ -122,9 +123,9 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
     values = measure(contact)
-    for m in MEASURES:
-        attributes = measure_attributes(m.name, unit[m.unit], m.long_name)
-        dataset[m.name] = ((), scaled(values[m.name][0], scale[m.unit]), attributes)
+    for name, row in OBSERVABLES.items():
+        attributes = measure_attributes(name, unit[row.unit], row.long_name)
+        dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
@@ -159,13 +160,9 @@ def campaign_dataset(
     """Dataset `(case, realisation)` of the measures of every case, already in file units."""
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
     values = [case | {"status": finite_status(case)} for case in values]
-    for m in MEASURES:
-        stacked = np.stack([case[m.name] for case in values])
-        dataset[m.name] = (
-            ("case", "realisation"),
-            stacked,
-            measure_attributes(m.name, unit[m.unit], m.long_name),
-        )
+    for name, row in OBSERVABLES.items():
+        stacked = np.stack([case[name] for case in values])
+        dataset[name] = (("case", "realisation"), stacked, measure_attributes(name, unit[row.unit], row.long_name))
     return indexed(dataset).assign_coords(coordinates)
 
 

@@ -12,7 +12,9 @@ from pydantic import BaseModel
 
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.quantities import (
+    PUNCH_DISPLACEMENT,
     REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
     Anisotropy,
     AspectRatio,
     EpsC,
@@ -81,7 +83,7 @@ AXES = (
         ("roughness", "rms_gradient"),
         "g",
         r"$\bar{g}$",
-        "rms gradient g asked for, in which reduced_pressure counts",
+        RMS_GRADIENT_TARGET,
         coordinate_name="rms_gradient_target",
     ),
     Axis(
@@ -98,7 +100,7 @@ AXES = (
         ("loading", "displacement"),
         "d",
         "$d$",
-        "displacement of the punch beyond first touch",
+        PUNCH_DISPLACEMENT,
         "height",
         coordinate_name="punch_displacement",
     ),

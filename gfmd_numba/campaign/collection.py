@@ -17,7 +17,7 @@ from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
-from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
+from gfmd_numba.contact.dataset import campaign_dataset, cf_attributes, dropped_effects, scaled, scales, units
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import self_affine
 from gfmd_numba.solvers.status import flag_attributes
@@ -77,7 +77,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     dataset["case_seconds"] = (
         "case",
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
-        {"long_name": "processor time of the case, shared by all cases of one problem", "units": "s"},
+        cf_attributes("processor time of the case, shared by all cases of one problem", "s"),
     )
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset

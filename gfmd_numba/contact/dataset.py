@@ -14,7 +14,7 @@ from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import LoadedBody, Scene
-from gfmd_numba.scene.quantities import REDUCED_PRESSURE
+from gfmd_numba.scene.quantities import PUNCH_DISPLACEMENT, REDUCED_PRESSURE, RMS_GRADIENT_TARGET
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
@@ -23,7 +23,6 @@ INDICES = {
     "realisation": "realisation: the same random surface in every case",
     "step": "step of the path, from the first loading",
 }
-RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
 
 
 def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
@@ -55,13 +54,13 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
     }
 
 
-def load_attributes(scene: Scene) -> dict[str, dict[str, str]]:
+def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     """CF attributes of what a loading prescribes, by the name of its coordinate."""
     height = units(scene)["height"]
     return {
-        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
-        "punch_displacement": {"long_name": "displacement of the punch beyond first touch", "units": height},
-        "sliding": {"long_name": "tangential displacement of the punch since first touch", "units": height},
+        "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
+        "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
+        "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
     }
 
 
@@ -77,7 +76,7 @@ def cf_attributes(long_name: str, units: str = "1") -> dict[str, Any]:
 
 def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
     """CF attributes of a measure."""
-    attributes: dict[str, Any] = {"long_name": long_name, "units": unit}
+    attributes = cf_attributes(long_name, unit)
     if name == "status":
         attributes |= status.flag_attributes(status.SENTENCES)
     if name.startswith("kappa"):
@@ -117,11 +116,11 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
     for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
-        attributes = {"long_name": f"position {along[dim]}", "units": unit["height"]}
+        attributes = cf_attributes(f"position {along[dim]}", unit["height"])
         dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
-    dataset.coords["rms_gradient_target"] = ((), rms_gradient, RMS_GRADIENT_TARGET)
+    dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():
-        dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
+        dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
     values = measure(contact)
     for name, row in OBSERVABLES.items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)

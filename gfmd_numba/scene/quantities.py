@@ -44,6 +44,8 @@ REDUCED_PRESSURE = (
     "Mean pressure p/(g E*) (dimensionless), g the rms gradient asked for; that of measured heights is their own, "
     "and independent surfaces add up in squares"
 )
+RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
+PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
 ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]

@@ -3,9 +3,10 @@
 To add an axis, add its row. This is pure data and records: importing it compiles nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from operator import attrgetter
 from typing import Any
 
 from pydantic import BaseModel
@@ -57,12 +58,17 @@ class Axis:
         """Name of its coordinate in the dataset."""
         return self.coordinate_name or self.name
 
+    @cached_property
+    def _found(self) -> Callable[[Any], Any]:
+        return attrgetter(".".join(self.place or (self.name,)))
+
     def value(self, scene: Scene, discretisation: Discretisation) -> float | None:
         """Value of a case; None if the scene has no such parameter."""
-        found: Any = scene if self.place else discretisation
-        for name in self.place or (self.name,):
-            found = getattr(found, name, None)
-        return None if found is None else float(found)
+        try:
+            found: float | None = self._found(scene if self.place else discretisation)
+        except AttributeError:
+            return None
+        return found
 
 
 AXES = (
@@ -138,9 +144,9 @@ OF_THE_SCENE = tuple(axis for axis in AXES if axis.place)
 DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.place)
 
 
-def physics(scene: Scene, discretisation: Discretisation) -> tuple[float | None, ...]:
-    """What cases have in common that may enter one fit."""
-    return tuple(axis.value(scene, discretisation) for axis in AXES if axis.forms_groups)
+def present(scene: Scene, discretisation: Discretisation) -> tuple[Axis, ...]:
+    """Axes that a case has a value on, as have all cases of its campaign."""
+    return tuple(axis for axis in AXES if axis.value(scene, discretisation) is not None)
 
 
 def with_values(scene: Scene, values: Mapping[Place, float]) -> Scene:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, physics, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce, self_affine
@@ -104,9 +104,11 @@ def split(cases: Iterable[Case], held: Mapping[str, Iterable[Range]]) -> Iterato
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
+    cases = list(cases)
+    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
     found: dict[tuple[float | None, ...], list[Case]] = {}
     for case in cases:
-        found.setdefault(physics(case.scene, case.discretisation), []).append(case)
+        found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)
     return list(found.values())
 
 

@@ -2,9 +2,7 @@
 
 from typing import Any
 
-import numpy as np
-
-from gfmd_numba.campaign.axes import AXES
+from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.dataset import cf_attributes, units
 from gfmd_numba.scene import Scene
@@ -22,17 +20,15 @@ _OTHERS = {
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
-    """Values by name and case; an axis that no case has a value on is left out."""
+    """Values by name and case; an axis that they have no value on is left out."""
     columns: dict[str, list[Any]] = {
         "case_id": [case.problem.identity for case in cases],
         "limit": [case.limit for case in cases],
         "realisations": [case.realisations for case in cases],
         "is_reference": [case.limit == "reference" for case in cases],
     }
-    for axis in AXES:
-        column = [axis.value(case.scene, case.discretisation) for case in cases]
-        if any(value is not None for value in column):
-            columns[axis.coordinate] = [np.nan if value is None else value for value in column]
+    for axis in present(cases[0].scene, cases[0].discretisation):
+        columns[axis.coordinate] = [axis.value(case.scene, case.discretisation) for case in cases]
     return columns | {
         "nx": [case.discretisation.nx for case in cases],
         "dimension": [case.scene.dimension for case in cases],

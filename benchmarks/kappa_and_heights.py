@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-from gfmd_numba.contact import observables
+from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
@@ -46,7 +46,7 @@ def kappa(heights):
     half_space = stiffness.half_space(grid.wavenumbers(heights.shape[1]))
     found = equilibrate(punch, half_space, PRESSURE, numerics, Interactions(True), None, 0.0)
     assert (found.status == 0).all()
-    return observables.measure(Contact(heights, punch, found))["kappa"]
+    return evaluation.measure(Contact(heights, punch, found))["kappa"]
 
 
 def pairs(make, periods, surfaces):

@@ -12,7 +12,7 @@ import time
 import numpy as np
 
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody

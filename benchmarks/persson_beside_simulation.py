@@ -9,7 +9,7 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -35,7 +35,7 @@ def press(hurst, body, load):
     surface = RandomSurface(SelfAffineWaves(hurst, 2, 1024), 16384, SEED)
     pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
-    values = observables.measure(pressed)
+    values = evaluation.measure(pressed)
     ratio = pressed.equilibrium.pressure / values["full_contact_pressure"][:, np.newaxis]
     histogram = np.histogram(ratio[pressed.equilibrium.touching], LEVELS)[0] / (ratio.size * np.diff(LEVELS))
     return values, histogram, (pressed.equilibrium.pressure**2).mean(axis=1)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gfmd_numba.contact.observables import gap, measure
+from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody

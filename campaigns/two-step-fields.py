@@ -50,7 +50,9 @@ def main() -> None:
                     inside.append(fields(contact).expand_dims(at))
     FOLDER.mkdir(exist_ok=True)
     for name, parts in (("contact", contacts), ("fields", inside)):
-        whole = xr.combine_by_coords(parts, combine_attrs="drop_conflicts", join="exact", compat="no_conflicts")
+        whole = xr.combine_by_coords(
+            parts, combine_attrs="drop_conflicts", join="exact", compat="no_conflicts", coords="different"
+        )
         whole.to_netcdf(FOLDER / f"{name}.nc", engine="netcdf4")
 
 

@@ -10,7 +10,7 @@ from alterations import SIZES, changed_bytes, changed_number, changed_text, chan
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.scene import has_no_punch, load_boundary, load_scene
 from gfmd_numba.scene.surface_file import load_surface
 from gfmd_numba.simulate.contact import solve_scene

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact import contact_area, solution
 from gfmd_numba.contact.edges import contact_length, perimeter_bias
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
@@ -113,7 +113,7 @@ def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
         punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
         found = equilibrate(punch[np.newaxis], stiff, load, Options("active_set_newton"))
         made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
-        left += observables.contact_area_fraction(made)[0] - np.pi * a * b
-        excess += observables.contact_area_fraction_counted(made)[0] - np.pi * a * b
+        left += contact_area.contact_area_fraction(made)[0] - np.pi * a * b
+        excess += contact_area.contact_area_fraction_counted(made)[0] - np.pi * a * b
     assert excess > 0.0
     assert abs(left) < 0.1 * excess

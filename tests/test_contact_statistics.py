@@ -6,7 +6,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, plot_statistics
-from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -27,7 +27,7 @@ def pressed(load, body, realisations=3):
 @pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.4, 0.05)])
 def test_elastic_energy_is_the_work_of_loading(body):
     """The integral of p d(approach) along a load path, the approach being what the mean gap loses."""
-    values = [observables.measure(pressed(load, body)) for load in LOADS[1:]]
+    values = [evaluation.measure(pressed(load, body)) for load in LOADS[1:]]
     gap = np.array([v["mean_gap"] for v in values])
     energy = np.array([v["elastic_energy"] for v in values])
     work = energy[0] + np.cumsum(0.5 * (LOADS[1:-1] + LOADS[2:])[:, np.newaxis] * -np.diff(gap, axis=0), axis=0)
@@ -44,7 +44,7 @@ def test_elastic_energy_is_that_of_its_waves(body, load):
     k = 0.5 * q if body.aspect_ratio is None else stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
     shape = -result.heights if load == 100.0 else result.equilibrium.displacement
     waves = grid.multiplicity(1024)[1:] * k[1:] * abs(grid.coefficients(shape)[:, 1:]) ** 2
-    np.testing.assert_allclose(observables.elastic_energy(result), 0.5 * waves.sum(axis=1), rtol=1e-6)
+    np.testing.assert_allclose(evaluation.elastic_energy(result), 0.5 * waves.sum(axis=1), rtol=1e-6)
 
 
 @pytest.mark.parametrize("friction", [0.2, np.inf])
@@ -61,7 +61,7 @@ def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     k = ElasticBody(0.2, None).coupled_stiffness(256)
     waves = k.k11 * abs(v) ** 2 + k.k33 * abs(u) ** 2 + 2 * k.k13 * (v * u.conj()).imag
     energy = 0.5 * (grid.multiplicity(256) * waves)[:, 1:].sum(axis=1)
-    np.testing.assert_allclose(observables.elastic_energy(result), energy, rtol=1e-5)
+    np.testing.assert_allclose(evaluation.elastic_energy(result), energy, rtol=1e-5)
     assert (abs(v) ** 2).sum() > 1e-3 * (abs(u[:, 1:]) ** 2).sum()
 
 

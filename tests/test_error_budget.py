@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 from test_tfc import ALPHA, REFERENCE, C, campaign, noisy
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody

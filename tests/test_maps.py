@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from gfmd_numba import body_fields, run
-from gfmd_numba.analysis.plots.campaign import plot_contact
-from gfmd_numba.contact import observables, solution
+from gfmd_numba.analysis.plots.contact import plot_contact
+from gfmd_numba.contact import contact_area, evaluation, solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -80,7 +80,7 @@ def test_hertz_point_contact():
     load = 4.0 / 3.0 * a**3
     found = press(punch, load)
     assert found.pressure.max() == pytest.approx(1.5 * load / (np.pi * a**2), rel=0.01)
-    assert observables.n_segments(solution.Contact(-punch, punch, found))[0] == 1
+    assert contact_area.n_segments(solution.Contact(-punch, punch, found))[0] == 1
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
@@ -140,16 +140,16 @@ def test_clusters_and_perimeter_on_the_torus():
     pressure = flags.astype(float)
     equilibrium = press(np.zeros((1, 8, 8)), 1.0)
     made = solution.Contact(pressure, pressure, type(equilibrium)(**{**vars(equilibrium), "touching": flags}))
-    assert observables.n_segments(made).tolist() == [3]
-    assert [sides.tolist() for sides in observables.perimeter(made)] == [[6 + 2 + 2], [6 + 4 + 2]]
+    assert contact_area.n_segments(made).tolist() == [3]
+    assert [sides.tolist() for sides in contact_area.perimeter(made)] == [[6 + 2 + 2], [6 + 4 + 2]]
 
 
 def test_rms_gradient_over_the_contact_is_that_of_the_surface_in_full_contact():
     made = solution.solve(problem(load=20.0), range(1))
     assert made.equilibrium.touching.all()
-    assert observables.rms_gradient_contact(made) == pytest.approx(observables.rms_gradient(made), rel=1e-12)
-    assert observables.contact_area_fraction(made) == 1.0
-    assert observables.n_segments(made) == 0
+    assert evaluation.rms_gradient_contact(made) == pytest.approx(evaluation.rms_gradient(made), rel=1e-12)
+    assert contact_area.contact_area_fraction(made) == 1.0
+    assert contact_area.n_segments(made) == 0
 
 
 def test_neighbours_are_a_stencil_of_the_stiffness_that_is_positive_definite():

@@ -4,8 +4,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba.contact import observables
+from gfmd_numba.contact import contact_area, evaluation
 from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
@@ -50,16 +51,16 @@ def test_edge_bias_is_the_wiener_hopf_constant():
 def test_segments(nodes, segments):
     touching = np.array([int(c) for c in nodes])
     c = contact(touching)
-    assert observables.n_segments(c)[0] == segments
-    assert observables.contact_area_fraction_counted(c)[0] == touching.mean()
+    assert contact_area.n_segments(c)[0] == segments
+    assert contact_area.contact_area_fraction_counted(c)[0] == touching.mean()
     corrected = (touching.sum() - 2 * EDGE_BIAS * segments) / 8
-    assert observables.contact_area_fraction(c)[0] == pytest.approx(corrected)
+    assert contact_area.contact_area_fraction(c)[0] == pytest.approx(corrected)
 
 
 def test_kappa_and_gradient_over_the_contact():
     touching = np.zeros(64)
     touching[14:19] = 3.0
-    values = observables.measure(contact(touching))
+    values = evaluation.measure(contact(touching))
     slope = 2 * np.pi * np.sin(2 * np.pi * np.arange(14, 19) / 64)
     g, p = np.sqrt(2) * np.pi, 15 / 64
     assert values["rms_gradient"][0] == pytest.approx(g)
@@ -74,6 +75,6 @@ def test_kappa_and_gradient_over_the_contact():
 
 @pytest.mark.parametrize("status", [s for s in Status if s != Status.ok])
 def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
-    values = observables.measure(contact(np.ones(8), status=status))
-    for m in observables.MEASURES:
-        assert np.isnan(values[m.name]).all() == (m.of == "contact"), m.name
+    values = evaluation.measure(contact(np.ones(8), status=status))
+    for name, row in OBSERVABLES.items():
+        assert np.isnan(values[name]).all() == (row.of == "contact"), name

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from gfmd_numba.contact import observables, solution
+from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -26,7 +26,7 @@ def press(hurst, body, load):
     surface = RandomSurface(SelfAffineWaves(hurst, 2, 256), 4096, 2018)
     pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
-    return pressed, observables.measure(pressed)
+    return pressed, evaluation.measure(pressed)
 
 
 def test_light_load_and_full_contact():

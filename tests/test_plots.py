@@ -2,6 +2,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
+from described import with_axes
 from matplotlib.colors import to_hex
 
 from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
@@ -33,7 +34,7 @@ def campaign():
     means = np.array([4 - 2 * h + 0.4 * e["eps_c"] + 90 * e["eps_f"] + 0.3 * e["eps_t"] for h, _, e in rows])
     kappa = means[:, None] + 0.1 * rng.standard_normal((1, 8)) + 0.02 * rng.standard_normal((n, 8))
     dims = ("case", "realisation")
-    return xr.Dataset(
+    dataset = xr.Dataset(
         {
             "kappa": (dims, kappa),
             "kappa_counted": (dims, 1.1 * kappa),
@@ -42,6 +43,7 @@ def campaign():
         },
         coords,
     )
+    return with_axes(dataset)
 
 
 @pytest.fixture
@@ -250,7 +252,7 @@ def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
             "rms_gradient_target": ("case", np.full(n, 0.01)),
         },
     )
-    figure = plot_campaign(dataset)
+    figure = plot_campaign(with_axes(dataset))
     figure.draw_without_rendering()
     box = figure.legends[0].get_window_extent()
     assert box.x0 >= 0
@@ -266,6 +268,6 @@ def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
         )
         for load in np.geomspace(0.001, 1.0, 24)
     ]
-    figure = plot_campaign(xr.concat(copies, "case"))
+    figure = plot_campaign(with_axes(xr.concat(copies, "case")))
     figure.savefig(tmp_path / "many.png", dpi=50)
     assert figure.axes[0].get_position().height * figure.get_figheight() > 2.5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.observables import gap, measure
+from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness

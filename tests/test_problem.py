@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.observables import contact_area_fraction
+from gfmd_numba.contact.contact_area import contact_area_fraction
 from gfmd_numba.contact.problem import Problem, reduce
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness

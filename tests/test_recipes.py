@@ -142,12 +142,15 @@ def largest_pressure(contact):
     "contact/observables.py",
     (
         (
-            "from gfmd_numba.contact.largest_pressure import largest_pressure\n",
-            "from gfmd_numba.contact.solution import",
-        ),
-        (
-            '    Measure("largest_pressure", "contact", "pressure", "largest contact pressure", largest_pressure),\n',
-            '    Measure("mean_gap",',
+            """\
+    "largest_pressure": Observable(
+        "contact",
+        "pressure",
+        "largest contact pressure",
+        "gfmd_numba.contact.largest_pressure:largest_pressure",
+    ),
+""",
+            '    "mean_gap": Observable(',
         ),
     ),
 )

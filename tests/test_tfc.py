@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from described import with_axes
 from scipy.stats import binom
 
 from gfmd_numba.analysis import fit_tfc, select_limit
@@ -36,7 +37,8 @@ def campaign(hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisat
     means = [TFC[h] + sum(c * eps[n] ** of[h][n] for n, c in coefficients.items()) for h, _, eps in rows]
     kappa = np.repeat(np.array(means)[:, None], realisations, axis=1)
     dims = ("case", "realisation")
-    return xr.Dataset({"kappa": (dims, kappa), "status": (dims, np.zeros(kappa.shape, np.int8))}, coords)
+    variables = {"kappa": (dims, kappa), "status": (dims, np.zeros(kappa.shape, np.int8))}
+    return with_axes(xr.Dataset(variables, coords))
 
 
 def noisy(dataset, rng, spread=0.2, own=0.01):
@@ -231,7 +233,8 @@ def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
 
 def test_no_power_of_eps_f_is_passed_off_as_a_limit_where_there_is_a_logarithm():
     dataset = campaign(realisations=3)
-    notes = [fit_tfc(dataset.assign_coords(hurst=("case", np.full(10, h))), fixed=ALPHA, bootstrap=5) for h in (0.8, 1)]
+    steep = [with_axes(dataset.assign_coords(hurst=("case", np.full(10, hurst)))) for hurst in (0.8, 1)]
+    notes = [fit_tfc(each, fixed=ALPHA, bootstrap=5) for each in steep]
     assert ["1 / log(1 / eps_f)" in fit["message"].item() for fit in notes] == [False, True]
 
 
@@ -398,7 +401,7 @@ def test_of_several_references_the_finest_counts():
         assert set(select_limit(both, "eps_f")["eps_c"].values) == {1 / 8}
 
 
-@pytest.mark.parametrize("lacking", ["hurst", "case_id", "eps_t"])
+@pytest.mark.parametrize("lacking", ["is_reference", "case_id", "eps_t"])
 def test_a_dataset_that_is_no_campaign_is_named(lacking):
     with pytest.raises(ValueError, match="given no campaign's results"):
         fit_tfc(campaign().drop_vars(lacking))

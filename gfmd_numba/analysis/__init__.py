@@ -4,7 +4,8 @@ from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics, plot_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
-from gfmd_numba.analysis.plots.campaign import plot_campaign, plot_contact
+from gfmd_numba.analysis.plots.campaign import plot_campaign
+from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit

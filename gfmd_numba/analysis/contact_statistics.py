@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.campaign import COLOURS, STYLE
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.theory import persson
 

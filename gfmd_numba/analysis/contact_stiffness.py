@@ -7,12 +7,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.analysis.selection import GROUP, LIMITS, UnusableDataError, good, table
+from gfmd_numba.analysis.selection import UnusableDataError, axes, good, table
 
 Reals = npt.NDArray[np.float64]
 
 _NEEDED = {"mean_pressure", "mean_gap", "status"}
-_SAME = (*(name for name in GROUP if name != "reduced_pressure"), *LIMITS)
+_LOAD = "reduced_pressure"
 
 
 def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
@@ -48,16 +48,19 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
         reduced = _ratio(rise / load, approach / heights, others)
         result["stiffness_reduced"], result["stiffness_reduced_error"] = reduced
     result["n_realisations"] = usable.astype(np.int64).sum(others)
-    if "reduced_pressure" in dataset.coords:
-        at = _logarithmic_mean(lower["reduced_pressure"], upper["reduced_pressure"])
-        result = result.assign_coords(reduced_pressure=("interval", at.values))
+    if _LOAD in dataset.coords:
+        at = _logarithmic_mean(lower[_LOAD], upper[_LOAD])
+        result = result.assign_coords({_LOAD: ("interval", at.values, dataset[_LOAD].attrs)})
     return _described(result, dataset)
 
 
 def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
     """Positions of cases that are neighbours in load and otherwise equal."""
     usable = good(dataset, "mean_gap").any("realisation").values
-    rows = table(dataset, (*_SAME, "reduced_pressure"))
+    if _LOAD not in dataset.coords:
+        return
+    same = (name for name in (*axes(dataset), *axes(dataset, "discretisation")) if name != _LOAD)
+    rows = table(dataset, (*same, _LOAD))
     members: dict[bytes, list[int]] = {}
     for index in np.lexsort(rows.T):
         if usable[index] and np.isfinite(rows[index, -1]):

@@ -84,7 +84,7 @@ def pressed(names: Sequence[str], ends: Array, alpha: Array) -> list[str]:
 
 def logarithmic(group: Group) -> list[str]:
     """Return a line for a spectrum whose octaves add nearly as much slope each: exponents of eps_f go as 2 - 2 H."""
-    if "eps_f" not in group.levels or not group.parameters["hurst"] > _STEEPEST:
+    if "eps_f" not in group.levels or not group.parameters.get("hurst", 0.0) > _STEEPEST:
         return []
     return ["near H = 1 kappa goes as 1 / log(1 / eps_f): a power of eps_f may fit, but its limit is not that of kappa"]
 

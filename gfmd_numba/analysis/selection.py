@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
-GROUP = ("hurst", "poissons_ratio", "aspect_ratio", "reduced_pressure", "rms_gradient_target", "anisotropy")
 
 # across a contact. On profiles the corrected area is 4 % off with 1.8 nodes a stretch and 1 % with 3 (README); on maps
 # 12 % with 2.7 nodes a patch, 2 to 7 % with 5 and 2 % with 8 (H = 0.3 and 0.8, p* = 1e-4 to 0.05)
@@ -57,11 +56,25 @@ class Group:
         return np.log(self.levels[limit] / self.reference[limit])
 
 
+def axes(dataset: xr.Dataset, kind: str = "physics") -> tuple[str, ...]:
+    """Return the names of the coordinates whose attribute `axis` says that they are physics, or discretisations.
+
+    They come in the order of their attribute `rank`, as a file does not keep its variables in order.
+    """
+    found = [name for name, each in dataset.coords.items() if each.attrs.get("axis") == kind]
+    return tuple(map(str, sorted(found, key=lambda name: int(dataset[name].attrs.get("rank", len(found))))))
+
+
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
-    lacking = {*GROUP, *LIMITS, "case_id", "is_reference"} - {"anisotropy"} - set(map(str, dataset.variables))
+    lacking = {*LIMITS, "case_id", "is_reference"} - set(map(str, dataset.variables))
     if not {"case", "realisation"} <= set(dataset.dims) or lacking:
         raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
+    if not axes(dataset):
+        raise UnusableDataError(
+            "given results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
+            "allowed: what a finished `gfmd run` of this version leaves"
+        )
     if (
         not isinstance(variable, str)
         or variable not in dataset
@@ -86,18 +99,18 @@ def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
     """Yield (parameters, cases) for each set of cases that differ only in discretisation, in file order."""
-    physics = table(dataset, GROUP)
+    names = axes(dataset)
+    physics = table(dataset, names)
     members: dict[bytes, list[int]] = {}
     for index, row in enumerate(physics):
         members.setdefault(row.tobytes(), []).append(index)  # bytes: a nan parameter still equals itself
     for indices in members.values():
-        yield dict(zip(GROUP, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
+        yield dict(zip(names, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
 
 
 def table(dataset: xr.Dataset, names: Sequence[str]) -> Array:
-    """Return the values (case, name) of parameters, nan for the anisotropy that older files lack."""
-    unknown = np.full(dataset.sizes["case"], nan)
-    return np.stack([dataset[name].values.astype(float) if name in dataset else unknown for name in names], axis=-1)
+    """Return the values (case, name) of parameters."""
+    return np.stack([dataset[name].values.astype(float) for name in names], axis=-1)
 
 
 def key(parameters: dict[str, float]) -> tuple[float, ...]:
@@ -115,7 +128,21 @@ def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Grou
     usable = good(dataset, variable)
     dataset = dataset.assign({variable: dataset[variable].where(usable)})
     dataset = dataset.assign_coords(_position=("case", np.arange(dataset.sizes["case"])))
+    _check_groups(dataset)
     return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]
+
+
+def _check_groups(dataset: xr.Dataset) -> None:
+    """Raise UnusableDataError for different problems that no coordinate tells apart: their physics would be pooled."""
+    told = table(dataset, (*axes(dataset), *axes(dataset, "discretisation")))
+    problems: dict[bytes, set[str]] = {}
+    for row, identity in zip(told, dataset["case_id"].values, strict=True):
+        problems.setdefault(row.tobytes(), set()).add(str(identity))
+    if any(len(identities) > 1 for identities in problems.values()):
+        raise UnusableDataError(
+            "given different problems at the same discretisation, which no coordinate with the attribute `axis` tells "
+            "apart; allowed: what a finished `gfmd run` leaves, its coordinates with their attributes"
+        )
 
 
 def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, omit_nyquist: bool) -> Group:

@@ -16,6 +16,7 @@ from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget, limits
+from gfmd_numba.analysis.fit_dataset import fit_dataset
 from gfmd_numba.analysis.fit_warnings import (
     advice,
     doubtful,
@@ -27,7 +28,7 @@ from gfmd_numba.analysis.fit_warnings import (
     shortage,
 )
 from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import GROUP, LIMITS, Array, Group, collect, processor_time
+from gfmd_numba.analysis.selection import LIMITS, Array, Group, collect, processor_time
 
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
 
@@ -69,7 +70,7 @@ def fit_tfc(
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
         rows = [row for family in families for row in _fit_family(family, ranges, bootstrap, seed)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in ranges.items()]
-    return _as_dataset(members, rows).assign_attrs(
+    return fit_dataset(dataset, variable, members, rows).assign_attrs(
         variable=variable,
         exponents=exponents,
         model=MODEL,
@@ -215,54 +216,3 @@ def _refused(group: Group, reason: str) -> _Row:
         "fit_status": "refused",
         "message": "\n".join([reason, *group.notes]),
     }
-
-
-_NOTES = {
-    "reference": "mean at the reference discretisation",
-    "reference_error": "standard error of the mean",
-    "reference_eps": "reference discretisation",
-    "kappa_tfc": "extrapolated value in the thermodynamic, fractal and continuum limit",
-    "kappa_tfc_error": "bootstrap standard deviation",
-    "kappa_tfc_low": "lower end of the 90 % bootstrap interval",
-    "kappa_tfc_high": "upper end of the 90 % bootstrap interval",
-    "C": "coefficient of eps^alpha",
-    "alpha": "exponent",
-    "correction": "C eps^alpha at the reference discretisation",
-    "rms_residual": "rms difference of case means and fit",
-    "chi2": "sum of squared residuals weighted by the shrunk covariance",
-    "n_realisations": "realisations that are good in every case fitted",
-    "n_excluded": "results left out: not finite or status not ok",
-    "error_budget": "error of kappa_tfc by exponents known to a range, sampling, and at most by the solver's residual",
-    "seconds": "processor time of the cases fitted, in s; groups that share a problem each count it",
-}
-
-
-def _as_dataset(groups: Sequence[Group], rows: Sequence[_Row]) -> xr.Dataset:
-    estimate = np.array([row["estimate"] for row in rows]).reshape(len(rows), -1)
-    error = np.array([row["error"] for row in rows]).reshape(len(rows), -1)
-    variables: dict[str, Any] = {
-        "kappa_tfc": ("group", estimate[:, 0]),
-        "kappa_tfc_error": ("group", error[:, 0]),
-    }
-    for name in ("kappa_tfc_low", "kappa_tfc_high"):
-        variables[name] = ("group", [row[name] for row in rows])
-    for first, name in ((4, "C"), (7, "alpha"), (1, "correction")):
-        variables[name] = (("group", "limit"), estimate[:, first : first + 3])
-        variables[f"{name}_error"] = (("group", "limit"), error[:, first : first + 3])
-    for name in ("rms_residual", "chi2", "fit_status", "message"):
-        variables[name] = ("group", [row[name] for row in rows])
-    variables["reference"] = ("group", [group.reference_mean for group in groups])
-    variables["reference_error"] = ("group", [group.reference_error for group in groups])
-    levels = np.array([list(group.reference.values()) for group in groups]).reshape(len(groups), -1)
-    variables["reference_eps"] = (("group", "limit"), levels)
-    variables["n_cases"] = ("group", [group.n_cases for group in groups])
-    variables["n_realisations"] = ("group", [group.n_realisations for group in groups])
-    variables["n_excluded"] = ("group", [group.n_excluded for group in groups])
-    budget = np.array([row["budget"] for row in rows]).reshape(len(rows), -1)
-    variables["error_budget"] = (("group", "source"), budget)
-    variables["seconds"] = ("group", [group.seconds for group in groups])
-    coords = {name: ("group", [group.parameters[name] for group in groups]) for name in GROUP}
-    result = xr.Dataset(variables, {**coords, "limit": list(LIMITS), "source": list(SOURCES)})
-    for name, note in _NOTES.items():
-        result[name].attrs["long_name"] = note
-    return result

@@ -3,26 +3,17 @@
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
 
-from pydantic import BaseModel
-
-from gfmd_numba.campaign.file import AXES, Campaign
+from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
+from gfmd_numba.campaign.file import Campaign
+from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
-_PARTS = {
-    "hurst": "roughness",
-    "rms_gradient": "roughness",
-    "anisotropy": "roughness",
-    "poissons_ratio": "body",
-    "aspect_ratio": "body",
-    "reduced_pressure": "loading",
-}
 
 
 @dataclass(frozen=True)
@@ -58,11 +49,12 @@ class Block:
 
 def expand(campaign: Campaign) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits."""
-    axes = [(name, values) for name, values in campaign.grid if values is not None and name not in AXES]
+    given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
+    varied = [(place, values) for place, values in given if values is not None]
     discretisations = [(d, limit or "reference", surfaces) for d, _, limit, surfaces in campaign.discretisations()]
     cases = []
-    for values in product(*(values for _, values in axes)):
-        scene = _replaced(campaign.scene, dict(zip((name for name, _ in axes), values, strict=True)))
+    for values in product(*(values for _, values in varied)):
+        scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
         for discretisation, limit, realisations in discretisations:
             surface, rms_gradient = random_surface(scene, discretisation, campaign.seed)
             problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
@@ -115,12 +107,11 @@ def split(cases: Iterable[Case], held: Mapping[str, Iterable[Range]]) -> Iterato
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
-    found: dict[tuple[object, ...], list[Case]] = {}
+    cases = list(cases)
+    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
+    found: dict[tuple[float | None, ...], list[Case]] = {}
     for case in cases:
-        body, roughness = case.scene.body, case.scene.roughness
-        assert roughness is not None  # a campaign's promise
-        physics = body.poissons_ratio, body.aspect_ratio, case.problem.mean_pressure or 0.0
-        found.setdefault((*physics, roughness.model_dump_json(exclude={"points"})), []).append(case)
+        found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)
     return list(found.values())
 
 
@@ -128,17 +119,3 @@ def block_bytes(problem: Problem, realisations: int) -> int:
     """Largest memory that solving realisations of a problem together asks for."""
     surface = problem.surface
     return ARRAYS_PER_REALISATION[len(surface.shape)] * 8 * realisations * surface.nodes
-
-
-@lru_cache(maxsize=4096)
-def _part(part: BaseModel, values: tuple[tuple[str, float], ...]) -> BaseModel:
-    """Part of a scene with other values; equal parts of many cases are one record."""
-    return part.model_copy(update=dict(values))
-
-
-def _replaced(scene: Scene, values: dict[str, float]) -> Scene:
-    parts: dict[str, list[tuple[str, float]]] = {}
-    for name, value in values.items():
-        parts.setdefault(_PARTS[name], []).append((name, value))
-    changed = {part: _part(getattr(scene, part), tuple(update)) for part, update in parts.items()}
-    return scene.model_copy(update=changed)

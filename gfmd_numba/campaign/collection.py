@@ -11,13 +11,14 @@ import xarray as xr
 
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.cases import Block, Case
+from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.execution import SECONDS, shard_path
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
-from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
-from gfmd_numba.contact.dataset import campaign_dataset, dropped_effects, scaled, scales, units
-from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.dataset import campaign_dataset, cf_attributes, dropped_effects, scaled, scales, units
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -68,12 +69,14 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
-    dataset = campaign_dataset(coordinates(planned.cases), values, units(planned.campaign.scene), attributes)
+    scene = planned.campaign.scene
+    dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
+    dataset = dataset.assign_attrs(attributes)
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
-        {"long_name": "processor time of the case, shared by all cases of one problem", "units": "s"},
+        cf_attributes("processor time of the case, shared by all cases of one problem", "s"),
     )
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
@@ -103,7 +106,7 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 def in_file_units(case: Case, measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
-    return {m.name: scaled(measured[m.name], scale[m.unit]) for m in MEASURES}
+    return {name: scaled(measured[name], scale[row.unit]) for name, row in OBSERVABLES.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path) -> Measures:
@@ -119,11 +122,11 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         parts.append({name: values[:asked] for name, values in part.items()})
     if longest > realisations:
         parts.append(_nothing(longest - realisations, Outcome.not_asked))
-    return {name: np.concatenate([part[name] for part in parts]) for name in (*(m.name for m in MEASURES), SECONDS)}
+    return {name: np.concatenate([part[name] for part in parts]) for name in (*OBSERVABLES, SECONDS)}
 
 
 def _nothing(count: int, status: Outcome) -> Measures:
-    nothing: Measures = {m.name: np.full(count, np.nan) for m in MEASURES}
+    nothing: Measures = {name: np.full(count, np.nan) for name in OBSERVABLES}
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)
     for counted in ("n_iterations", "n_transforms"):

@@ -12,7 +12,7 @@ from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
 from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface

@@ -15,14 +15,15 @@ import yaml
 from gfmd_numba.analysis import Design, best_design, cheapest_design
 from gfmd_numba.campaign.cases import Case, blocks, distinct, expand, groups
 from gfmd_numba.campaign.collection import Measures, in_file_units
+from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, Realisations, load_campaign
-from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values
 from gfmd_numba.contact.dataset import campaign_dataset, units
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import Discretisation, InputError
@@ -76,7 +77,8 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
             told(max(len(solved) / len(alike), min(1.0, spent / _SECONDS)))
     cases = [case for identities, group in alike.items() if identities in solved for case in group]
     values = [in_file_units(case, measured[case.problem.identity]) for case in cases]
-    results = campaign_dataset(coordinates(cases), values, units(planned.campaign.scene), {})
+    scene = planned.campaign.scene
+    results = campaign_dataset(described_coordinates(scene, cases), values, units(scene))
     n_solved = sum(_identities(group) in solved for group in members)
     return Pilot(results.drop_vars("realisations"), _in_all_groups(planned, cases, seconds), len(members), n_solved)
 

@@ -16,7 +16,7 @@ from gfmd_numba.campaign.cases import Block, Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves

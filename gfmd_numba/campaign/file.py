@@ -4,50 +4,22 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from math import inf, prod
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.grid import Grid, Values, check_grid, values_of, varied_scenes
 from gfmd_numba.campaign.source import Source, campaign_document, written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.quantities import (
-    RECORD,
-    REDUCED_PRESSURE,
-    Anisotropy,
-    AspectRatio,
-    EpsC,
-    EpsF,
-    EpsT,
-    Hurst,
-    PoissonsRatio,
-    ReducedPressure,
-    RmsGradient,
-    Seed,
-    broken_rule,
-)
+from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range
 from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
-AXES = tuple(Discretisation.model_fields)
 MOST_CASES = 1_000_000
-
-Value = TypeVar("Value")
-
-
-def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
-    seen = set()
-    for i, value in enumerate(values):
-        if value in seen:
-            raise broken_rule((i,), "each value once")
-        seen.add(value)
-    return values
-
-
-Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
-
 
 EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
 
@@ -119,21 +91,6 @@ class Limits(BaseModel):
     eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic limit (dimensionless)")
 
 
-class Grid(BaseModel):
-    """Dimensionless parameters taken as a full product, each in place of the scene's or reference's value."""
-
-    model_config = RECORD
-    hurst: Values[Hurst] | None = Field(None, description="Hurst exponents (dimensionless)")
-    poissons_ratio: Values[PoissonsRatio] | None = Field(None, description="Poisson's ratios (dimensionless)")
-    aspect_ratio: Values[AspectRatio] | None = Field(None, description="z_m/L_x (dimensionless)")
-    reduced_pressure: Values[ReducedPressure] | None = Field(None, description=REDUCED_PRESSURE)
-    rms_gradient: Values[RmsGradient] | None = Field(None, description="Rms gradients (dimensionless)")
-    anisotropy: Values[Anisotropy] | None = Field(None, description="Correlation lengths of maps, y over x")
-    eps_c: Values[EpsC] | None = Field(None, description="Continuum discretisations (dimensionless)")
-    eps_f: Values[EpsF] | None = Field(None, description="Fractal discretisations (dimensionless)")
-    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic discretisations (dimensionless)")
-
-
 class FixedExponents(BaseModel):
     """Exponents (dimensionless) that the fit does not search: a value, or the range it lies in."""
 
@@ -191,7 +148,7 @@ class Campaign(BaseModel):
             yield None, {}, None, self.realisations.reference
             return
         choices: list[list[tuple[float, Location]]] = []
-        for axis in AXES:
+        for axis in DISCRETISATIONS:
             values = getattr(self.grid, axis)
             choices.append(
                 [(getattr(self.reference, axis), ("reference", axis))]
@@ -199,8 +156,8 @@ class Campaign(BaseModel):
                 else [(value, ("grid", axis, i)) for i, value in enumerate(values)]
             )
         for chosen in product(*choices):
-            eps = {axis: value for axis, (value, _) in zip(AXES, chosen, strict=True)}
-            locations = {axis: location for axis, (_, location) in zip(AXES, chosen, strict=True)}
+            eps = {axis: value for axis, (value, _) in zip(DISCRETISATIONS, chosen, strict=True)}
+            locations = {axis: location for axis, (_, location) in zip(DISCRETISATIONS, chosen, strict=True)}
             yield Discretisation(**eps), locations, None, self.realisations.reference
             for axis, i, value in self._limit_values():
                 location: Location = ("limits", axis, i)
@@ -221,7 +178,7 @@ class Campaign(BaseModel):
         measured = isinstance(self.scene.roughness, Measured)  # which is refused beside a campaign, as its file says
         if not needed and not measured and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
-        for axis in AXES:
+        for axis in DISCRETISATIONS:
             if self.reference is None and (getattr(self.limits, axis) or getattr(self.grid, axis)):
                 where = "limits" if getattr(self.limits, axis) else "grid"
                 raise broken_rule((where, axis), "nothing, as the surface has points and lengths of its own")
@@ -230,9 +187,6 @@ class Campaign(BaseModel):
             counts, levels = getattr(self.realisations, axis), getattr(self.limits, axis) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
-        controlled = self.scene.loading.displacement is not None
-        if controlled and self.grid.reduced_pressure is not None:
-            raise broken_rule(("grid", "reduced_pressure"), "nothing, as the loading is a displacement")
         return self
 
 
@@ -243,27 +197,38 @@ def load_campaign(source: Source) -> tuple[Campaign, Document]:
     campaign = validate(document, Campaign)
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, campaign.scene, campaign.numerics, grid=varied)
+    check_grid(document, campaign.scene, campaign.grid)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
-    anisotropies = list(_anisotropies(campaign))
+    anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
     for discretisation, locations, limit, _ in campaign.discretisations():
         if discretisation is None:
             break
         for anisotropy, location in anisotropies:
             check_anisotropy_fits(document, anisotropy, location, discretisation)
         check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
-        check_range(document, campaign.scene, discretisation.nx)
+        for scene, place in ranges:
+            check_range(document, scene, discretisation.nx, place)
     return campaign, document
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
     """Each anisotropy of a campaign, and where it stands in the file."""
     own = getattr(campaign.scene.roughness, "anisotropy", None)
-    if campaign.grid.anisotropy is not None:
-        yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(campaign.grid.anisotropy))
+    if given := values_of(campaign.grid, "anisotropy"):
+        yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
     elif own is not None:
         yield own, ("scene", "roughness", "anisotropy")
+
+
+def _ranges(campaign: Campaign) -> list[tuple[Scene, Location | None]]:
+    """Scenes with each interaction range of a campaign, and where that stands in the file if not in the scene."""
+    varied = varied_scenes(campaign.scene, campaign.grid)
+    ranges: list[tuple[Scene, Location | None]] = [
+        (scene, location) for axis, location, scene in varied if axis.name == "interaction_range"
+    ]
+    return ranges or [(campaign.scene, None)]

@@ -12,8 +12,9 @@ import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.cases import Case, groups
-from gfmd_numba.campaign.file import Fit
-from gfmd_numba.campaign.plan import Plan, coordinates
+from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.file import Campaign
+from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.run_times import remember, remembered
 
 UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
@@ -66,7 +67,7 @@ def _start() -> float:
 def _rehearsed(planned: Plan) -> float:
     """Seconds of the fit, from that of some groups of made-up results with few replicates."""
     members = groups(planned.cases)
-    results = _made_up([case for group in members[:_REHEARSED] for case in group], planned.campaign.fit)
+    results = _made_up([case for group in members[:_REHEARSED] for case in group], planned.campaign)
     options = json.loads(planned.campaign.fit.model_dump_json(exclude_none=True))
     all_replicates: int = signature(fit_tfc).parameters["bootstrap"].default
     seconds: list[float] = []
@@ -82,15 +83,15 @@ def _rehearsed(planned: Plan) -> float:
     return (seconds[1] + (all_replicates - few) * each) * len(members) / min(len(members), _REHEARSED)
 
 
-def _made_up(cases: list[Case], fit: Fit) -> xr.Dataset:
+def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:
     """Return results of the form of the cases': corrections with likely exponents, and scatter."""
     rng = np.random.default_rng(0)
     asked = np.array([case.realisations for case in cases])
     shared = rng.standard_normal(asked.max())
     values = 2.0 + 0.1 * shared + 0.03 * rng.standard_normal((len(cases), asked.max()))
-    for name, exponent in fit.fixed:
+    for name, exponent in campaign.fit.fixed:
         eps = np.array([getattr(case.discretisation, name) for case in cases])
         values += 0.1 * (eps[:, np.newaxis] / eps.max()) ** np.mean(exponent or 1.0)
     values[np.arange(asked.max()) >= asked[:, np.newaxis]] = np.nan
-    coords = {name: ("case", column) for name, column in coordinates(cases).items()}
-    return xr.Dataset({fit.variable: (("case", "realisation"), values)}, coords)
+    coordinates = described_coordinates(campaign.scene, cases)
+    return xr.Dataset({campaign.fit.variable: (("case", "realisation"), values)}, coordinates)

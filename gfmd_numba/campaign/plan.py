@@ -5,18 +5,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import psutil
 
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
+from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.source import Source
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.observables import MEASURES
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Document, InputError
@@ -78,7 +78,7 @@ class Plan:
     @property
     def file_bytes(self) -> int:
         """Size of the results, before compression."""
-        return 8 * len(MEASURES) * len(self.cases) * max(self.demand.values())
+        return 8 * len(OBSERVABLES) * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:
@@ -156,27 +156,6 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
 
 def _largest(todo: Iterable[Block]) -> int:
     return max((block_bytes(block.problem, block.stop - block.first) for block in todo), default=0)
-
-
-def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
-    """What tells one case from another, by name and case."""
-    return {
-        "case_id": [case.problem.identity for case in cases],
-        "limit": [case.limit for case in cases],
-        "realisations": [case.realisations for case in cases],
-        "is_reference": [case.limit == "reference" for case in cases],
-        "eps_c": [case.discretisation.eps_c for case in cases],
-        "eps_f": [case.discretisation.eps_f for case in cases],
-        "eps_t": [case.discretisation.eps_t for case in cases],
-        "hurst": [_surface(case).generator.hurst for case in cases],
-        "poissons_ratio": [case.scene.body.poissons_ratio for case in cases],
-        "aspect_ratio": [case.scene.body.aspect_ratio for case in cases],
-        "reduced_pressure": [case.scene.loading.reduced_pressure or np.nan for case in cases],
-        "rms_gradient_target": [case.rms_gradient for case in cases],
-        "anisotropy": [getattr(case.scene.roughness, "anisotropy", None) or np.nan for case in cases],
-        "nx": [case.problem.surface.nx for case in cases],
-        "dimension": [case.scene.dimension for case in cases],
-    }
 
 
 def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:

@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.campaign.file import AXES
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact.observables import measure
+from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.solution import solve
@@ -49,6 +50,17 @@ class Point:
     failed: int
 
 
+_NAMES = {
+    "study": ("what is varied", "1"),
+    "curve": ("what else differs within the study", "1"),
+    "setting": ("value of what is varied", "1"),
+    "error": ("relative error of kappa", "1"),
+    "seconds": ("processor time of one surface", "s"),
+    "transforms": ("Fourier transforms of one surface", "1"),
+    "failed": ("surfaces that did not end ok", "1"),
+}
+
+
 def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     """Work-precision studies of the first reference case of a campaign, one thread, in this process.
 
@@ -59,7 +71,7 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
-    for axis in AXES:
+    for axis in DISCRETISATIONS:
         yield from _discretisation(case, axis, planned.campaign.seed, realisations)
     yield from _sampling(case.problem, 16 * realisations)
     yield from _effects(case.problem, realisations)
@@ -68,11 +80,9 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
 def dataset(points: Iterable[Point]) -> xr.Dataset:
     """Studies as a dataset over (point), for netCDF."""
     rows = list(points)
-    columns = {name: ("point", [getattr(point, name) for point in rows]) for name in Point.__dataclass_fields__}
-    found = xr.Dataset(columns)
-    found["error"].attrs = {"long_name": "relative error of kappa", "units": "1"}
-    found["seconds"].attrs = {"long_name": "processor time of one surface", "units": "s"}
-    found["transforms"].attrs = {"long_name": "Fourier transforms of one surface", "units": "1"}
+    found = xr.Dataset()
+    for name, (long_name, units) in _NAMES.items():
+        found[name] = ("point", [getattr(point, name) for point in rows], cf_attributes(long_name, units))
     return found
 
 

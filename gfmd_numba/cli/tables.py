@@ -12,14 +12,7 @@ from gfmd_numba.cli.sentences import say
 if TYPE_CHECKING:
     import xarray as xr
 
-_PARAMETERS = {
-    "H": "hurst",
-    "nu": "poissons_ratio",
-    "a": "aspect_ratio",
-    "p*": "reduced_pressure",
-    "g": "rms_gradient_target",
-    "gamma": "anisotropy",
-}
+_UNUSED_BY_KAPPA = "rms_gradient_target"  # shown only if it varies
 _MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 
@@ -88,21 +81,31 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
     return {heading: list(map(_number, dataset[name].values)) for heading, name in names.items()}
 
 
+def _parameters(dataset: xr.Dataset) -> dict[str, str]:
+    """Return heading and name of each coordinate that is physics."""
+    from gfmd_numba.analysis.selection import axes
+
+    named = {name: dataset[name].attrs for name in axes(dataset)}
+    return {
+        attributes["symbol"] + (f" ({attributes['units']})" if attributes["units"] != "1" else ""): name
+        for name, attributes in named.items()
+    }
+
+
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
     """Return heading and name of each parameter; the gradient only if it differs, as kappa does not know it."""
-    hidden = set()
-    if len(set(dataset["rms_gradient_target"].values.tolist())) == 1:
-        hidden.add("g")
-    if "anisotropy" not in dataset or dataset["anisotropy"].isnull().all():
-        hidden.add("gamma")
-    return {heading: name for heading, name in _PARAMETERS.items() if heading not in hidden}
+    return {
+        heading: name
+        for heading, name in _parameters(dataset).items()
+        if name != _UNUSED_BY_KAPPA or len(set(dataset[name].values.tolist())) > 1
+    }
 
 
 def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     """Return which of several groups a note is about."""
     if len(having) > 3:
         return f"{len(having)} of {fitted.sizes['group']} groups: "
-    varied = {h: name for h, name in _PARAMETERS.items() if len(set(map(_number, fitted[name].values))) > 1}
+    varied = {h: name for h, name in _parameters(fitted).items() if len(set(map(_number, fitted[name].values))) > 1}
     groups = [
         ", ".join(f"{heading} = {_number(fitted[name].values[i])}" for heading, name in varied.items()) for i in having
     ]

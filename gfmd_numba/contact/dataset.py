@@ -7,17 +7,22 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import MEASURES, gap, measure
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import LoadedBody, Scene
-from gfmd_numba.scene.quantities import REDUCED_PRESSURE
+from gfmd_numba.scene.quantities import PUNCH_DISPLACEMENT, REDUCED_PRESSURE, RMS_GRADIENT_TARGET
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
-RMS_GRADIENT_TARGET = {"long_name": "rms gradient g asked for, in which reduced_pressure counts", "units": "1"}
+INDICES = {
+    "case": "case, in the order of the campaign",
+    "realisation": "realisation: the same random surface in every case",
+    "step": "step of the path, from the first loading",
+}
 
 
 def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
@@ -49,13 +54,13 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
     }
 
 
-def load_attributes(scene: Scene) -> dict[str, dict[str, str]]:
+def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     """CF attributes of what a loading prescribes, by the name of its coordinate."""
     height = units(scene)["height"]
     return {
-        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
-        "punch_displacement": {"long_name": "displacement of the punch beyond first touch", "units": height},
-        "sliding": {"long_name": "tangential displacement of the punch since first touch", "units": height},
+        "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
+        "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
+        "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
     }
 
 
@@ -64,9 +69,14 @@ def dropped_effects(effects: Iterable[Effect]) -> str:
     return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
 
 
+def cf_attributes(long_name: str, units: str = "1") -> dict[str, Any]:
+    """What every variable and coordinate that is written says of itself."""
+    return {"long_name": long_name, "units": units}
+
+
 def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
     """CF attributes of a measure."""
-    attributes: dict[str, Any] = {"long_name": long_name, "units": unit}
+    attributes = cf_attributes(long_name, unit)
     if name == "status":
         attributes |= status.flag_attributes(status.SENTENCES)
     if name.startswith("kappa"):
@@ -106,15 +116,15 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
     for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
-        attributes = {"long_name": f"position {along[dim]}", "units": unit["height"]}
+        attributes = cf_attributes(f"position {along[dim]}", unit["height"])
         dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
-    dataset.coords["rms_gradient_target"] = ((), rms_gradient, RMS_GRADIENT_TARGET)
+    dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():
-        dataset[name] = (dims, values * scale[kind], {"long_name": long_name, "units": unit[kind]})
+        dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
     values = measure(contact)
-    for m in MEASURES:
-        attributes = measure_attributes(m.name, unit[m.unit], m.long_name)
-        dataset[m.name] = ((), scaled(values[m.name][0], scale[m.unit]), attributes)
+    for name, row in OBSERVABLES.items():
+        attributes = measure_attributes(name, unit[row.unit], row.long_name)
+        dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
@@ -142,24 +152,22 @@ def _uniform_compression(scene: Scene, problem: Problem) -> float:
 
 
 def campaign_dataset(
-    coordinates: Mapping[str, list[Any]],
+    coordinates: Mapping[str, tuple[str, list[Any], dict[str, Any]]],
     values: list[dict[str, npt.NDArray[Any]]],
     unit: Mapping[str, str],
-    attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Dataset `(case, realisation)` of the measures of every case, already in file units."""
-    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, **attributes})
+    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
     values = [case | {"status": finite_status(case)} for case in values]
-    for m in MEASURES:
-        stacked = np.stack([case[m.name] for case in values])
-        dataset[m.name] = (
-            ("case", "realisation"),
-            stacked,
-            measure_attributes(m.name, unit[m.unit], m.long_name),
-        )
-    dataset = dataset.assign_coords(realisation=np.arange(dataset.sizes["realisation"]))
-    told = {
-        "reduced_pressure": {"long_name": REDUCED_PRESSURE, "units": "1"},
-        "rms_gradient_target": RMS_GRADIENT_TARGET,
-    }
-    return dataset.assign_coords({name: ("case", column, told.get(name)) for name, column in coordinates.items()})
+    for name, row in OBSERVABLES.items():
+        stacked = np.stack([case[name] for case in values])
+        dataset[name] = (("case", "realisation"), stacked, measure_attributes(name, unit[row.unit], row.long_name))
+    return indexed(dataset).assign_coords(coordinates)
+
+
+def indexed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with a number for each case, realisation and step."""
+    counted = [str(dim) for dim in dataset.dims if dim in INDICES]
+    return dataset.assign_coords(
+        {name: (name, np.arange(dataset.sizes[name]), cf_attributes(INDICES[name])) for name in counted}
+    )

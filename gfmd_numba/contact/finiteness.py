@@ -6,24 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.solvers.status import Status
-
-# without contact these are 0/0, and some are unknown on maps
-_UNDEFINED = frozenset(
-    (
-        "kappa",
-        "kappa_residual_error",
-        "kappa_counted",
-        "kappa_r",
-        "kappa_edges",
-        "kappa_edges_error",
-        "contact_area_fraction_error",
-        "contact_area_fraction_edges",
-        "contact_area_fraction_edges_error",
-        "mean_segment_length",
-        "rms_gradient_contact",
-    )
-)
 
 
 def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8]:
@@ -32,8 +16,9 @@ def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8
     Not-a-number is right for a measure that is undefined without contact, an infinite one never is.
     """
     status = np.asarray(values["status"])
+    undefined = {name for name, row in OBSERVABLES.items() if row.undefined_at_times}
     bad = np.zeros(status.shape, dtype=np.bool_)
     for name, value in values.items():
-        wrong = np.isinf(value) if name in _UNDEFINED else ~np.isfinite(value)
+        wrong = np.isinf(value) if name in undefined else ~np.isfinite(value)
         bad |= wrong.reshape(*status.shape, -1).any(axis=-1)
     return np.where(bad & (status == Status.ok), np.int8(Status.nonfinite), status)

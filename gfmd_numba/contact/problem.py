@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.results_version import results_version
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -24,8 +25,6 @@ from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numeri
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
-
-RESULTS_VERSION = 8  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ class Problem:
         if isinstance(self.surface, RandomSurface):
             surface["method"] = type(self.surface.generator).__name__
         content = {
-            "results_version": RESULTS_VERSION,
+            "results_version": results_version(),
             "surface": surface,
             "body": asdict(self.body),
             "interface": asdict(self.interface) | {"laws": self.interface.laws},

@@ -107,6 +107,9 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     yield from _of_bodies(scene, grid)
     yield "topography" if scene.follows_topography else "smooth bodies", ("scene", "body")
     yield from _of_loading(scene, path)
+    for i, value in enumerate(grid.get("displacement", ())):
+        if value < 0.0:
+            yield "negative displacement", ("grid", "displacement", i)
     if "anisotropy" in grid:
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:

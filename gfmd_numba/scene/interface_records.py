@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, Signed, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, FrictionCoefficient, Signed, Size, broken_rule
 
 
 class HardWall(BaseModel):
@@ -85,12 +85,7 @@ class Friction(BaseModel):
     across_open_gap: ClassVar = False
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
-    coefficient: float = Field(
-        gt=0,
-        allow_inf_nan=True,
-        description="Tangential over normal traction at which a node slides; inf: it sticks where it touches",
-        json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
-    )
+    coefficient: FrictionCoefficient
 
 
 Law = HardWall | Exponential | Cohesive | Friction

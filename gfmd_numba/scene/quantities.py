@@ -44,6 +44,8 @@ REDUCED_PRESSURE = (
     "Mean pressure p/(g E*) (dimensionless), g the rms gradient asked for; that of measured heights is their own, "
     "and independent surfaces add up in squares"
 )
+RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
+PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
 ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
@@ -60,6 +62,15 @@ TimeStep = Annotated[
     ),
 ]
 Damping = Annotated[float, Field(ge=0, le=100)]
+FrictionCoefficient = Annotated[
+    float,
+    Field(
+        gt=0,
+        allow_inf_nan=True,
+        description="Tangential over normal traction at which a node slides; inf: it sticks where it touches",
+        json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
+    ),
+]
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

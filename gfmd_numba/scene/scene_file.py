@@ -77,15 +77,18 @@ def check_anisotropy_fits(
         )
 
 
-def check_range(document: Document, scene: Scene, nx: int) -> None:
-    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect."""
+def check_range(document: Document, scene: Scene, nx: int, location: Location | None = None) -> None:
+    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect.
+
+    `location` is where the length stands in the file, if not in the scene.
+    """
     spacing = (scene.length or 1.0) / nx
     reaching = {name: law for name, law in scene.interface.laws.items() if law.across_open_gap}
     for law, record in reaching.items():
         for name, value in record:
             if name != "work_of_adhesion" and value < spacing:
                 raise document.error(
-                    ("scene", "interface", law, name),
+                    location or ("scene", "interface", law, name),
                     value,
                     f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
                 )

@@ -11,6 +11,8 @@ from gfmd_numba.scene.document import MOST_LINES, Document, InputError, Location
 
 Record = TypeVar("Record", bound=BaseModel)
 
+_MOST_HOMES = 6  # of a key, that a message names
+
 
 def validate(document: Document, model: type[Record]) -> Record:
     """Record of a document's data; raises InputError with one line per fault."""
@@ -126,7 +128,9 @@ def _belongs(schema: dict[str, Any], location: Location) -> str:
     key, here = str(location[-1]), ".".join(map(str, location[:-1]))
     homes = [home for home, name in _keys(schema, schema, "") if name == key]
     homes = [home for home in homes if home.startswith(f"{here} with ")] or homes  # another kind of the same mapping
-    return f"'{key}' belongs to {' or '.join(home or 'the top level' for home in homes)}" if homes else ""
+    homes = list(dict.fromkeys(home.partition(" with model ")[0] for home in homes))
+    named = [home or "the top level" for home in homes[:_MOST_HOMES]] + ["others"] * (len(homes) > _MOST_HOMES)
+    return f"'{key}' belongs to {' or '.join(named)}" if homes else ""
 
 
 def _keys(schema: dict[str, Any], node: dict[str, Any], home: str) -> Iterator[tuple[str, str]]:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution, problem, solution, two_step
-from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, load_attributes
+from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed, load_attributes
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
@@ -96,7 +96,7 @@ def _joined(steps: list[xr.Dataset], path: list[tuple[Scene, float]]) -> xr.Data
     prescribed = [scene.loading.model_dump(exclude_none=True) | {"sliding": sliding} for scene, sliding in path]
     names = {"displacement": "punch_displacement"}  # the body's own has the short name
     attributes = load_attributes(path[0][0])
-    return joined.assign_coords(
+    return indexed(joined).assign_coords(
         {
             names.get(name, name): ("step", [each[name] for each in prescribed], attributes[names.get(name, name)])
             for name in prescribed[0]

@@ -5,7 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.campaign import COLOURS, STYLE, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
 
 _DEEPEST = 0.5  # of L_x: below, the waves have died out

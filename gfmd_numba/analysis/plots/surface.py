@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.campaign import COLOURS, STYLE, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 
 
 def plot_surface(dataset: xr.Dataset) -> Figure:

@@ -1,0 +1,82 @@
+"""The fit of a campaign as a dataset: the table of what it holds, and how each of it is called."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis.error_budget import SOURCES
+from gfmd_numba.analysis.selection import LIMITS, Group, axes
+
+_OF_THE_VARIABLE = "unit of the variable that is fitted"
+
+_UNITS_AND_NAMES = {
+    "kappa_tfc": (_OF_THE_VARIABLE, "extrapolated value in the thermodynamic, fractal and continuum limit"),
+    "kappa_tfc_error": (_OF_THE_VARIABLE, "bootstrap standard deviation"),
+    "kappa_tfc_low": (_OF_THE_VARIABLE, "lower end of the 90 % bootstrap interval"),
+    "kappa_tfc_high": (_OF_THE_VARIABLE, "upper end of the 90 % bootstrap interval"),
+    "C": (_OF_THE_VARIABLE, "coefficient of eps^alpha"),
+    "C_error": (_OF_THE_VARIABLE, "bootstrap standard deviation of the coefficient of eps^alpha"),
+    "alpha": ("1", "exponent"),
+    "alpha_error": ("1", "bootstrap standard deviation of the exponent"),
+    "correction": (_OF_THE_VARIABLE, "C eps^alpha at the reference discretisation"),
+    "correction_error": (_OF_THE_VARIABLE, "bootstrap standard deviation of the correction"),
+    "rms_residual": (_OF_THE_VARIABLE, "rms difference of case means and fit"),
+    "chi2": ("1", "sum of squared residuals weighted by the shrunk covariance"),
+    "fit_status": ("1", "ok, or refused where an exponent is not identified"),
+    "message": ("1", "what is to be known of the fit, a line for each thing"),
+    "reference": (_OF_THE_VARIABLE, "mean at the reference discretisation"),
+    "reference_error": (_OF_THE_VARIABLE, "standard error of the mean"),
+    "reference_eps": ("1", "reference discretisation"),
+    "n_cases": ("1", "cases fitted"),
+    "n_realisations": ("1", "realisations that are good in every case fitted"),
+    "n_excluded": ("1", "results left out: not finite or status not ok"),
+    "error_budget": (
+        _OF_THE_VARIABLE,
+        "error of kappa_tfc by exponents known to a range, sampling, and at most by the solver's residual",
+    ),
+    "seconds": ("s", "processor time of the cases fitted; groups that share a problem each count it"),
+    "group": ("1", "group of cases that differ only in discretisation"),
+    "limit": ("1", "discretisation that goes to 0"),
+    "source": ("1", "source of the error"),
+}
+
+
+def fit_dataset(
+    dataset: xr.Dataset, variable: str, groups: Sequence[Group], rows: Sequence[Mapping[str, Any]]
+) -> xr.Dataset:
+    """Dataset of a fit over `group`, `limit` and `source`, whose groups' parameters keep their attributes."""
+    estimate = np.array([row["estimate"] for row in rows]).reshape(len(rows), -1)
+    error = np.array([row["error"] for row in rows]).reshape(len(rows), -1)
+    variables: dict[str, Any] = {
+        "kappa_tfc": ("group", estimate[:, 0]),
+        "kappa_tfc_error": ("group", error[:, 0]),
+    }
+    for name in ("kappa_tfc_low", "kappa_tfc_high"):
+        variables[name] = ("group", [row[name] for row in rows])
+    for first, name in ((4, "C"), (7, "alpha"), (1, "correction")):
+        variables[name] = (("group", "limit"), estimate[:, first : first + 3])
+        variables[f"{name}_error"] = (("group", "limit"), error[:, first : first + 3])
+    for name in ("rms_residual", "chi2", "fit_status", "message"):
+        variables[name] = ("group", [row[name] for row in rows])
+    variables["reference"] = ("group", [group.reference_mean for group in groups])
+    variables["reference_error"] = ("group", [group.reference_error for group in groups])
+    levels = np.array([list(group.reference.values()) for group in groups]).reshape(len(groups), -1)
+    variables["reference_eps"] = (("group", "limit"), levels)
+    variables["n_cases"] = ("group", [group.n_cases for group in groups])
+    variables["n_realisations"] = ("group", [group.n_realisations for group in groups])
+    variables["n_excluded"] = ("group", [group.n_excluded for group in groups])
+    budget = np.array([row["budget"] for row in rows]).reshape(len(rows), -1)
+    variables["error_budget"] = (("group", "source"), budget)
+    variables["seconds"] = ("group", [group.seconds for group in groups])
+    parameters = {
+        name: ("group", [group.parameters[name] for group in groups], dataset[name].attrs) for name in axes(dataset)
+    }
+    result = xr.Dataset(
+        variables, {**parameters, "group": np.arange(len(groups)), "limit": list(LIMITS), "source": list(SOURCES)}
+    )
+    own_unit = dataset[variable].attrs.get("units", "1")
+    for name, (unit, long_name) in _UNITS_AND_NAMES.items():
+        result[name].attrs = {"long_name": long_name, "units": own_unit if unit == _OF_THE_VARIABLE else unit}
+    return result

@@ -1,0 +1,67 @@
+"""Figure of a single contact, drawn without pyplot so that no state is shared."""
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
+from gfmd_numba.analysis.selection import UnusableDataError
+
+
+def plot_contact(dataset: xr.Dataset) -> Figure:
+    """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps of gap and pressure.
+
+    Of a path of loadings the last one is drawn; UnusableDataError for a dataset without these fields.
+    """
+    if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
+        raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
+    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    if "y" in dataset.dims:
+        return _plot_map(dataset)
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    body = dataset["displacement"] + dataset.get("body_height", 0.0)
+    body.attrs = dataset["displacement"].attrs
+    punch = body + dataset["gap"]
+    above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
+    factor, unit = prefix(body, "L_x")
+    low, high = factor * body.values, factor * punch.values
+    pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
+    with mpl.rc_context(STYLE):
+        figure = Figure((9.0, 5.4), dpi=150, layout="constrained")
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
+        # valleys of the punch rise far above the contact: the view follows the body
+        span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
+        bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
+        above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label=above_it)
+        above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
+        above.plot(x, high, color="0.35", lw=1.0)
+        above.plot(x, low, color=COLOURS[0], lw=1.2)
+        above.set(ylabel=f"Height ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
+        below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
+        below.plot(x, pressure, color=COLOURS[1], lw=0.9)
+        below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
+        below.set(xlabel=x_label, ylabel=pressure_label)
+        if pressure.min() >= 0:
+            below.set_ylim(bottom=0)
+        handles = [*above.get_legend_handles_labels()[0], *below.get_legend_handles_labels()[0]]
+        figure.legend(handles=handles, loc="outside upper right", ncols=3)
+    return figure
+
+
+def _plot_map(dataset: xr.Dataset) -> Figure:
+    """Gap and pressure over the interface, as far as most of either goes."""
+    (x, x_label), (y, y_label) = (scaled(dataset[dim], f"Position ${dim}$", "L_x") for dim in ("x", "y"))
+    with mpl.rc_context(STYLE):
+        figure = Figure((9.6, 4.4), dpi=150, layout="constrained")
+        drawn = (("gap", "Gap", "L_x", "Blues_r"), ("pressure", "Pressure $p$", "E^*", "inferno"))
+        for axis, (name, text, natural, colours) in zip(figure.subplots(1, 2, sharey=True), drawn, strict=True):
+            values, label = scaled(dataset[name], text, natural)
+            most = float(np.quantile(values[values > 0.0], 0.98)) if (values > 0.0).any() else None
+            mesh = axis.imshow(
+                values, colours, origin="lower", vmin=0.0, vmax=most, extent=(0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
+            )
+            axis.set(xlabel=x_label)
+            figure.colorbar(mesh, ax=axis, label=label, extend="max", shrink=0.9)
+        figure.axes[0].set(ylabel=y_label)
+    return figure

@@ -1,0 +1,51 @@
+"""What all figures share: colours, fonts, and values in the SI prefix that suits them."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+# Okabe and Ito: told apart with any colour vision
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+STYLE: dict[Any, Any] = {
+    "font.size": 11,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
+_PREFIXES = (
+    (1e9, "G"),
+    (1e6, "M"),
+    (1e3, "k"),
+    (1.0, ""),
+    (1e-3, "m"),
+    (1e-6, "µ"),
+    (1e-9, "n"),
+    (1e-12, "p"),
+)
+
+
+def with_unit(text: str, variable: xr.DataArray) -> str:
+    """Text with the unit of a variable behind it."""
+    unit = variable.attrs.get("units", "1")
+    return text if unit == "1" else f"{text} ({unit})"
+
+
+def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[NDArray[np.float64], str]:
+    """Values in the SI prefix that suits them, and their label; `natural` stands for the unit 1."""
+    factor, unit = prefix(variable, natural)
+    return factor * variable.values, f"{text} ({unit})"
+
+
+def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
+    """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1."""
+    unit = variable.attrs.get("units", "1")
+    largest = float(abs(variable).max())
+    if unit == "1":
+        power = int(np.floor(np.log10(largest))) if largest else 0
+        return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
+    if unit not in ("m", "Pa"):
+        return 1.0, unit
+    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
+    return 1 / scale, letter + unit

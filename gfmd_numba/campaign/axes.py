@@ -1,0 +1,171 @@
+"""The one table of axes: what a campaign's grid may vary, where it stands in a scene, and what it is called.
+
+To add an axis, add its row. This is pure data and records: importing it compiles nothing.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from operator import attrgetter
+from typing import Any
+
+from pydantic import BaseModel
+
+from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene.quantities import (
+    PUNCH_DISPLACEMENT,
+    REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
+    Anisotropy,
+    AspectRatio,
+    EpsC,
+    EpsF,
+    EpsT,
+    FrictionCoefficient,
+    Hurst,
+    PoissonsRatio,
+    ReducedPressure,
+    RmsGradient,
+    Signed,
+    Size,
+)
+
+Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter of a grid: its key, the type of its values, and the place in the scene that they are put in.
+
+    `place` is empty for a discretisation, which stands beside the scene. `symbol` heads a column on the terminal,
+    `label` is its TeX. `unit` is a kind of unit, as a scene's units are named by. Cases that differ in an axis that
+    `forms_groups` are different physics, and never enter one fit. `coordinate_name` is its name in the dataset where
+    that is not its key.
+    """
+
+    name: str
+    type: Any
+    place: Place
+    symbol: str
+    label: str
+    long_name: str
+    unit: str = "1"
+    forms_groups: bool = True
+    coordinate_name: str = ""
+
+    @property
+    def coordinate(self) -> str:
+        """Name of its coordinate in the dataset."""
+        return self.coordinate_name or self.name
+
+    @cached_property
+    def _found(self) -> Callable[[Any], Any]:
+        return attrgetter(".".join(self.place or (self.name,)))
+
+    def value(self, scene: Scene, discretisation: Discretisation) -> float | None:
+        """Value of a case; None if the scene has no such parameter."""
+        try:
+            found: float | None = self._found(scene if self.place else discretisation)
+        except AttributeError:
+            return None
+        return found
+
+
+AXES = (
+    Axis("hurst", Hurst, ("roughness", "hurst"), "H", "$H$", "Hurst exponent"),
+    Axis("poissons_ratio", PoissonsRatio, ("body", "poissons_ratio"), "nu", r"$\nu$", "Poisson's ratio of the body"),
+    Axis("aspect_ratio", AspectRatio, ("body", "aspect_ratio"), "a", "$a$", "thickness of the body over the period"),
+    Axis(
+        "reduced_pressure",
+        ReducedPressure,
+        ("loading", "reduced_pressure"),
+        "p*",
+        r"$\bar{p}^*$",
+        REDUCED_PRESSURE,
+    ),
+    Axis(
+        "rms_gradient",
+        RmsGradient,
+        ("roughness", "rms_gradient"),
+        "g",
+        r"$\bar{g}$",
+        RMS_GRADIENT_TARGET,
+        coordinate_name="rms_gradient_target",
+    ),
+    Axis(
+        "anisotropy",
+        Anisotropy,
+        ("roughness", "anisotropy"),
+        "gamma",
+        r"$\gamma$",
+        "correlation length of a map, y over x",
+    ),
+    Axis(
+        "displacement",
+        Signed,
+        ("loading", "displacement"),
+        "d",
+        "$d$",
+        PUNCH_DISPLACEMENT,
+        "height",
+        coordinate_name="punch_displacement",
+    ),
+    Axis(
+        "friction_coefficient",
+        FrictionCoefficient,
+        ("interface", "friction", "coefficient"),
+        "mu",
+        r"$\mu$",
+        "tangential over normal traction at which a node slides",
+    ),
+    Axis(
+        "work_of_adhesion",
+        Signed,
+        ("interface", "exponential", "work_of_adhesion"),
+        "w",
+        r"$\Delta\gamma$",
+        "energy per area of the exponential law at zero gap, above 0 attractive",
+        "energy",
+    ),
+    Axis(
+        "interaction_range",
+        Size,
+        ("interface", "exponential", "range"),
+        "z_r",
+        "$z_r$",
+        "range of the exponential law",
+        "height",
+    ),
+    Axis("eps_c", EpsC, (), "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", forms_groups=False),
+    Axis("eps_f", EpsF, (), "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", forms_groups=False),
+    Axis("eps_t", EpsT, (), "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", forms_groups=False),
+)
+OF_THE_SCENE = tuple(axis for axis in AXES if axis.place)
+DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.place)
+
+
+def present(scene: Scene, discretisation: Discretisation) -> tuple[Axis, ...]:
+    """Axes that a case has a value on, as have all cases of its campaign."""
+    return tuple(axis for axis in AXES if axis.value(scene, discretisation) is not None)
+
+
+def with_values(scene: Scene, values: Mapping[Place, float]) -> Scene:
+    """Scene with other values in some places, whose records it has."""
+    return scene.model_copy(update=_updates(scene, values))
+
+
+def _updates(record: BaseModel, values: Mapping[Place, float]) -> dict[str, Any]:
+    inner: dict[str, list[tuple[Place, float]]] = {}
+    update: dict[str, Any] = {}
+    for (name, *rest), value in values.items():
+        if rest:
+            inner.setdefault(name, []).append((tuple(rest), value))
+        else:
+            update[name] = value
+    return update | {name: _part(getattr(record, name), tuple(given)) for name, given in inner.items()}
+
+
+@lru_cache(maxsize=4096)
+def _part(part: BaseModel, values: tuple[tuple[Place, float], ...]) -> BaseModel:
+    """Part of a scene with other values; equal parts of many cases are one record."""
+    return part.model_copy(update=_updates(part, dict(values)))

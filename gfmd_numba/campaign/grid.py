@@ -1,0 +1,83 @@
+"""The grid of a campaign: values of the axes taken as a full product, each checked as the scene itself is."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
+
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, with_values
+from gfmd_numba.scene import Document, Scene
+from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.quantities import RECORD, broken_rule
+
+Value = TypeVar("Value")
+
+
+def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    seen = set()
+    for i, value in enumerate(values):
+        if value in seen:
+            raise broken_rule((i,), "each value once")
+        seen.add(value)
+    return values
+
+
+Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
+
+
+def _fields() -> dict[str, Any]:
+    of_any: Any = Values
+    return {axis.name: (of_any[axis.type] | None, Field(None, description=axis.long_name)) for axis in AXES}
+
+
+if TYPE_CHECKING:
+    Grid = BaseModel  # the fields are those of the table
+else:
+    Grid = create_model(
+        "Grid",
+        __config__=RECORD,
+        __doc__="Parameters taken as a full product, each in place of the scene's or reference's value.",
+        **_fields(),
+    )
+
+
+def values_of(grid: Grid, axis: str) -> tuple[float, ...] | None:
+    """Values that a grid gives to an axis, or None."""
+    given: tuple[float, ...] | None = getattr(grid, axis)
+    return given
+
+
+def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
+    """The scene with each single value of a grid in its place: its axis, where it stands in the file, the scene."""
+    for axis in OF_THE_SCENE:
+        for i, value in enumerate(values_of(grid, axis.name) or ()):
+            yield axis, ("grid", axis.name, i), with_values(scene, {axis.place: value})
+
+
+def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
+    """Raise InputError for values of a parameter that a scene has not, or that break a rule of the scene."""
+    for axis in OF_THE_SCENE:
+        at = ("grid", axis.name)
+        if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
+            raise document.error(at, document.value(at), lack)
+    for _, location, varied in varied_scenes(scene, grid):
+        try:
+            Scene.model_validate(varied.model_dump())
+        except ValidationError as error:
+            fault = error.errors(include_url=False)[0]
+            allowed = fault.get("ctx", {}).get("allowed", fault["msg"])
+            raise document.error(location, document.value(location), allowed) from None
+
+
+def _lack(scene: Scene, axis: Axis) -> str:
+    """What is allowed in place of the values of an axis that a scene has no parameter for; nothing if it has one."""
+    record: Any = scene
+    for name in axis.place[:-1]:
+        record = getattr(record, name, None)
+    *parts, key = axis.place
+    if key not in getattr(type(record), "model_fields", ()):
+        home = ".".join(("scene", *parts))
+        return f"nothing without {home}.{key}: add `{key}` to {home}, in place of which the values are taken"
+    if record is scene.loading and getattr(record, key) is None:
+        return f"nothing, as the loading is a {next(name for name, value in scene.loading if value is not None)}"
+    return ""

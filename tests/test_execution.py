@@ -32,10 +32,9 @@ class Poison:
 
     kind: str
     nx: int = 64
-    dimension: int = 1
+    shape: tuple = (64,)
 
-    @property
-    def hurst(self):
+    def heights(self, realisations):
         if self.kind == "segfault":
             os.kill(os.getpid(), signal.SIGSEGV)
         if self.kind == "freeze":
@@ -87,7 +86,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
 
 
 def test_poison_in_this_process(tmp_path, sound, monkeypatch):
-    monkeypatch.setattr(Poison, "hurst", property(lambda self: time.sleep(60)))
+    monkeypatch.setattr(Poison, "heights", lambda self, realisations: time.sleep(60))
     bad = poisoned(sound[0][0].problem, ["endless"])
     failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
     assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}

@@ -15,8 +15,7 @@ from gfmd_numba.cli.sentences import say, say_command
 
 STEPS = "path: [{reduced_pressure: 0.12345678}, {reduced_pressure: 0.05, sliding: 1.2345678e-7}]\n"
 SURFACE = """
-surface: {method: psd, spectrum: {model: exponential, hurst: 0.8, correlation_length: 0.05}, rms_height: 0.01}
-points: 256
+surface: {method: psd, model: exponential, hurst: 0.8, correlation_length: 0.05, rms_height: 0.01, points: 256}
 """
 COMMANDS = """
 accuracy campaign.yaml --realisations=2

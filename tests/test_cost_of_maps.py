@@ -39,7 +39,7 @@ def machine(tmp_path, monkeypatch):
 
 
 def seconds(problem):
-    return true_seconds(problem) * problem.surface.anisotropy**0.7
+    return true_seconds(problem) * problem.surface.generator.anisotropy**0.7
 
 
 def maps(folder, grid):
@@ -71,7 +71,8 @@ def test_how_time_goes_with_anisotropy_is_learnt(tmp_path, machine):
     planned = maps(tmp_path, ANISOTROPIC)
     found = predicted(planned)
     slow, fast = (
-        sum(found.seconds[p.identity] for p in planned.problems if p.surface.anisotropy == gamma) for gamma in (4, 1)
+        sum(found.seconds[p.identity] for p in planned.problems if p.surface.generator.anisotropy == gamma)
+        for gamma in (4, 1)
     )
     assert slow / fast == pytest.approx(4**0.7, rel=0.3)
 
@@ -81,8 +82,8 @@ def test_a_map_has_the_same_physics_on_a_smaller_grid(tmp_path):
     for problem in maps(tmp_path, ANISOTROPIC).problems:
         surface = problem.surface
         for smaller in cost._smaller(problem):
-            reduced = smaller.surface
-            assert 64 <= reduced.nx < surface.nx
-            assert reduced.anisotropy <= reduced.cut_on_index <= reduced.cut_off_index <= reduced.nx // 2
-            assert reduced.nx / reduced.cut_off_index == pytest.approx(surface.nx / surface.cut_off_index, rel=0.1)
+            nx, waves = smaller.surface.nx, smaller.surface.generator
+            assert 64 <= nx < surface.nx
+            assert waves.anisotropy <= waves.cut_on_index <= waves.cut_off_index <= nx // 2
+            assert nx / waves.cut_off_index == pytest.approx(surface.nx / surface.generator.cut_off_index, rel=0.1)
             assert (smaller.body, smaller.mean_pressure) == (problem.body, problem.mean_pressure)

@@ -36,7 +36,8 @@ class ActiveSetNewton(PressureIterate):
     half-space, the contact of exact solutions shrinks towards that of the equilibrium. The linear problems are
     solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles, they take some
     transforms whatever the grid; on maps, by near and far field, a few more for each doubling of nx. The first guess
-    comes from the waves that a coarser grid holds.
+    comes from the waves that a coarser grid holds. The run ends when `equilibrium.py` finds the residual small enough,
+    not when the contact stops changing.
     """
 
     check_every = 1

@@ -6,7 +6,6 @@ the series in inverse powers of q has more than enough digits.
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.special import gammaln, hankel1
 
 from gfmd_numba.arrays import Reals
@@ -39,6 +38,8 @@ def _tabulated(q: Reals, alpha: float, dimension: int) -> Reals:
         count = 4 + int(_TABLE * np.log10(high / low))
     if positive.size == 0 or positive.size <= count:
         return _near(q, alpha, dimension)
+    from scipy.interpolate import CubicSpline  # it takes longer to import than most contacts to solve
+
     table = np.geomspace(low, high, count)
     spline = CubicSpline(np.log(table), np.log(_near(table, alpha, dimension)))
     found = np.full_like(q, _near(np.zeros(1), alpha, dimension)[0])

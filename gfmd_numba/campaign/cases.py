@@ -9,7 +9,8 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
-from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.scene import Discretisation, InputError, Scene
 from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
@@ -56,11 +57,20 @@ def expand(campaign: Campaign) -> list[Case]:
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
         for discretisation, limit, realisations in discretisations:
-            surface, rms_gradient = random_surface(scene, discretisation, campaign.seed)
+            surface, rms_gradient = _surface(scene, discretisation, campaign.seed)
             problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
             own = discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx)
             cases.append(Case(scene, own, limit, realisations, problem, effects, rms_gradient))
     return cases
+
+
+def _surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> tuple[RandomSurface, float]:
+    try:
+        return random_surface(scene, discretisation, seed)
+    except ValueError as error:
+        assert scene.roughness is not None  # a campaign's promise
+        given = f"method {scene.roughness.method}"
+        raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

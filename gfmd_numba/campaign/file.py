@@ -15,8 +15,8 @@ from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
-from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range
-from gfmd_numba.scene.surfaces import Measured
+from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
+from gfmd_numba.scene.surfaces import Measured, misfit
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
@@ -182,11 +182,17 @@ class Campaign(BaseModel):
             if self.reference is None and (getattr(self.limits, axis) or getattr(self.grid, axis)):
                 where = "limits" if getattr(self.limits, axis) else "grid"
                 raise broken_rule((where, axis), "nothing, as the surface has points and lengths of its own")
+            if self.reference is None and getattr(self.realisations, axis) is not None:
+                raise broken_rule(("realisations", axis), "nothing, as the surface has points and lengths of its own")
             if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
                 raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
             counts, levels = getattr(self.realisations, axis), getattr(self.limits, axis) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
+        for place, surface in self.scene.surfaces.items():
+            wrong = misfit(surface, self.scene.length or 1.0)
+            if wrong is not None:
+                raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         return self
 
 
@@ -205,8 +211,10 @@ def load_campaign(source: Source) -> tuple[Campaign, Document]:
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
     anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
+    check_surfaces(document, campaign.scene)
     for discretisation, locations, limit, _ in campaign.discretisations():
         if discretisation is None:
+            _check_own_waves(document, campaign, anisotropies, ranges)
             break
         for anisotropy, location in anisotropies:
             check_anisotropy_fits(document, anisotropy, location, discretisation)
@@ -214,6 +222,24 @@ def load_campaign(source: Source) -> tuple[Campaign, Document]:
         for scene, place in ranges:
             check_range(document, scene, discretisation.nx, place)
     return campaign, document
+
+
+def _check_own_waves(
+    document: Document,
+    campaign: Campaign,
+    anisotropies: list[tuple[float, Location]],
+    ranges: list[tuple[Scene, Location | None]],
+) -> None:
+    """Raise InputError for what a grid varies and a surface with points of its own cannot have."""
+    surface = campaign.scene.roughness
+    assert surface is not None  # the combinations' promise
+    for anisotropy, location in anisotropies:
+        wrong = misfit(surface.model_copy(update={"anisotropy": anisotropy}), campaign.scene.length or 1.0)
+        if wrong is not None:
+            raise document.error(location, anisotropy, wrong[1])
+    for scene, place in ranges:
+        if surface.points is not None:
+            check_range(document, scene, surface.points, place)
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:

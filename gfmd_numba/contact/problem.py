@@ -82,7 +82,9 @@ class Problem:
         surface = asdict(self.surface)
         surface.pop("heights", None)
         if isinstance(self.surface, RandomSurface):
-            surface["method"] = type(self.surface.generator).__name__
+            surface["generator"] = repr(
+                self.surface.generator
+            )  # with the names of classes, which differ in nothing else
         content = {
             "results_version": results_version(),
             "surface": surface,

@@ -53,6 +53,13 @@ def check_discretisation(
         )
 
 
+def check_surfaces(document: Document, scene: Scene) -> None:
+    """Raise InputError for surfaces whose own points do not fit in memory."""
+    for place, surface in scene.surfaces.items():
+        if surface.points is not None:
+            _check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
+
+
 def _check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
     import psutil
 
@@ -108,9 +115,9 @@ def load_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> SceneFile:
             location = ("scene", "roughness", "anisotropy")
             check_anisotropy_fits(document, anisotropy, location, scene_file.discretisation)
     scene = scene_file.scene
-    for place, surface in scene.surfaces.items():
+    check_surfaces(document, scene)
+    for surface in scene.surfaces.values():
         if surface.points is not None:
-            _check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
             check_range(document, scene, surface.points)
     located: dict[str, object] = {"roughness": _located(document, ("scene", "roughness"), scene.roughness)}
     for name in ("body", "counter_body"):

@@ -216,4 +216,15 @@ def misfit(surface: Surface, period: float) -> tuple[str, str] | None:
     roll_off = surface.roll_off if isinstance(surface, OF_WAVELENGTHS) else None
     if roll_off is not None and roll_off > period * (1 + 1e-9):
         return "roll_off", f"at most the period {period:g}"
+    if surface.cut_on is not None and int(period / surface.cut_on * (1 + 1e-9)) < period / (roll_off or period) * (
+        1 - 1e-9
+    ):
+        return (
+            "cut_on",
+            f"a wavelength so short that a whole number of waves fits the period {period:g} with it or less",
+        )
+    anisotropy = surface.anisotropy if isinstance(surface, SelfAffine) else None
+    if anisotropy is not None and roll_off is not None and anisotropy > period / roll_off * (1 + 1e-9):
+        most = f"at most the period over roll_off = {period / roll_off:.6g}"
+        return "anisotropy", f"{most}, so that the longest wavelength along y fits the period"
     return None

@@ -13,7 +13,7 @@ import yaml
 
 from gfmd_numba.scene import InputError
 
-MANY, FEW = 3000, 60  # of each kind
+MANY, FEW = 500, 60  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 

@@ -45,6 +45,15 @@ print(ours.pyfftw is pyfftw)"""
     assert python(script) == "True\n"
 
 
+def test_help_loads_no_records_and_no_arrays():
+    script = (
+        "import sys; from gfmd_numba.cli import main\n"
+        "try: main(['--help'])\n"
+        "finally: print([name for name in ('numpy', 'pydantic', 'yaml', 'xarray') if name in sys.modules])"
+    )
+    assert python(script).endswith("[]\n")
+
+
 def test_solve_loads_no_cluster_no_pictures_and_no_statistics(tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE)
     names = (

@@ -9,8 +9,8 @@ from test_cli import SCENE, gfmd
 
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.scene import InputError, load_scene, read_document
-from gfmd_numba.scene.printable import printable
 from gfmd_numba.scene.surface_file import load_surface
+from gfmd_numba.text.printable import printable
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202e\u2066\u2028\r\nb"
 HARMLESS = re.compile(r"[^\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]*")

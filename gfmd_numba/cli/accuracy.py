@@ -18,7 +18,7 @@ from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.work_precision import Point
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 
 @main.command()

@@ -15,7 +15,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say, say_command
 from gfmd_numba.cli.tables import duration, endings, show_fit, show_means, show_target
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr

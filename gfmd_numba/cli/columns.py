@@ -8,7 +8,7 @@ from textwrap import wrap
 import click
 
 from gfmd_numba.cli.sentences import COLUMNS, say
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 _GAP = "  "
 _WIDEST_HEADING = 10

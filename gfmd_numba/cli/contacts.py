@@ -17,7 +17,7 @@ from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,7 +22,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit, show_target
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ from typing import Any, TextIO
 import click
 
 from gfmd_numba.cli.streams import UntoldError, drop_output, open_streams
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 

@@ -12,7 +12,7 @@ from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 
 @main.command()

@@ -6,7 +6,7 @@ from textwrap import wrap
 
 import click
 
-from gfmd_numba.scene.printable import printable
+from gfmd_numba.text.printable import printable
 
 COLUMNS = 80
 

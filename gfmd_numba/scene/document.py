@@ -10,8 +10,8 @@ from typing import Any
 
 import yaml
 
-from gfmd_numba.scene.printable import printable
 from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
+from gfmd_numba.text.printable import printable
 
 Location = tuple[str | int, ...]
 

@@ -1,0 +1,1 @@
+"""Text that leaves the program: what users and their files wrote, made harmless."""

@@ -82,9 +82,8 @@ class Problem:
         surface = asdict(self.surface)
         surface.pop("heights", None)
         if isinstance(self.surface, RandomSurface):
-            surface["generator"] = repr(
-                self.surface.generator
-            )  # with the names of classes, which differ in nothing else
+            # its text names the classes: models with equal numbers differ in nothing else
+            surface["generator"] = repr(self.surface.generator)
         content = {
             "results_version": results_version(),
             "surface": surface,

@@ -81,7 +81,7 @@ class Surface:
 
 def two_step(case, order):
     """Surface `[NX]`, what was solved, and the flat body's surface."""
-    profile, gradient = problem.profile(case.topography)
+    profile, gradient = problem.given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     pressed = rough_bodies.solve(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order)
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses

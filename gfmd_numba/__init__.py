@@ -2,57 +2,76 @@
 
 from __future__ import annotations
 
+import os
 import warnings
-from collections.abc import Mapping
-from os import PathLike
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
+
+from gfmd_numba.text.input_error import InputError, brief
 
 if TYPE_CHECKING:
     import xarray as xr
     from dask.distributed import Client
     from numpy.typing import ArrayLike
 
+    from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
+    from gfmd_numba.scene.surface_file import SurfaceFile
 
-__all__ = ["body_fields", "contact_statistics", "fit_tfc", "make_surface", "open_campaign", "run", "solve"]
+__version__ = "0.1.0"
+__all__ = [
+    "InputError",
+    "__version__",
+    "body_fields",
+    "contact_statistics",
+    "fit_tfc",
+    "make_surface",
+    "open_campaign",
+    "run",
+    "solve",
+]
 
 
 def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> xr.Dataset:
-    """Solve one contact or loaded body: a file, mapping or record in, fields over x and scalars out (SI units)."""
-    from gfmd_numba.scene import BoundaryFile, SceneFile, has_no_punch
+    """Solve one contact or loaded body: a file, mapping or record in, fields over x and scalars out (SI units).
 
-    if isinstance(scene, BoundaryFile) or (not isinstance(scene, SceneFile) and has_no_punch(scene)):
-        from gfmd_numba.simulate.loaded_body import solve_loaded
+    Raises InputError for a scene that makes no sense. A run that fails says so in `status`.
+    """
+    from gfmd_numba import simulate
+    from gfmd_numba.scene import load_scene
 
-        return solve_loaded(scene)
-    from gfmd_numba.simulate.contact import solve_scene
-
-    return solve_scene(scene)
+    return simulate.solve(*load_scene(scene))
 
 
-def body_fields(contact: xr.Dataset, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:
+def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:
     """Displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
 
-    z counts from its surface, negative inside; without z, 101 levels down to the base. Raises InputError for z outside.
+    `contact` is what `solve` returns, or the path of its netCDF file. `z` counts from the body's surface, negative
+    inside, in the unit of x; without it, 101 levels down to the base. Raises InputError for z outside.
     """
     from gfmd_numba.simulate.fields import body_fields as fields_of
 
-    _check_dataset("contact", contact, "solve")
-    return fields_of(contact, z, body)
+    return fields_of(_dataset("contact", contact, "solve"), z, body)
 
 
-def make_surface(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
-    """Make one rough surface: a surface file or mapping in, heights and statistics beside theory out (m or L_x)."""
+def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Dataset:
+    """Make one rough surface: a file, mapping or record in, heights and statistics beside theory out (m or L_x).
+
+    Raises InputError for a description that makes no sense, or a measured file that cannot be used.
+    """
+    from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
 
-    return surface_dataset(source)
+    return surface_dataset(*load_surface(surface))
 
 
 def run(
-    campaign: str | Path | Mapping[str, Any], output: str | Path | None = None, workers: int | Client = 0
+    campaign: str | Path | Mapping[str, Any] | Campaign,
+    output: str | Path | None = None,
+    workers: int | Client = 0,
 ) -> xr.Dataset:
-    """Run or resume a campaign, a file or a mapping of its keys, and open its results; raises InputError.
+    """Run or resume a campaign, a file, mapping or record, and open its results; raises InputError.
 
     The output directory is by default named after the campaign. `workers` above 0 are local processes; as they import
     the calling script, the call must then stand under `if __name__ == "__main__":`. A dask client has its cluster do
@@ -60,9 +79,8 @@ def run(
     """
     from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
-    from gfmd_numba.scene import InputError
 
-    if not (output is None or isinstance(output, str | PathLike)):
+    if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError(f"output: given {output!r:.60}; allowed: the path of a directory")
     results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     if results.attrs.get("validity"):
@@ -72,37 +90,52 @@ def run(
 
 def open_campaign(path: str | Path) -> xr.Dataset:
     """Results of a campaign, from its netCDF file or its output directory; raises InputError."""
-    import os
-
     from gfmd_numba.campaign.results import read_results
-    from gfmd_numba.scene.document import InputError, brief
 
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path: given {brief(path)}; allowed: a netCDF file, or the output directory of a campaign")
     return read_results(Path(path))
 
 
-def fit_tfc(dataset: xr.Dataset, **options: Any) -> xr.Dataset:
-    """Fit kappa to its thermodynamic-fractal-continuum limit; options as in `gfmd_numba.analysis.fit_tfc`."""
+def fit_tfc(
+    dataset: xr.Dataset | str | Path,
+    variable: Literal["kappa", "kappa_counted", "kappa_r"] = "kappa",
+    exponents: Literal["shared", "free"] = "shared",
+    fixed: Mapping[str, float | Sequence[float]] | None = None,
+    omit_nyquist: bool = True,
+    bootstrap: int = 400,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Fit kappa of a campaign, its dataset or the path of its results, to the thermodynamic-fractal-continuum limit.
+
+    `exponents` are shared by all groups of cases or free in each; `fixed` holds known ones, like
+    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. Errors come from `bootstrap` paired resamples, drawn with `seed`. The
+    dataset is that of `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no sense.
+    """
     from gfmd_numba.analysis import fit_tfc as fit
 
-    _check_dataset("dataset", dataset, "open_campaign")
-    return fit(dataset, **options)
+    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist, bootstrap, seed)
 
 
-def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
-    """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory."""
+def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+    """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
     from gfmd_numba.analysis import contact_statistics as statistics
 
-    _check_dataset("dataset", dataset, "solve")
-    return statistics(dataset)
+    return statistics(_dataset("dataset", dataset, "solve"))
 
 
-def _check_dataset(name: str, given: object, maker: str) -> None:
-    """Raise InputError, by the argument's name, unless a dataset is given."""
+def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:
+    """Dataset of a path, or as it is given; raises InputError, by the argument's name, for anything else."""
     import xarray as xr
 
-    from gfmd_numba.scene.document import InputError, brief
+    if isinstance(given, str | os.PathLike):
+        from gfmd_numba.campaign.results import read_results
 
+        return read_results(Path(given))
     if not isinstance(given, xr.Dataset):
-        raise InputError(f"{name}: given {brief(given)}; allowed: an xarray.Dataset, as gfmd_numba.{maker} returns")
+        allowed = f"an xarray.Dataset, as gfmd_numba.{maker} returns, or the path of a netCDF file"
+        raise InputError(f"{name}: given {brief(given)}; allowed: {allowed}")
+    return given

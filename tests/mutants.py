@@ -7,15 +7,13 @@ import numpy as np
 import xarray as xr
 from alterations import SIZES, changed_bytes, changed_number, changed_text, changed_value
 
+import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.evaluation import measure
-from gfmd_numba.scene import has_no_punch, load_boundary, load_scene
+from gfmd_numba.scene import BoundaryFile, load_scene
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.simulate.contact import solve_scene
-from gfmd_numba.simulate.loaded_body import solve_loaded
-from gfmd_numba.simulate.surface import surface_dataset
 
 MOST_NODES, MOST_STEPS = 300, 60
 
@@ -161,7 +159,7 @@ def use(kind, path):
     if is_surface:
         file = load_surface(path)[0]
         if (file.surface.points or 1) ** (file.dimension or 1) <= 32 * MOST_NODES:
-            surface_dataset(path)
+            gfmd_numba.make_surface(path)
     elif kind == "campaign":
         campaign = load_campaign(path)[0]
         if campaign.n_cases <= 50:
@@ -169,16 +167,17 @@ def use(kind, path):
             if problem.surface.nodes <= MOST_NODES:
                 numerics = replace(problem.numerics, max_iterations=MOST_STEPS)
                 measure(solution.solve(replace(problem, numerics=numerics), range(1)))
-    elif has_no_punch(path):
-        loaded = load_boundary(path)[0]
-        if (loaded.points or 1) <= MOST_NODES:
-            solve_loaded(_quick(loaded))
     else:
-        file = load_scene(path)
-        if (file.discretisation is None or file.discretisation.nx**file.scene.dimension <= MOST_NODES) and len(
-            file.path
-        ) < 5:
-            assert_honest(solve_scene(_quick(file)))
+        file = load_scene(path)[0]
+        if isinstance(file, BoundaryFile):
+            if (file.points or 1) <= MOST_NODES:
+                gfmd_numba.solve(_quick(file))
+        elif _nodes(file) <= MOST_NODES and len(file.path) < 5:
+            assert_honest(gfmd_numba.solve(_quick(file)))
+
+
+def _nodes(file):
+    return 1 if file.discretisation is None else file.discretisation.nx**file.scene.dimension
 
 
 def assert_honest(found):

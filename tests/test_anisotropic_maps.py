@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
+import gfmd_numba
 from gfmd_numba import fit_tfc, run
 from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import contact_area, solution
-from gfmd_numba.contact.problem import Problem, profile, random_surface
+from gfmd_numba.contact.problem import Problem, given_surface, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
-from gfmd_numba.scene import Discretisation, InputError, Scene
-from gfmd_numba.simulate import contact as single
+from gfmd_numba.scene import Discretisation, InputError, Scene, load_scene
 from gfmd_numba.solvers.options import Options
 
 WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}
@@ -84,7 +84,7 @@ def test_ridges_along_y_are_pressed_like_the_profile_across_them():
     waves = SelfAffineWaves(hurst=0.5, cut_on_index=8, cut_off_index=32, anisotropy=1e3)
     ridges = pressed(RandomSurface(waves, nx=80, seed=3, dimension=2))
     assert np.ptp(ridges.heights, axis=1).max() < 1e-15
-    across = pressed(profile(ridges.heights[0, 0])[0])
+    across = pressed(given_surface(ridges.heights[0, 0])[0])
     for area in (contact_area.contact_area_fraction_counted, contact_area.contact_area_fraction):
         assert area(ridges)[0] == pytest.approx(area(across)[0], rel=1e-12)
 
@@ -116,9 +116,9 @@ grid: {anisotropy: [1, 4]}
 @pytest.mark.parametrize(
     ("load", "text", "old", "new", "fault"),
     [
-        (single.solve_scene, SCENE, "dimension: 2", "dimension: 1", "roughness.anisotropy: given 2; allowed: nothing"),
-        (single.load_scene, SCENE, "anisotropy: 2", "anisotropy: 1/2", "anisotropy: given 0.5; allowed: a finite"),
-        (single.load_scene, SCENE, "anisotropy: 2", "anisotropy: 5", "given 5.0; allowed: at most 1/eps_t = 4"),
+        (gfmd_numba.solve, SCENE, "dimension: 2", "dimension: 1", "roughness.anisotropy: given 2; allowed: nothing"),
+        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 1/2", "anisotropy: given 0.5; allowed: a finite"),
+        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 5", "given 5.0; allowed: at most 1/eps_t = 4"),
         (load_campaign, CAMPAIGN, "dimension: 2", "dimension: 1", "grid.anisotropy: given [1, 4]; allowed: nothing"),
         (load_campaign, CAMPAIGN, "[1, 4]", "[1, 8]", "grid.anisotropy[1]: given 8.0; allowed: at most 1/eps_t = 4"),
         (

@@ -6,7 +6,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.scene import InputError, SceneFile, load_scene, read_document, scene_document
+from gfmd_numba.scene import InputError, SceneFile, load_scene, read_document
 
 SCENE = """\
 scene:
@@ -49,8 +49,8 @@ WHOLE = "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps
 
 def load_checked(path):
     """Read a scene file as `gfmd check` does."""
-    file = load_scene(path)
-    check_combination(scene_document(path), file.scene, file.numerics, file.path)
+    file, document = load_scene(path)
+    check_combination(document, file.scene, file.numerics, file.path)
 
 
 def complaint(folder, load, text, name="bad.yaml"):
@@ -398,7 +398,7 @@ def test_mapping_with_a_number_as_a_key():
 def test_record_is_checked_too(tmp_path):
     path = tmp_path / "good.yaml"
     path.write_text(SCENE)
-    good = load_scene(path)
+    good = load_scene(path)[0]
     bad = SceneFile.model_validate({**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}})
     with pytest.raises(InputError, match=r"^discretisation\.eps_t: given 0\.3; .*; did you mean 1/3\?$"):
         load_scene(bad)
@@ -412,7 +412,7 @@ def test_incompressible_body_under_displacement_with_verlet(tmp_path):
         "'auto' under loading.displacement at poissons_ratio 0.5"
     )
     (tmp_path / "good.yaml").write_text(changed(text, "poissons_ratio: 0.5", "poissons_ratio: 0.499"))
-    assert load_scene(tmp_path / "good.yaml").scene.body.poissons_ratio == 0.499
+    assert load_scene(tmp_path / "good.yaml")[0].scene.body.poissons_ratio == 0.499
 
 
 def test_nx_too_large(tmp_path, monkeypatch):
@@ -452,7 +452,7 @@ def test_bad_profile(tmp_path, file, expected):
     assert expected in complaint(tmp_path, load_scene, text)
     text = changed(text, f"file: {file}", "file: steels.npy")
     (tmp_path / "good.yaml").write_text(text)
-    assert load_scene(tmp_path / "good.yaml").scene.roughness.file.endswith("steels.npy")
+    assert load_scene(tmp_path / "good.yaml")[0].scene.roughness.file.endswith("steels.npy")
 
 
 def test_a_folder_is_no_profile(tmp_path):

@@ -12,10 +12,9 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run
-from gfmd_numba.contact import solution
+from gfmd_numba.contact import loaded_body, solution
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.scene import InputError, load_scene
-from gfmd_numba.simulate import loaded_body
 from gfmd_numba.solvers.status import Status
 
 SCENE = """\

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import gfmd_numba
 from gfmd_numba import body_fields, run
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import contact_area, evaluation, solution
@@ -15,7 +16,6 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import InputError
-from gfmd_numba.simulate import contact as single
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners import far_field
@@ -250,7 +250,7 @@ def scene(folder, old="", new=""):
 
 
 def test_file_of_a_map(tmp_path):
-    single.solve_scene(scene(tmp_path)).to_netcdf(tmp_path / "map.nc")
+    gfmd_numba.solve(scene(tmp_path)).to_netcdf(tmp_path / "map.nc")
     with xr.open_dataset(tmp_path / "map.nc") as dataset:
         assert dataset["pressure"].dims == ("y", "x")
         assert dataset["y"].size == dataset["x"].size == 64
@@ -307,7 +307,7 @@ def test_file_of_a_map(tmp_path):
 def test_what_maps_are_refused(tmp_path, old, new, where, allowed):
     np.save(tmp_path / "a.npy", np.zeros(4))
     with pytest.raises(InputError) as refused:
-        single.solve_scene(scene(tmp_path, old, new))
+        gfmd_numba.solve(scene(tmp_path, old, new))
     assert f"{where}: given" in str(refused.value)
     assert allowed in str(refused.value)
 

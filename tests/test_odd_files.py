@@ -10,7 +10,6 @@ from test_cli import SCENE, gfmd
 
 import gfmd_numba
 from gfmd_numba.scene import InputError, load_scene, read_document, regular_file
-from gfmd_numba.simulate.surface import surface_dataset
 
 KINDS = ["pipe", "device", "socket", "link to a device"]
 
@@ -47,7 +46,7 @@ def test_a_command_refuses_what_is_no_regular_file(tmp_path, command, kind):
 def test_a_surface_refuses_what_is_no_regular_file(tmp_path, kind, suffix):
     file = odd(tmp_path, kind, f"odd.{suffix}")
     with pytest.raises(InputError, match=r"given .*; allowed: an existing file"):
-        surface_dataset({"surface": {"method": "measured", "file": str(file)}})
+        gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(file)}})
 
 
 def test_a_folder_is_no_input(tmp_path):
@@ -67,7 +66,7 @@ def test_a_file_larger_than_any_input_is_not_read(tmp_path):
     assert "given a file of 4.398e+06 MB, more than" in gfmd("fit", tmp_path / "p.nc").output
     for name in ("p.npy", "p.csv", "p.nc"):
         with pytest.raises(InputError, match=r"a file of 4\.398e\+06 MB, more than"):
-            surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / name)}})
+            gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(tmp_path / name)}})
 
 
 def test_a_file_that_grows_is_not_read_without_end(tmp_path, monkeypatch):
@@ -84,7 +83,7 @@ def test_a_netcdf_file_that_is_larger_than_it_looks_is_not_loaded(tmp_path):
         file.createVariable("height", "f8", "x", chunksizes=[2**20])
     assert (tmp_path / "p.nc").stat().st_size < 100_000
     with pytest.raises(InputError, match="MB of numbers, more than"):
-        surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "p.nc")}})
+        gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.nc")}})
 
 
 @pytest.mark.parametrize("name", ["a\0b", "x" * 10_000, "\ud800", ""])
@@ -93,7 +92,7 @@ def test_a_name_that_no_file_can_have_is_told(name):
         read_document(name)
     for suffix in (".npy", ".csv", ".nc"):
         with pytest.raises(InputError):
-            surface_dataset({"surface": {"method": "measured", "file": name + suffix}})
+            gfmd_numba.make_surface({"surface": {"method": "measured", "file": name + suffix}})
         scene = {"body": {"poissons_ratio": 0.3}, "roughness": {"method": "measured", "file": name + suffix}}
         with pytest.raises(InputError):
             load_scene({**scene, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}})
@@ -117,7 +116,7 @@ def test_a_damaged_header_of_an_array_is_told(tmp_path, name):
     content = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + np.arange(8.0).tobytes()
     (tmp_path / "p.npy").write_bytes(content)
     with pytest.raises(InputError, match=r"given p.npy \((no .npy array of numbers|an array of shape)"):
-        surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "p.npy")}})
+        gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.npy")}})
 
 
 def test_a_link_is_of_the_kind_its_name_says(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact.refusal import check_combination, refusals
-from gfmd_numba.scene import InputError, load_scene, scene_document
+from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.scene.records import Numerics, Scene, Step
 from gfmd_numba.solvers.table import SOLVERS
 
@@ -84,8 +84,8 @@ def refusal(choice):
         if "reference" in file:
             load_campaign(file)
         else:
-            loaded = load_scene(file)
-            check_combination(scene_document(file), loaded.scene, loaded.numerics, loaded.path)
+            loaded, document = load_scene(file)
+            check_combination(document, loaded.scene, loaded.numerics, loaded.path)
     except InputError as error:
         return str(error)
     return None

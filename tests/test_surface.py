@@ -7,10 +7,10 @@ import yaml
 from test_bad_input import complaint
 from test_cli import gfmd
 
+from gfmd_numba import make_surface
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.spectra import KCorrelation
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.simulate.surface import surface_dataset
 
 SELF_AFFINE = {"model": "self_affine", "hurst": 0.8, "roll_off": 20e-6, "cut_on": 1e-6}
 K_CORRELATION = {"model": "k_correlation", "hurst": 0.7, "correlation_length": 4e-6}
@@ -40,7 +40,7 @@ SURFACES = [
 @pytest.mark.parametrize(("surface", "dimension"), SURFACES, ids=str)
 def test_every_method_and_model(surface, dimension):
     file = {"surface": surface | {"rms_height": 3e-7, "points": 256}, "length": 1e-4, "dimension": dimension}
-    dataset = surface_dataset(file)
+    dataset = make_surface(file)
     assert dataset["height"].shape == (256,) * dimension
     assert dataset["height"].attrs["units"] == "m"
     assert float(dataset["rms_height"]) == pytest.approx(3e-7, rel=1e-9)
@@ -57,7 +57,7 @@ def test_every_method_and_model(surface, dimension):
 
 def test_the_surface_is_the_generators_scaled_to_its_gradient():
     surface = {"method": "psd", **K_CORRELATION, "rms_gradient": 0.1, "points": 128}
-    dataset = surface_dataset({"surface": surface, "length": 1e-4, "seed": 7, "realisation": 3})
+    dataset = make_surface({"surface": surface, "length": 1e-4, "seed": 7, "realisation": 3})
     power = spectral.psd_power(KCorrelation(1, 0.7, 4e-6), 128, 63, 1e-4)
     heights = spectral.surfaces(power, 128, 63, 7, range(3, 4))
     np.testing.assert_allclose(dataset["height"], statistics.scaled(heights, (1e-4,), None, 0.1)[0], rtol=1e-12)
@@ -67,10 +67,10 @@ def test_the_surface_is_the_generators_scaled_to_its_gradient():
 def test_lengths_are_in_periods_without_a_length():
     spectrum = {"model": "self_affine", "hurst": 0.5, "roll_off": 0.2, "cut_on": 0.01}
     file = {"surface": {"method": "psd", **spectrum, "rms_height": 0.01, "points": 512}}
-    dataset = surface_dataset(file | {"hurst_range": {"shortest": 0.01, "longest": 0.2}})
+    dataset = make_surface(file | {"hurst_range": {"shortest": 0.01, "longest": 0.2}})
     assert dataset["height"].attrs["units"] == "1"
     scaled = {**spectrum, "roll_off": 0.2e-3, "cut_on": 0.01e-3}
-    in_metres = surface_dataset(
+    in_metres = make_surface(
         {"surface": {"method": "psd", **scaled, "rms_height": 0.01e-3, "points": 512}, "length": 1e-3}
         | {"hurst_range": {"shortest": 0.01e-3, "longest": 0.2e-3}}
     )
@@ -97,9 +97,9 @@ def test_command_writes_surface_and_picture(tmp_path, dimension):
 
 def test_a_written_surface_is_read_as_a_measured_one(tmp_path):
     file = {"surface": {"method": "psd", **K_CORRELATION, "rms_height": 3e-7, "points": 64}, "length": 1e-4}
-    dataset = surface_dataset(file | {"dimension": 2})
+    dataset = make_surface(file | {"dimension": 2})
     dataset.to_netcdf(tmp_path / "s.nc", engine="netcdf4")
-    again = surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "s.nc"), "detrend": "none"}})
+    again = make_surface({"surface": {"method": "measured", "file": str(tmp_path / "s.nc"), "detrend": "none"}})
     np.testing.assert_allclose(again["height"], dataset["height"], rtol=1e-12)
     np.testing.assert_allclose(again["x"], dataset["x"])
     assert float(again["rms_gradient"]) == pytest.approx(float(dataset["rms_gradient"]))
@@ -182,7 +182,7 @@ def test_bad_surface_files(tmp_path, text, old, new, said):
 
 def test_a_range_of_the_hurst_exponent_without_waves(tmp_path):
     text = TEXT + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
-    assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
+    assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, make_surface, text)
 
 
 def test_models_that_need_a_map(tmp_path):
@@ -198,7 +198,7 @@ def test_a_period_too_short_for_the_filter(tmp_path):
         .replace("\nlength: 1e-4", "\nlength: 5e-6")
         .replace("  cut_on: 1e-6\n", "")
     )
-    assert "not a spectrum that is negative" in complaint(tmp_path, surface_dataset, text)
+    assert "not a spectrum that is negative" in complaint(tmp_path, make_surface, text)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +218,7 @@ def test_a_period_too_short_for_the_filter(tmp_path):
 def test_unusable_measurement(tmp_path, name, content, said):
     (tmp_path / name).write_text(content)
     text = f"surface: {{method: measured, file: {name}}}\n"
-    message = complaint(tmp_path, surface_dataset, text)
+    message = complaint(tmp_path, make_surface, text)
     assert message.startswith(f"bad.yaml:1:35: surface.file: given {name} (")
     assert said in message
 
@@ -227,15 +227,15 @@ def test_a_map_with_uneven_rows(tmp_path):
     y = np.array([0.0, 1.0, 2.0, 3.5, 4.0])
     heights = xr.DataArray(np.random.default_rng(0).normal(size=(5, 6)), {"y": y, "x": np.arange(6.0)}, ("y", "x"))
     heights.to_dataset(name="height").to_netcdf(tmp_path / "map.nc", engine="netcdf4")
-    message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: map.nc}\n")
+    message = complaint(tmp_path, make_surface, "surface: {method: measured, file: map.nc}\n")
     assert "a spacing of 1.5 in y at index 2" in message
 
 
 def test_a_file_that_is_not_there_and_a_length_too_many(tmp_path):
     (tmp_path / "steel.csv").write_text("# [m]\n0,1\n1,2\n2,1\n3,0\n")
-    message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: stel.csv}\n")
+    message = complaint(tmp_path, make_surface, "surface: {method: measured, file: stel.csv}\n")
     assert "did you mean 'steel.csv'?" in message
-    message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: steel.csv}\nlength: 1e-3\n")
+    message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\nlength: 1e-3\n")
     assert "so that length has to be left out" in message
-    message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: steel.csv}\ndimension: 1\n")
+    message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\ndimension: 1\n")
     assert "dimension: given 1; allowed: nothing" in message

@@ -5,16 +5,16 @@ import pytest
 import xarray as xr
 from test_bad_input import complaint
 
+from gfmd_numba import make_surface
 from gfmd_numba.roughness.measured import read_profile
 from gfmd_numba.scene import InputError
-from gfmd_numba.simulate.surface import surface_dataset
 
 HEIGHTS = 1e-3 * np.random.default_rng(0).normal(size=32)
 X = np.arange(32.0)
 
 
 def made(path, **more):
-    return surface_dataset({"surface": {"method": "measured", "file": str(path), "detrend": "none", **more}})
+    return make_surface({"surface": {"method": "measured", "file": str(path), "detrend": "none", **more}})
 
 
 @pytest.mark.parametrize("periodic", ["none", "mirror", "window"])
@@ -31,7 +31,7 @@ def test_heights_without_a_length_are_in_units_of_the_field(tmp_path, name, peri
 def test_heights_with_a_length_are_in_metres(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS)
     file = {"surface": {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}, "length": 1.0}
-    found = surface_dataset(file)
+    found = make_surface(file)
     assert found["rms_height"].units == found["x"].units == "m"
     assert float(found["x"][1]) == pytest.approx(1 / 32)
 
@@ -53,13 +53,13 @@ def test_a_field_of_one_metre_is_in_metres(tmp_path):
 def test_two_columns_that_are_not_said_to_be_in_metres_are_refused(tmp_path, header, said):
     columns = np.column_stack([X, HEIGHTS])
     np.savetxt(tmp_path / "p.csv", columns, delimiter=",", header=header, encoding="utf-8")
-    assert said in complaint(tmp_path, surface_dataset, "surface: {method: measured, file: p.csv}\n")
+    assert said in complaint(tmp_path, make_surface, "surface: {method: measured, file: p.csv}\n")
 
 
 def test_a_header_in_another_unit_is_refused_for_one_column_too(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS, header="by hand (A. Name)\nz [nm]")
     with pytest.raises(InputError, match="numbers in units 'nm', not all in m"):
-        surface_dataset({"surface": {"method": "measured", "file": str(tmp_path / "p.csv")}, "length": 1e-3})
+        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.csv")}, "length": 1e-3})
     with pytest.raises(ValueError, match="heights in units 'nm', not in m, as the scene's length"):
         read_profile(tmp_path / "p.csv", 1e-3)
     np.savetxt(tmp_path / "p.csv", HEIGHTS, header="z [m]")
@@ -98,7 +98,7 @@ def test_netcdf_is_in_the_units_it_states(tmp_path):
         made(netcdf(tmp_path, "m", None, positions=False))
     file = {"surface": {"method": "measured", "file": str(netcdf(tmp_path, "1", None, positions=False))}}
     with pytest.raises(InputError, match="heights in units of the period, so that length has to be left out"):
-        surface_dataset(file | {"length": 1e-3})
+        make_surface(file | {"length": 1e-3})
 
 
 def test_a_mirrored_field_in_units_of_its_half_is_no_period_of_a_scene(tmp_path):

@@ -24,7 +24,7 @@ WRONG = [np.zeros(64), None, 3, 0.5, [], ["scene.yaml"], b"scene.yaml", object()
 def test_what_is_neither_a_file_nor_a_mapping_is_no_scene(given):
     with pytest.raises(InputError, match=r"scene: given .*; allowed: the path of a YAML file, or a mapping"):
         gfmd_numba.solve(given)
-    with pytest.raises(InputError, match=r"source: given .*; allowed: the path of a YAML file, or a mapping"):
+    with pytest.raises(InputError, match=r"surface: given .*; allowed: the path of a YAML file, or a mapping"):
         gfmd_numba.make_surface(given)
 
 
@@ -35,7 +35,7 @@ def test_a_mapping_of_something_else_is_no_scene(given):
             function(given)
 
 
-@pytest.mark.parametrize("given", [*WRONG, "out", {}], ids=lambda given: type(given).__name__)
+@pytest.mark.parametrize("given", [*WRONG, {}], ids=lambda given: type(given).__name__)
 @pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
 def test_what_is_no_dataset_is_told_who_makes_one(function, given):
     with pytest.raises(InputError, match=r"given .*; allowed: an xarray.Dataset, as gfmd_numba\.(open_campaign|solve)"):
@@ -82,3 +82,18 @@ def test_options_of_a_fit_are_checked(tmp_path):
             gfmd_numba.fit_tfc(dataset, **options)
     with pytest.raises(ValueError, match="given no campaign's results"):
         gfmd_numba.fit_tfc(xr.Dataset())
+
+
+@pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
+def test_a_path_stands_for_the_results_in_it(tmp_path, function):
+    with pytest.raises(InputError, match=r"absent.nc: given a path that cannot be read"):
+        function(tmp_path / "absent.nc")
+    if function is gfmd_numba.fit_tfc:
+        path = tmp_path / "out"
+        results = gfmd_numba.run(campaign(tmp_path), path)
+    else:
+        path = tmp_path / "contact.nc"
+        results = gfmd_numba.solve(SCENE)
+        results.to_netcdf(path, engine="netcdf4")
+    of_path, of_dataset = (function(given).drop_vars("seconds", errors="ignore") for given in (path, results))
+    xr.testing.assert_allclose(of_path, of_dataset)

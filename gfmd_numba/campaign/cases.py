@@ -11,7 +11,7 @@ from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene
-from gfmd_numba.scene.scene_file import ARRAYS_PER_REALISATION
+from gfmd_numba.scene.checks import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last

@@ -21,7 +21,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.document import brief
+from gfmd_numba.text.input_error import brief
 
 SECONDS = "seconds"  # what a block took, stored beside its measures
 _LOST = "its worker died or froze, also with nothing else at work"

@@ -10,12 +10,13 @@ from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_va
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, Values, check_grid, values_of, varied_scenes
-from gfmd_numba.campaign.source import Source, campaign_document, written
+from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
+from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
-from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
+from gfmd_numba.scene.source import Source, document_of
 from gfmd_numba.scene.surfaces import Measured, misfit
 from gfmd_numba.scene.validation import validate
 
@@ -196,9 +197,11 @@ class Campaign(BaseModel):
         return self
 
 
-def load_campaign(source: Source) -> tuple[Campaign, Document]:
+def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError."""
-    document = campaign_document(source)
+    document = document_of(
+        source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
+    )
     check_keys(document)
     campaign = validate(document, Campaign)
     varied = {name: values for name, values in campaign.grid if values is not None}

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import IO
 
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.document import brief
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import TEMPORARY, replace
+from gfmd_numba.text.input_error import brief
 
 LABEL = "campaign.yaml"  # copy of the campaign file
 MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, and digests of the labels put there

@@ -14,13 +14,13 @@ from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.source import Source
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import plain_scalar
+from gfmd_numba.scene.source import Source
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
@@ -126,7 +126,7 @@ class Plan:
         return max(cpu_seconds / max(1, workers), longest)
 
 
-def plan(source: Source) -> Plan:
+def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
     cases = expand(campaign)

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import xarray as xr
 
-from gfmd_numba.scene.document import InputError, read_document
+from gfmd_numba.scene.document import read_document
 from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.text.input_error import InputError
 
 _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
 _SEAL = b"gfmd seal 1\n"

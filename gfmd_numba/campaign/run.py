@@ -9,9 +9,10 @@ from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.cases import Block, split
 from gfmd_numba.campaign.collection import collect, note
 from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, held, unfinished
+from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import check_memory, plan, tasks
-from gfmd_numba.campaign.source import Source
+from gfmd_numba.scene.source import Source
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
 
@@ -41,7 +42,7 @@ _TWO_WORKERS, _ALL = Workers(), Choice()
 
 
 def run(
-    source: Source,
+    source: Source | Campaign,
     output: str | Path | None = None,
     workers: Workers = _TWO_WORKERS,
     watch: Watch | None = None,

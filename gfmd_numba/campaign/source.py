@@ -1,26 +1,11 @@
-"""What a campaign is read from: a file, or a mapping, which is then written as a file would be."""
+"""A campaign given as a mapping, written as a file would be."""
 
-import os
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import yaml
 from pydantic import BaseModel
 
-from gfmd_numba.scene.document import Document, InputError, brief, plain_scalar, read_document
-
-Source = str | Path | Mapping[str, Any]
-
-
-def campaign_document(source: Source) -> Document:
-    """Document of a file or a mapping, that of a mapping without text; raises InputError."""
-    if isinstance(source, Mapping):
-        return Document(None, "", dict(source))
-    if isinstance(source, str | os.PathLike):
-        return read_document(source)
-    allowed = "the path of a campaign file, or a mapping of its keys"
-    raise InputError(f"campaign: given {brief(source)}; allowed: {allowed}")
+from gfmd_numba.scene.document import plain_scalar
 
 
 def written(record: BaseModel) -> str:

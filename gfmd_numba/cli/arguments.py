@@ -88,7 +88,7 @@ def check_output(output: Path, *inputs: Path) -> None:
     """Raise InputError unless a file can be written that is none of the inputs."""
     import os
 
-    from gfmd_numba.scene.document import InputError
+    from gfmd_numba.text.input_error import InputError
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
@@ -104,8 +104,8 @@ def check_output(output: Path, *inputs: Path) -> None:
 
 def picture_beside(output: Path) -> Path:
     """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    from gfmd_numba.scene.document import InputError
     from gfmd_numba.storage.atomic_file import is_ours
+    from gfmd_numba.text.input_error import InputError
 
     picture = output.with_suffix(".png")
     if picture == output:
@@ -122,7 +122,7 @@ def check_picture(path: Path) -> None:
     """Raise InputError for a picture of unknown kind."""
     from matplotlib.backend_bases import FigureCanvasBase
 
-    from gfmd_numba.scene.document import InputError
+    from gfmd_numba.text.input_error import InputError
 
     kinds = [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]
     if path.suffix.lower() not in kinds:

@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 def solve(file: Path, output: Path) -> None:
     """Solve the one contact or loaded body in the scene FILE and write its fields and scalars."""
     with without_collections():
-        import gfmd_numba
-        import gfmd_numba.simulate.contact
-        from gfmd_numba.scene import input_files
+        from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.simulate import solve as solve_file
         from gfmd_numba.storage.atomic_file import write_dataset
 
-    check_output(output, file, *input_files(file))
+    described, document = load_scene(file)
+    check_output(output, file, *input_files(described))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
-        dataset = gfmd_numba.solve(file)
+        dataset = solve_file(described, document)
     write_dataset(output, dataset)
     click.echo(f"results  {printable(output)}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
@@ -128,17 +128,18 @@ def fields(file: Path, output: Path, body: str) -> None:
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
-    import gfmd_numba
     from gfmd_numba.analysis import plot_surface
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.scene.surfaces import Measured
+    from gfmd_numba.simulate.surface import surface_dataset
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
-    described = load_surface(file)[0].surface
-    check_output(output, file, *([Path(described.file)] if isinstance(described, Measured) else []))
+    described, document = load_surface(file)
+    measured = described.surface
+    check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) else []))
     with waiting("making the surface"):
-        dataset = gfmd_numba.make_surface(file)
+        dataset = surface_dataset(described, document)
     write_dataset(output, dataset)
     click.echo(f"surface  {printable(output)}")
     with waiting("drawing"):

@@ -82,7 +82,7 @@ def plot(
 def naming(file: Path) -> Iterator[None]:
     """Put the name of the file into what its data lack."""
     from gfmd_numba.analysis import UnusableDataError
-    from gfmd_numba.scene.document import InputError
+    from gfmd_numba.text.input_error import InputError
 
     try:
         yield

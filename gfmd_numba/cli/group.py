@@ -27,7 +27,7 @@ class _Gfmd(click.Group):
         """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
         import warnings
 
-        from gfmd_numba.scene.document import InputError
+        from gfmd_numba.text.input_error import InputError
 
         try:
             with warnings.catch_warnings():
@@ -64,7 +64,7 @@ def _allow_files() -> None:
         import resource
     except ImportError:  # a system without such limits
         return
-    from gfmd_numba.scene.document import InputError
+    from gfmd_numba.text.input_error import InputError
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = _MANY_FILES if hard == resource.RLIM_INFINITY else min(hard, _MANY_FILES)

@@ -21,32 +21,33 @@ def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
     from gfmd_numba.campaign.file import Campaign, load_campaign
     from gfmd_numba.contact.refusal import check_combination
-    from gfmd_numba.scene import has_no_punch, load_boundary, load_scene, read_document, scene_document
+    from gfmd_numba.scene import BoundaryFile, load_scene, read_document
     from gfmd_numba.scene.surface_file import load_surface
 
-    name, data, doubt = printable(file), read_document(file).data, ""
+    name, document, doubt = printable(file), read_document(file), ""
+    data = document.data
     if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
-        campaign: Campaign = load_campaign(file)[0]
+        campaign: Campaign = load_campaign(document)[0]
         click.echo(f"{name}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
         if campaign.scene.interface.reaches_across:
             from gfmd_numba.campaign.plan import plan
 
-            doubt = plan(file).validity
+            doubt = plan(document).validity
     elif isinstance(data, dict) and "surface" in data:
-        load_surface(file)
+        load_surface(document)
         click.echo(f"{name}: a surface")
-    elif has_no_punch(file):
-        loaded, document = load_boundary(file)
-        check_combination(document, loaded.scene, loaded.numerics)
-        click.echo(f"{name}: a loaded body")
     else:
-        contact = load_scene(file)
-        check_combination(scene_document(file), contact.scene, contact.numerics, contact.path)
-        click.echo(f"{name}: a scene")
-        if contact.scene.interface.reaches_across:
-            from gfmd_numba.simulate.contact import doubt as doubt_of
+        described, document = load_scene(document)
+        if isinstance(described, BoundaryFile):
+            check_combination(document, described.scene, described.numerics)
+            click.echo(f"{name}: a loaded body")
+        else:
+            check_combination(document, described.scene, described.numerics, described.path)
+            click.echo(f"{name}: a scene")
+            if described.scene.interface.reaches_across:
+                from gfmd_numba.simulate.contact import doubt as doubt_of
 
-            doubt = doubt_of(file)
+                doubt = doubt_of(described, document)
     for sentence in doubt.splitlines():
         say("gfmd:", sentence, width=6, err=True)
 
@@ -92,8 +93,8 @@ def init(file: Path) -> None:
     """Write a campaign with comments to FILE, to begin with."""
     from importlib.resources import files
 
-    from gfmd_numba.scene.document import InputError
     from gfmd_numba.storage.atomic_file import create
+    from gfmd_numba.text.input_error import InputError
 
     try:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())

@@ -28,8 +28,8 @@ from gfmd_numba.solvers.table import SOLVERS, automatic
 
 
 @dataclass(frozen=True)
-class Profile:
-    """The user's own profile `[nx]`, or the sum of several, in g L_x."""
+class GivenSurface:
+    """The user's own heights `[(ny,) nx]`, or the sum of several surfaces, in g L_x."""
 
     nx: int
     digest: str
@@ -38,12 +38,12 @@ class Profile:
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface."""
-        return (self.nx,)
+        return self.heights.shape
 
     @property
     def nodes(self) -> int:
         """Number of its nodes."""
-        return self.nx
+        return self.heights.size
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Effect:
 class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None."""
 
-    surface: RandomSurface | Profile
+    surface: RandomSurface | GivenSurface
     body: ElasticBody
     interface: Interactions
     mean_pressure: float | None
@@ -112,13 +112,13 @@ def random_surface(scene: Scene, discretisation: Discretisation | None, seed: in
     return surface, recipe.rms_gradient(scene.roughness, surface, period)
 
 
-def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, float]:
-    """Profile in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
+def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:
+    """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
 
-    Raises ValueError for a flat profile, without roughness to speak of, or one too large for its gradient.
+    Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
     """
     scale, slope = scaled_gradient(heights)
-    rounding = len(heights) * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
+    rounding = heights.shape[-1] * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
     own = slope * scale
     if slope <= 100.0 * rounding:
         size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
@@ -126,18 +126,19 @@ def profile(heights: Reals, gradient: float | None = None) -> tuple[Profile, flo
     if not SMALLEST <= own <= LARGEST:
         raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     unit = heights / scale / (slope if gradient is None else gradient / scale)
-    return Profile(len(unit), hashlib.sha256(unit.tobytes()).hexdigest(), unit), own if gradient is None else gradient
+    digest = hashlib.sha256(unit.tobytes()).hexdigest()
+    return GivenSurface(unit.shape[-1], digest, unit), own if gradient is None else gradient
 
 
 def scaled_gradient(heights: Reals) -> tuple[float, float]:
     """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
     scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
-    return scale, float(statistics.rms_gradient(heights / scale))
+    return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim))
 
 
 def reduce(
     scene: Scene,
-    surface: RandomSurface | Profile,
+    surface: RandomSurface | GivenSurface,
     rms_gradient: float,
     numerics: Numerics,
     tractions: Tractions | None = None,

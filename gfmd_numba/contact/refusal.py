@@ -7,11 +7,12 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
-from gfmd_numba.scene.document import Location, brief
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.records import Step
 from gfmd_numba.scene.surfaces import OF_MAPS
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
+from gfmd_numba.text.input_error import brief
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
 Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import Problem, Profile
+from gfmd_numba.contact.problem import GivenSurface, Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
@@ -39,7 +39,7 @@ def solve(
     `sliding` is the tangential displacement of the punch, `raised` what the surface has moved towards it on its own.
     """
     surface = problem.surface
-    heights = surface.heights[np.newaxis] if isinstance(surface, Profile) else surface.heights(realisations)
+    heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:

@@ -1,8 +1,8 @@
 """What the user describes, and how it is read and checked."""
 
-from gfmd_numba.scene.boundary_file import BoundaryFile, LoadedBody, has_no_punch, input_files, load_boundary
+from gfmd_numba.scene.boundary_file import BoundaryFile, LoadedBody
 from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
-from gfmd_numba.scene.document import Document, InputError, read_document
+from gfmd_numba.scene.document import Document, read_document
 from gfmd_numba.scene.interface_records import HardWall, Interface
 from gfmd_numba.scene.records import (
     SINGLE_RESIDUAL,
@@ -13,9 +13,10 @@ from gfmd_numba.scene.records import (
     Scene,
     SceneFile,
 )
-from gfmd_numba.scene.scene_file import check_discretisation, check_range, load_scene, scene_document
+from gfmd_numba.scene.scene_file import input_files, load_scene
 from gfmd_numba.scene.surfaces import Measured, Random, SelfAffine, Surface
 from gfmd_numba.scene.validation import validate
+from gfmd_numba.text.input_error import InputError
 
 __all__ = [
     "COMPONENTS",
@@ -37,13 +38,8 @@ __all__ = [
     "SceneFile",
     "SelfAffine",
     "Surface",
-    "check_discretisation",
-    "check_range",
-    "has_no_punch",
     "input_files",
-    "load_boundary",
     "load_scene",
     "read_document",
-    "scene_document",
     "validate",
 ]

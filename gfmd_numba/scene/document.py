@@ -1,7 +1,6 @@
 """YAML documents whose every error names file, line, column, what was given and what is allowed."""
 
 import re
-import reprlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import isinf
@@ -11,12 +10,11 @@ from typing import Any
 import yaml
 
 from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
-from gfmd_numba.text.printable import printable
+from gfmd_numba.text.input_error import ABSENT, InputError, brief
 
 Location = tuple[str | int, ...]
 
 DEEPEST = 20
-ABSENT = object()
 
 
 def _finite(text: str) -> object:
@@ -38,33 +36,6 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
         lambda text: int(text.partition("/")[0]) / int(text.partition("/")[2]),
     ),
 )
-
-_short = reprlib.Repr()
-_short.maxstring = _short.maxother = _short.maxlong = 60
-_short.maxlevel = 2
-
-
-MOST_LINES, MOST_CHARACTERS, LONGEST_LINE = 100, 8000, 1500  # of one message
-
-
-class InputError(ValueError):
-    """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: given ...; allowed: ...` per line.
-
-    Its text is fit for a terminal: what is not printable is escaped, and it is short. `more` faults are not given.
-    """
-
-    def __init__(self, *faults: str, more: int = 0) -> None:
-        super().__init__(*faults)
-        self.more = more
-
-    def __str__(self) -> str:
-        lines: list[str] = []
-        for fault in self.args[:MOST_LINES]:
-            lines.append(_shortened(printable(fault)))
-            if sum(map(len, lines)) > MOST_CHARACTERS - LONGEST_LINE:
-                break
-        left = len(self.args) - len(lines) + self.more
-        return "\n".join([*lines, f"and {left} more"] if left else lines)
 
 
 @dataclass(frozen=True)
@@ -228,18 +199,3 @@ def _line(
     file = "" if path is None else ":".join(map(str, (path, *(position or ())))) + ": "
     key = _dotted(location) + ": " if location else ""
     return f"{file}{key}given {given}; allowed: {allowed}" + (f"; {suggestion}" if suggestion else "")
-
-
-def _shortened(line: str) -> str:
-    """Line whose middle gives way if it is very long: its ends tell where, and what is allowed."""
-    half = LONGEST_LINE // 2
-    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"
-
-
-def brief(value: object) -> str:
-    """What was given, short enough for a message."""
-    if value is ABSENT:
-        return "nothing"
-    if value is None:
-        return "an empty value"
-    return str(value).lower() if isinstance(value, bool) else _short.repr(value)

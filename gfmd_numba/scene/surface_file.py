@@ -1,14 +1,12 @@
 """Surface files: one rough surface, random or measured, its period and its realisation."""
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.quantities import RECORD, Dimension, Seed, Size, broken_rule
-from gfmd_numba.scene.scene_file import document_of, existing_file
+from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import OF_MAPS, Length, Measured, Surface, misfit
 from gfmd_numba.scene.validation import validate
 
@@ -61,10 +59,13 @@ class SurfaceFile(BaseModel):
         return self
 
 
-def load_surface(source: str | Path | Mapping[str, Any]) -> tuple[SurfaceFile, Document]:
-    """Checked surface of a YAML file or mapping, and the document itself; raises InputError."""
-    document = document_of(source, "source")
-    file = validate(document, SurfaceFile)
+def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
+    """Checked surface of a YAML file, a mapping or a record, and the document itself; raises InputError."""
+    if isinstance(source, SurfaceFile):
+        document, file = Document(None, "", source.model_dump()), source
+    else:
+        document = document_of(source, "surface")
+        file = validate(document, SurfaceFile)
     if file.surface.points is not None:
         _check_memory(document, file.surface.points ** (file.dimension or 1))
     if isinstance(file.surface, Measured):

@@ -7,7 +7,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from gfmd_numba.scene.document import MOST_LINES, Document, InputError, Location, brief, plain_scalar
+from gfmd_numba.scene.document import Document, Location, plain_scalar
+from gfmd_numba.text.input_error import MOST_LINES, InputError, brief
 
 Record = TypeVar("Record", bound=BaseModel)
 

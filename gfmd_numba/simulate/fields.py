@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.contact.problem import effective_modulus, elastic_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.document import Document, brief
-
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.scene.document import Document
+from gfmd_numba.text.input_error import brief
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 

@@ -1,32 +1,28 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory beside them."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.stats import norm
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
-from gfmd_numba.scene import InputError
-from gfmd_numba.scene.surface_file import HurstRange, load_surface
+from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Measured
-
-Reals = npt.NDArray[np.float64]
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
 
 
-def surface_dataset(source: str | Path | Mapping[str, Any]) -> xr.Dataset:
+def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     """Heights of one surface with its statistics and the curves of theory, in m or L_x.
 
     Raises InputError for a description that makes no sense or a measured file that cannot be used.
     """
-    file, document = load_surface(source)
     try:
         made = make(file)
         dataset = _described(made)

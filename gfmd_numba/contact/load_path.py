@@ -1,0 +1,77 @@
+"""The problems that a scene reduces to, one for each step of its loading, and their solution one after another."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gfmd_numba.contact import solution, two_step
+from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.problem import Effect, Problem, reduce
+from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.two_step import Pressed, RoughBody
+from gfmd_numba.scene import Scene, SceneFile
+
+
+@dataclass(frozen=True)
+class RoughBodies:
+    """Rough elastic bodies, the rms gradient g that their problem is in units of, and the order in the slope."""
+
+    bodies: tuple[RoughBody, ...]
+    rms_gradient: float
+    order: int
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """Problems in g L_x and g E* for one realisation, each with the tangential displacement of its punch.
+
+    `effects` tells what became of the effects of the scene.
+    """
+
+    problems: tuple[Problem, ...]
+    sliding: tuple[float, ...]
+    realisation: int
+    effects: tuple[Effect, ...]
+    rough: RoughBodies | None = None
+
+
+def load_path(given: ContactInput) -> LoadPath:
+    """Dimensionless problems of a scene at its own loading, then after each change of its path."""
+    file, surfaces = given.file, given.surfaces
+    length = (file.scene.length or 1.0) * surfaces.rms_gradient
+    steps = list(steps_of(file))
+    reduced = [
+        reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions) for scene, _ in steps
+    ]
+    rough = None
+    if surfaces.bodies is not None:
+        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
+    problems = tuple(problem for problem, _ in reduced)
+    sliding = tuple(sliding / length for _, sliding in steps)
+    return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
+
+
+def steps_of(file: SceneFile) -> Iterator[tuple[Scene, float]]:
+    """The scene and the sliding displacement (m or L_x) at its own loading, then after each change of the path."""
+    scene, sliding = file.scene, 0.0
+    yield scene, sliding
+    for step in file.path:
+        changes = step.model_dump(exclude_none=True)
+        sliding = changes.pop("sliding", sliding)
+        scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
+        yield scene, sliding
+
+
+def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
+    """Equilibrium of each step, begun where the last one ended."""
+    before = None
+    for problem, sliding in zip(path.problems, path.sliding, strict=True):
+        if path.rough is None:
+            one = range(path.realisation, path.realisation + 1)
+            contact = solution.solve(problem, one, before, sliding)
+            yield contact
+        else:
+            rough = path.rough
+            pressed = two_step.solve(problem, rough.bodies, rough.rms_gradient, rough.order, before)
+            yield pressed
+            contact = pressed.contact
+        before = contact.equilibrium

@@ -1,0 +1,68 @@
+"""A body that is loaded and displaced without a punch: what its file prescribes, as a dimensionless problem."""
+
+from dataclasses import dataclass
+from math import isinf
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.problem import contact_modulus, elastic_body, solver_options
+from gfmd_numba.contact.refusal import check_combination
+from gfmd_numba.contact.tractions import balanced, read_boundary
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
+from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import able
+
+Prescribed = dict[str, Reals]  # by the key of the boundary `[nx]` in Pa and m, or E* and L_x
+
+
+@dataclass(frozen=True)
+class BoundaryValueProblem:
+    """Tractions (E*) and displacements (L_x) `[component, x]`, tangential then normal; not-a-number where free."""
+
+    body: ElasticBody
+    traction: Reals
+    displacement: Reals
+    options: Options
+
+
+def read_loaded_body(file: BoundaryFile, document: Document) -> Prescribed:
+    """Whatever a file prescribes, node by node; raises InputError for what is over-determined or out of balance."""
+    check_combination(document, file.scene, file.numerics)
+    body = file.scene.body
+    arrays = read_boundary(document, file.scene.boundary, file.points)
+    if isinf(body.aspect_ratio):
+        for component in COMPONENTS:
+            if f"{component}_displacement" not in arrays:
+                remedy = f"or a finite aspect_ratio or a {component}_displacement, as nothing holds a half-space"
+                arrays = balanced(document, arrays, component, remedy)
+    elif body.effective_poissons_ratio == 0.5 and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
+        raise document.error(
+            ("scene", "boundary", "normal_displacement"),
+            document.value(("scene", "boundary", "normal_displacement")),
+            "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
+        )
+    return arrays
+
+
+def reduce_loaded_body(file: BoundaryFile, prescribed: Prescribed) -> BoundaryValueProblem:
+    """Dimensionless problem of what is prescribed."""
+    free = np.full(len(next(iter(prescribed.values()))), np.nan)
+    traction, displacement = (
+        np.stack([prescribed.get(f"{component}_{kind}", free) for component in COMPONENTS[::-1]])
+        for kind in ("traction", "displacement")
+    )
+    return BoundaryValueProblem(
+        elastic_body(file.scene.body),
+        np.nan_to_num(traction, nan=0.0) / contact_modulus(file.scene),
+        displacement / (file.scene.length or 1.0),
+        solver_options(file.numerics, able(["prescribed"])[0]),
+    )
+
+
+def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Deformed:
+    """Displacements and tractions of the surface."""
+    nx = problem.traction.shape[1]
+    return deform(problem.body.coupled_stiffness(nx), problem.traction, problem.displacement, problem.options)

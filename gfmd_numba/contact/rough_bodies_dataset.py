@@ -1,0 +1,81 @@
+"""What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
+from gfmd_numba.contact.problem import contact_modulus
+from gfmd_numba.contact.rough_surfaces import BODIES
+from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
+from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.fourier import grid
+from gfmd_numba.roughness import statistics
+from gfmd_numba.scene import Scene
+
+
+def add_bodies(
+    found: xr.Dataset, scene: Scene, bodies: tuple[RoughBody, ...], rms_gradient: float, pressed: Pressed
+) -> None:
+    """Add heights, displacements and forming tractions `[nx]` of each body, and the expected error."""
+    found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
+        attributes = found[name].attrs
+        attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
+    length, unit = scene.length or 1.0, units(scene)
+    pressure = pressed.contact.equilibrium.pressure[0] * rms_gradient
+    nx = len(pressure)
+    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+        prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
+        flat = fields.surface_under_tractions(np.zeros(nx), -body.share * pressure, body.elastic)
+        forming = topography.formed_surface(body.heights, body.elastic)
+        along, normal = fields.surface_tractions(forming, nx, body.elastic)
+        stress = contact_modulus(scene) / body.share
+        for variable, kind, scale, long_name, values in (
+            (f"{name}_height", "height", length, f"topography of the {whose}, peaks outwards", body.heights),
+            (
+                f"{prefix}displacement",
+                "height",
+                length,
+                f"normal displacement of the {whose}, out of it",
+                grid.signal(flat.u3, nx) + response.u3,
+            ),
+            (
+                f"{prefix}tangential_displacement",
+                "height",
+                length,
+                f"tangential displacement of the {whose}",
+                grid.signal(flat.u1, nx) + response.u1,
+            ),
+            (
+                f"{prefix}forming_traction",
+                "pressure",
+                stress,
+                f"normal traction that forms the topography of the {whose} from flat (5.15)",
+                normal,
+            ),
+            (
+                f"{prefix}tangential_forming_traction",
+                "pressure",
+                stress,
+                f"tangential traction that forms the topography of the {whose} from flat (5.15)",
+                along,
+            ),
+        ):
+            found[variable] = ("x", values * scale, cf_attributes(long_name, unit[kind]))
+    attributes = cf_attributes("expected error of displacements, what the next order adds", unit["height"])
+    found["expected_error"] = ((), pressed.expected_error * length, attributes)
+    refuse_nonfinite(found)
+
+
+def doubt(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
+    """What is to be said of slopes above the thesis's limit; nothing of lower ones."""
+    steepest = max(float(statistics.rms_gradient(body.heights)) for body in bodies)
+    if steepest <= STEEPEST:
+        return ""
+    error, unit = float(found["expected_error"].max()), found["expected_error"].units
+    largest = float(abs(found["displacement"]).max()) or 1.0
+    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.1e}"
+    return (
+        f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
+        f"displacements are expected to be off by {off} of the largest"
+    )

@@ -1,0 +1,136 @@
+"""The rough surfaces of a scene as heights, and what they are when pressed together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, prod
+from pathlib import Path
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact import problem
+from gfmd_numba.contact.problem import GivenSurface, contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.two_step import RoughBody
+from gfmd_numba.roughness import recipe
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.measured import measured_profile
+from gfmd_numba.scene import Body, Document, InputError, Measured, Scene, SceneFile, Surface
+
+Place = tuple[str, ...]  # of a roughness in the scene
+
+BODIES = ("body", "counter_body")
+_ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
+
+
+@dataclass(frozen=True)
+class PressedSurfaces:
+    """What is pressed together, in units of its rms gradient g; `bodies` are rough elastic ones it is the sum of."""
+
+    surface: RandomSurface | GivenSurface
+    rms_gradient: float
+    bodies: tuple[RoughBody, ...] | None = None
+
+
+def pressed_surfaces(file: SceneFile, document: Document) -> PressedSurfaces:
+    """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
+    if file.scene.follows_topography:
+        return _of_rough_bodies(file, document)
+    return PressedSurfaces(*_of_the_punch(file, document))
+
+
+def _of_the_punch(file: SceneFile, document: Document) -> tuple[RandomSurface | GivenSurface, float]:
+    scene = file.scene
+    if isinstance(scene.roughness, Measured):
+        heights = _measured(scene.roughness, scene, document, ("scene", "roughness"))
+        try:
+            return problem.given_surface(heights)
+        except ValueError as error:
+            raise _unusable_file(scene.roughness, scene, document, ("scene", "roughness"), error) from None
+    try:
+        return problem.random_surface(scene, file.discretisation, file.seed)
+    except ValueError as error:
+        raise _unusable(document, ("scene", "roughness"), error) from None
+
+
+def _of_rough_bodies(file: SceneFile, document: Document) -> PressedSurfaces:
+    """A random body faces a random punch or counter body with the next seed."""
+    scene, seed = file.scene, file.seed
+    heights: dict[Place, Reals] = {}
+    asked: dict[Place, float] = {}
+    for place, surface in scene.surfaces.items():
+        given, gradient = _heights(surface, file, seed, document, ("scene", *place))
+        heights[place] = given if place == ("roughness",) else given - given.mean()
+        if gradient is not None:
+            asked[place] = gradient
+            seed = (seed + 1) % 2**32
+    nx = len(next(iter(heights.values())))
+    for place, given in heights.items():
+        if len(given) != nx:
+            allowed = f"as many heights as the other surface has, {nx}"
+            raise InputError(document.line(("scene", *place), f"{len(given)} heights", allowed))
+    bodies = tuple(
+        _body(scene, body, heights.get((name, "roughness"), np.zeros(nx)), document, name)
+        for name, body in zip(BODIES, scene.deformable, strict=False)
+    )
+    together = np.sum(list(heights.values()), axis=0)
+    if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in heights.values()):
+        allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
+        raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
+    try:
+        pressed, rms_gradient = problem.given_surface(together, _asked_for(asked, heights))
+    except ValueError as error:
+        allowed = "surfaces that are rough, and not beyond all measure"
+        raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
+    return PressedSurfaces(pressed, rms_gradient, bodies)
+
+
+def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> float:
+    """Rms gradient that a scene asks for, of what it presses together: the same wherever the roughness lies.
+
+    Random surfaces are independent of all others, so that mean squares add up in the mean over them; measured ones are
+    what they are, so that their heights do.
+    """
+    measured = [given for place, given in heights.items() if place not in asked]
+    own = [prod(problem.scaled_gradient(np.sum(measured, axis=0)))] if measured else []
+    return hypot(*asked.values(), *own)
+
+
+def _heights(
+    surface: Surface, file: SceneFile, seed: int, document: Document, place: Place
+) -> tuple[Reals, float | None]:
+    """Heights `[nx]` in L_x, and the rms gradient asked of a random surface; None of a measured one."""
+    period = file.scene.length or 1.0
+    if isinstance(surface, Measured):
+        return _measured(surface, file.scene, document, place), None
+    try:
+        ensemble = recipe.random_surface(surface, file.discretisation, period, 1, seed)
+        gradient = recipe.rms_gradient(surface, ensemble, period)
+        return np.asarray(gradient * ensemble.heights(range(file.realisation, file.realisation + 1))[0]), gradient
+    except ValueError as error:
+        raise _unusable(document, place, error) from None
+
+
+def _measured(surface: Measured, scene: Scene, document: Document, place: Place) -> Reals:
+    try:
+        return measured_profile(surface, scene.length)
+    except ValueError as error:
+        raise _unusable_file(surface, scene, document, place, error) from None
+
+
+def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
+    lowest = -float(heights.min())
+    if lowest >= body.aspect_ratio or float(heights.max()) >= body.aspect_ratio:
+        given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
+        allowed = f"one within the height of the body, aspect_ratio = {body.aspect_ratio:g}, of its mean plane"
+        raise InputError(document.line(("scene", name, "roughness"), given, allowed))
+    return RoughBody(elastic_body(body), heights, contact_modulus(scene) / effective_modulus(body))
+
+
+def _unusable(document: Document, place: Place, error: ValueError) -> InputError:
+    return document.error(place, document.value(place), f"a usable surface, not {error}")
+
+
+def _unusable_file(surface: Measured, scene: Scene, document: Document, place: Place, error: ValueError) -> InputError:
+    unit = "L_x" if scene.length is None else "m"
+    allowed = f"at least 4 equidistant finite heights in {unit} over one period, not all equal"
+    return InputError(document.line((*place, "file"), f"{Path(surface.file).name} ({error})", allowed))

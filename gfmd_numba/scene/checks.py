@@ -1,0 +1,91 @@
+"""Checks of a scene that need more than its records: grids that fit in memory, waves that fit a grid."""
+
+from collections.abc import Mapping
+
+from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.records import Discretisation, Scene
+
+ARRAYS_PER_REALISATION = {1: 16, 2: 24}  # of its size, for a profile and a map
+
+
+def check_discretisation(
+    document: Document,
+    discretisation: Discretisation,
+    locations: Mapping[str, Location],
+    varied: str | None = None,
+    dimension: int = 1,
+) -> None:
+    """Raise InputError, at the varied value if any, unless waves are whole and the grid fits in memory."""
+    import psutil
+
+    eps = discretisation.model_dump()
+    nx = discretisation.waves["eps_c"]
+    nodes = nx * nx if dimension == 2 else nx  # a power of floats raises where their product is infinite
+    needed, available = 8 * nodes * ARRAYS_PER_REALISATION[dimension] / 1e9, psutil.virtual_memory().total / 1e9
+    if needed > available:
+        axis = varied or min(eps, key=eps.__getitem__)
+        raise document.error(
+            locations[axis],
+            document.value(locations[axis]),
+            f"a grid that fits in {available:.3g} GB of memory, where nx = {nx:.6g} needs {needed:.3g} GB",
+        )
+    misfit = discretisation.misfit
+    if misfit is not None:
+        axis = varied or misfit
+        others = " and ".join(f"{name} = {value:.6g}" for name, value in eps.items() if name != axis)
+        fit = discretisation.nearest_fit(axis)
+        raise document.error(
+            locations[axis],
+            document.value(locations[axis]),
+            "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps_c) whole numbers, "
+            f"nx at least 4, with {others}",
+            "" if fit is None else f"did you mean {fit}?",
+        )
+
+
+def check_surfaces(document: Document, scene: Scene) -> None:
+    """Raise InputError for surfaces whose own points do not fit in memory."""
+    for place, surface in scene.surfaces.items():
+        if surface.points is not None:
+            _check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
+
+
+def _check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
+    import psutil
+
+    needed = 8 * float(points) ** dimension * ARRAYS_PER_REALISATION[dimension] / 1e9
+    available = psutil.virtual_memory().total / 1e9
+    if needed > available:
+        allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
+        raise document.error(location, points, allowed)
+
+
+def check_anisotropy_fits(
+    document: Document, anisotropy: float, location: Location, discretisation: Discretisation
+) -> None:
+    """Raise InputError unless the longest wavelength along y, L_x eps_t anisotropy, fits the period."""
+    most = 1 / discretisation.eps_t
+    if anisotropy > most * (1 + 1e-9):
+        raise document.error(
+            location,
+            anisotropy,
+            f"at most 1/eps_t = {most:.6g}, so that the longest wavelength along y fits the period; "
+            "a smaller eps_t allows more",
+        )
+
+
+def check_range(document: Document, scene: Scene, nx: int, location: Location | None = None) -> None:
+    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect.
+
+    `location` is where the length stands in the file, if not in the scene.
+    """
+    spacing = (scene.length or 1.0) / nx
+    reaching = {name: law for name, law in scene.interface.laws.items() if law.across_open_gap}
+    for law, record in reaching.items():
+        for name, value in record:
+            if name != "work_of_adhesion" and value < spacing:
+                raise document.error(
+                    location or ("scene", "interface", law, name),
+                    value,
+                    f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
+                )

@@ -1,0 +1,48 @@
+"""The one error of whatever a user gives, in words fit for a terminal."""
+
+import reprlib
+
+from gfmd_numba.text.printable import printable
+
+ABSENT = object()
+
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = _short.maxlong = 60
+_short.maxlevel = 2
+
+MOST_LINES, MOST_CHARACTERS, LONGEST_LINE = 100, 8000, 1500  # of one message
+
+
+class InputError(ValueError):
+    """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: given ...; allowed: ...` per line.
+
+    Its text is fit for a terminal: what is not printable is escaped, and it is short. `more` faults are not given.
+    """
+
+    def __init__(self, *faults: str, more: int = 0) -> None:
+        super().__init__(*faults)
+        self.more = more
+
+    def __str__(self) -> str:
+        lines: list[str] = []
+        for fault in self.args[:MOST_LINES]:
+            lines.append(_shortened(printable(fault)))
+            if sum(map(len, lines)) > MOST_CHARACTERS - LONGEST_LINE:
+                break
+        left = len(self.args) - len(lines) + self.more
+        return "\n".join([*lines, f"and {left} more"] if left else lines)
+
+
+def brief(value: object) -> str:
+    """What was given, short enough for a message."""
+    if value is ABSENT:
+        return "nothing"
+    if value is None:
+        return "an empty value"
+    return str(value).lower() if isinstance(value, bool) else _short.repr(value)
+
+
+def _shortened(line: str) -> str:
+    """Line whose middle gives way if it is very long: its ends tell where, and what is allowed."""
+    half = LONGEST_LINE // 2
+    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,42 +15,62 @@ from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.text.printable import printable
 
+if TYPE_CHECKING:
+    from gfmd_numba.scene import Document
+
 
 @main.command()
 @file_argument
 def check(file: Path) -> None:
     """Check a campaign, scene or surface FILE and say what is wrong with it."""
-    from gfmd_numba.campaign.file import Campaign, load_campaign
-    from gfmd_numba.contact.refusal import check_combination
-    from gfmd_numba.scene import BoundaryFile, load_scene, read_document
-    from gfmd_numba.scene.surface_file import load_surface
+    from gfmd_numba.scene.document import read_document
 
-    name, document, doubt = printable(file), read_document(file), ""
-    data = document.data
-    if isinstance(data, dict) and {"name", "realisations", "reference", "limits", "grid"} & data.keys():
-        campaign: Campaign = load_campaign(document)[0]
-        click.echo(f"{name}: a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations")
-        if campaign.scene.interface.reaches_across:
-            from gfmd_numba.campaign.plan import plan
-
-            doubt = plan(document).validity
-    elif isinstance(data, dict) and "surface" in data:
-        load_surface(document)
-        click.echo(f"{name}: a surface")
+    document = read_document(file)
+    keys = document.data.keys() if isinstance(document.data, dict) else set()
+    if {"name", "realisations", "reference", "limits", "grid"} & keys:
+        kind, doubt = _check_campaign(document)
+    elif "surface" in keys:
+        kind, doubt = _check_surface(document)
     else:
-        described, document = load_scene(document)
-        if isinstance(described, BoundaryFile):
-            check_combination(document, described.scene, described.numerics)
-            click.echo(f"{name}: a loaded body")
-        else:
-            check_combination(document, described.scene, described.numerics, described.path)
-            click.echo(f"{name}: a scene")
-            if described.scene.interface.reaches_across:
-                from gfmd_numba.simulate.contact import doubt as doubt_of
-
-                doubt = doubt_of(described, document)
+        kind, doubt = _check_scene(document)
+    click.echo(f"{printable(file)}: {kind}")
     for sentence in doubt.splitlines():
         say("gfmd:", sentence, width=6, err=True)
+
+
+def _check_campaign(document: Document) -> tuple[str, str]:
+    from gfmd_numba.campaign.file import load_campaign
+
+    campaign, _ = load_campaign(document)
+    kind = f"a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations"
+    if not campaign.scene.interface.reaches_across:
+        return kind, ""
+    from gfmd_numba.campaign.plan import plan
+
+    return kind, plan(document).validity
+
+
+def _check_surface(document: Document) -> tuple[str, str]:
+    from gfmd_numba.scene.surface_file import load_surface
+
+    load_surface(document)
+    return "a surface", ""
+
+
+def _check_scene(document: Document) -> tuple[str, str]:
+    from gfmd_numba.contact.refusal import check_combination
+    from gfmd_numba.scene import BoundaryFile, load_scene
+
+    file, document = load_scene(document)
+    if isinstance(file, BoundaryFile):
+        check_combination(document, file.scene, file.numerics)
+        return "a loaded body", ""
+    check_combination(document, file.scene, file.numerics, file.path)
+    if not file.scene.interface.reaches_across:
+        return "a scene", ""
+    from gfmd_numba.simulate.contact import doubt
+
+    return "a scene", doubt(file, document)
 
 
 @main.command()

@@ -80,7 +80,7 @@ def scene(**changes):
 @pytest.mark.parametrize(
     ("length", "modulus", "unit"), [(1e-4, 70e9, "J m-2"), (None, 70e9, "Pa"), (1e-4, None, "m"), (None, None, "1")]
 )
-def test_energy_in_the_units_of_the_scene(length, modulus, unit):
+def test_energy_is_in_the_units_of_the_scene(length, modulus, unit):
     body = {"poissons_ratio": 0.33} | ({"youngs_modulus": modulus} if modulus else {})
     changed = scene(body=body)
     if length is None:
@@ -112,7 +112,7 @@ def test_distributions_hold_every_node_and_segment(path):
     assert float(theory.isel(step=2)) == pytest.approx(found, rel=0.01)
 
 
-def test_segments_of_contacts_made_by_hand():
+def test_segments_of_contacts_made_by_hand_are_found():
     rows = ["1000000000001101", "0000000000000000", "1111111111111111", "0111100111111110"]
     gap = np.array([[float(node == "0") for node in row] for row in rows])
     fields = {name: (("realisation", "x"), gap) for name in ("gap", "height", "pressure")}

@@ -37,7 +37,7 @@ def wave(tmp_path):
     return solve
 
 
-def test_westergaard_in_closed_form(wave):
+def test_the_stiffness_of_a_wave_is_westergaards(wave):
     """Differences of the closed form, whose error falls as the grid is refined; at light loads its slope as well."""
     full = np.pi * AMPLITUDE
     pressures = full * np.array([0.02, 0.021, 0.2, 0.21, 0.9, 0.91])
@@ -53,7 +53,7 @@ def test_westergaard_in_closed_form(wave):
     np.testing.assert_allclose(fine["stiffness_reduced"], fine["stiffness"] * rms_height / fine["mean_pressure"])
 
 
-def test_mean_gap_of_the_closed_form():
+def test_the_mean_gap_is_that_of_the_closed_form():
     """From the amplitude without load to nothing in full contact, with the slope of a row of flat punches."""
     full = np.pi * AMPLITUDE
     assert closed_forms.westergaard_mean_gap(0.0, AMPLITUDE) == AMPLITUDE
@@ -77,7 +77,7 @@ ROUGH = {
 }
 
 
-def test_one_linear_solve_with_the_contact_held():
+def test_stiffness_is_one_linear_solve_with_the_contact_held():
     """A load too small to change the contact presses it like a rigid punch: K = n / sum_ij (A_ff^-1)_ij."""
     path = gfmd_numba.solve(ROUGH | {"path": [{"reduced_pressure": 0.05 * (1 + 1e-6)}]})
     free = (path["gap"] > 0).values

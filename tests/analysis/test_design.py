@@ -131,7 +131,7 @@ def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3d"])
-def test_malformed_goals(tmp_path, option):
+def test_malformed_goals_are_refused(tmp_path, option):
     said = gfmd("plan", campaign_file(tmp_path), option)
     assert said.exit_code == 2
     assert "allowed: a " in said.output

@@ -131,7 +131,7 @@ def test_the_covariance_is_shrunk_towards_a_common_offset_beside_independent_res
     np.testing.assert_allclose(covariance_of_one(values), expected, rtol=1e-12)
 
 
-def test_the_covariance_of_cases_asked_of_fewer_realisations():
+def test_variances_come_from_all_values_of_a_case():
     """Variances come from all values of a case."""
     values = np.random.default_rng(4).normal(size=(400, 3)) @ [[1.0, 0.9, 0.5], [0.0, 0.3, 0.5], [0.0, 0.0, 2.0]]
     whole = covariance_of_one(values)

@@ -46,7 +46,7 @@ def test_a_group_with_two_levels_borrows_the_shared_exponent():
     assert alone["fit_status"].values.tolist() == ["refused", "ok"]
 
 
-def test_full_product_without_a_reference_case():
+def test_a_full_product_without_a_reference_case_is_fitted():
     base = campaign()
     axes = np.meshgrid([1 / 2, 1 / 4, 1 / 8], [1 / 256, 1 / 1024, 1 / 4096], [1 / 2, 1 / 4, 1 / 8])
     c, f, t = (axis.ravel() for axis in axes)

@@ -135,7 +135,7 @@ def test_a_bad_campaign_is_refused_where_it_is_wrong(tmp_path, name):
     assert complaint(tmp_path, load_campaign, changed(CAMPAIGN, *change)).startswith(expected)
 
 
-def test_too_many_cases(tmp_path):
+def test_too_many_cases_are_refused(tmp_path):
     hundred = [f"{i}/1000" for i in range(1, 101)]
     axes = ", ".join(f"{axis}: [{', '.join(hundred)}]" for axis in ("hurst", "aspect_ratio", "reduced_pressure"))
     message = complaint(tmp_path, load_campaign, changed(CAMPAIGN, "hurst: [0.3, 0.5]", axes))

@@ -85,7 +85,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
     assert not list(tmp_path.glob("shards/*.tmp"))
 
 
-def test_poison_in_this_process(tmp_path, sound, monkeypatch):
+def test_poison_in_this_process_fails_its_own_block_only(tmp_path, sound, monkeypatch):
     monkeypatch.setattr(Poison, "heights", lambda self, realisations: time.sleep(60))
     bad = poisoned(sound[0][0].problem, ["endless"])
     failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
@@ -159,7 +159,7 @@ def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
     ("address", "allowed"),
     [("tcp://192.0.2.1:8786", "or --insecure beside it"), ("nowhere://127.0.0.1:1", "the address of a running dask")],
 )
-def test_a_scheduler_that_is_refused(tmp_path, address, allowed):
+def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
     with (
         pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
         connected(address, None, False),

@@ -39,7 +39,7 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
         ("hurst", "a coordinate and its value, like hurst=0.8"),
     ],
 )
-def test_a_part_that_is_not_there(tmp_path, only, said):
+def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
     ran = gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--only", only)
     assert ran.exit_code == 2
     assert said in ran.output
@@ -87,7 +87,7 @@ def test_fail_fast_stops_at_the_first_failure(tmp_path, monkeypatch):
     assert len(json.loads(gfmd("status", out, "--json").output)["failed"]) <= 2  # those of one task
 
 
-def test_collect_at_any_time(tmp_path):
+def test_results_are_collected_at_any_time(tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     gfmd_numba.run(path, out)
     (out / "small.nc").unlink()
@@ -116,7 +116,7 @@ def test_verify_finds_what_was_altered(tmp_path):
     assert "small.nc differs from its digest" in unfolded(ran.output)
 
 
-def test_status_of_a_running_campaign(tmp_path):
+def test_the_status_of_a_running_campaign_is_shown(tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     gfmd("run", path, "-o", out, "--workers=0", "--limit=3")
     for shard in out.glob("shards/*.shard"):
@@ -128,7 +128,7 @@ def test_status_of_a_running_campaign(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["status", "collect", "verify"])
-def test_a_directory_of_no_campaign(tmp_path, command):
+def test_a_directory_of_no_campaign_is_refused(tmp_path, command):
     ran = gfmd(command, tmp_path)
     assert ran.exit_code == 2
     assert "given a directory without .gfmd-campaign; allowed: one that `gfmd run` made" in ran.output

@@ -19,7 +19,7 @@ def test_plan_counts_cases_and_distinct_problems(tmp_path):
     assert "Poisson's ratio" in output
 
 
-def test_run_fit_plot(tmp_path, monkeypatch):
+def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = campaign(tmp_path)
     done = gfmd("run", path, "--workers=0")

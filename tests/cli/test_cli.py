@@ -46,7 +46,7 @@ def test_bad_input_exits_with_2_and_names_the_place(tmp_path):
 
 
 @pytest.mark.parametrize("path", sorted(CAMPAIGNS.glob("*.yaml")), ids=lambda path: path.name)
-def test_shipped_campaigns_check(path):
+def test_shipped_campaigns_pass_their_check(path):
     assert gfmd("check", path).exit_code == 0
 
 

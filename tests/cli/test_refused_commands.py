@@ -13,7 +13,7 @@ from support.scenes import SCENE
     "option",
     ["eps_c", "eps_c=one", "eps_c=1:two", "eps_c=1:", "eps_x=1", "eps_c=nan", "eps_c=-1", "eps_c=2:1", "eps_c=.inf"],
 )
-def test_malformed_exponent(results, option):
+def test_a_malformed_exponent_is_told_what_is_allowed(results, option):
     message = refused("fit", results, "--fixed", option)
     assert "'--fixed'" in message
     assert f"given {option!r}; allowed: eps_c, eps_f, eps_t with a number above 0 or a range, like eps_t=1" in message
@@ -29,7 +29,7 @@ def contact(tmp_path_factory):
 
 @pytest.mark.parametrize("command", ["fit", "plot"])
 @pytest.mark.parametrize("content", ["", "name: text\n"])
-def test_files_that_are_no_results(tmp_path, command, content):
+def test_files_that_are_no_results_are_refused(tmp_path, command, content):
     for name in ("results.nc", "results.yaml"):
         (tmp_path / name).write_text(content)
         message = refused(command, tmp_path / name, "-o", tmp_path / "out.png")
@@ -37,7 +37,7 @@ def test_files_that_are_no_results(tmp_path, command, content):
         assert "; allowed: a netCDF file that gfmd has written" in message
 
 
-def test_results_of_another_kind(tmp_path, results, contact):
+def test_results_of_another_kind_are_refused(tmp_path, results, contact):
     assert gfmd("fit", results, "--fixed=eps_c=1", "--fixed=eps_f=1/2:1", "-o", tmp_path / "fit.nc").exit_code == 0
     for command in ("fit", "plot"):
         message = refused(command, tmp_path / "fit.nc", "-o", tmp_path / "out.png")
@@ -50,7 +50,7 @@ def test_results_of_another_kind(tmp_path, results, contact):
         assert f"{tmp_path / 'empty.nc'}: given no campaign's results" in refused(command, tmp_path / "empty.nc")
 
 
-def test_unknown_variable_and_picture(tmp_path, results):
+def test_an_unknown_variable_or_picture_is_told_what_is_allowed(tmp_path, results):
     assert "'kapa' is not one of 'kappa', 'kappa_counted', 'kappa_r'" in refused("fit", results, "--variable=kapa")
     message = refused("plot", results, "-o", tmp_path / "picture.doc")
     assert f"given {tmp_path / 'picture.doc'}; allowed: a picture ending in" in message

@@ -37,7 +37,7 @@ def test_solve_writes_fields_and_scalars(tmp_path):
         ("broken.nc", "no dataset", "no netCDF file"),
     ],
 )
-def test_unusable_profile(tmp_path, name, content, given):
+def test_an_unusable_profile_is_refused_with_its_reason(tmp_path, name, content, given):
     (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     scene = tmp_path / "scene.yaml"
     text = SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", f"{{method: measured, file: {name}}}")

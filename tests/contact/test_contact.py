@@ -32,7 +32,7 @@ LOADS = np.linspace(0.05, 0.6, 12) * np.pi * AMPLITUDE
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_westergaard(solver):
+def test_the_contact_of_a_wave_is_westergaards(solver):
     """Within 1e-3 of the peak (the square-root edge itself is unresolved), contact length within one spacing."""
     errors = np.array([westergaard_errors(1024, load, solver) for load in LOADS])
     assert errors[:, 0].max() < 1e-3
@@ -48,7 +48,7 @@ def test_westergaard_converges_with_order_one():
     assert 0.9 < order < 1.4
 
 
-def test_hertz_line_contact():
+def test_a_cylinder_makes_the_line_contact_of_hertz():
     nx, radius = 8192, 1.0
     x = np.arange(nx) / nx - 0.5
     for half_width in (0.015, 0.02, 0.025):
@@ -85,7 +85,7 @@ def test_all_solvers_find_the_same_contact():
 
 @pytest.mark.parametrize("nx", [16, 64])
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 0.0032, 0.01, 10.0])
-def test_one_or_two_touching_nodes_and_full_contact(nx, load):
+def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
     """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
     heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(40)) for hurst in (0, 0.5, 1)])
     verlet, *others = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)

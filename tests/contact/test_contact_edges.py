@@ -64,7 +64,7 @@ def test_two_contacts_of_a_two_scale_wave_add_up():
     assert abs(lengths[512][1] - lengths[4096][0]) > 0.1 / 512
 
 
-def test_short_stretches_and_their_error():
+def test_short_stretches_have_a_length_and_an_error():
     touching = np.zeros((2, 32), dtype=bool)
     touching[0, 3:5] = touching[0, 9] = True
     touching[1, :] = True

@@ -37,7 +37,7 @@ def test_a_wave_in_both_directions_touches_everywhere_at_the_pressure_of_its_clo
     assert not press(punch, 0.99 * flat_at).touching.all()
 
 
-def test_hertz_point_contact():
+def test_a_paraboloid_makes_the_point_contact_of_hertz():
     """a^3 = 3 F R / 4 E*."""
     n, a = 192, 12.0 / 192
     x = np.arange(n) / n - 0.5
@@ -96,7 +96,7 @@ def test_more_waves_are_added_to_the_map():
     np.testing.assert_allclose(ratio, ratio[0, 0].real, atol=1e-9)
 
 
-def test_clusters_and_perimeter_on_the_torus():
+def test_clusters_and_perimeter_are_counted_on_the_torus():
     """A plus of five nodes across a corner, a pair across an edge, one node that meets the plus at a corner only."""
     flags = np.zeros((1, 8, 8), dtype=bool)
     flags[0, [0, 0, 0, 1, 7], [0, 1, 7, 0, 0]] = True
@@ -117,7 +117,7 @@ def test_rms_gradient_over_the_contact_is_that_of_the_surface_in_full_contact():
     assert contact_area.n_segments(made) == 0
 
 
-def test_agreement_with_tamaas():
+def test_tamaas_finds_the_same_contact_of_a_map():
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     punch = rough(64)[0]

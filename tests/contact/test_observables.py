@@ -48,7 +48,7 @@ def test_edge_bias_is_the_wiener_hopf_constant():
         ("11111111", 0),
     ],
 )
-def test_segments(nodes, segments):
+def test_segments_are_counted_around_the_period(nodes, segments):
     touching = np.array([int(c) for c in nodes])
     c = contact(touching)
     assert contact_area.n_segments(c)[0] == segments
@@ -57,7 +57,7 @@ def test_segments(nodes, segments):
     assert contact_area.contact_area_fraction(c)[0] == pytest.approx(corrected)
 
 
-def test_kappa_and_gradient_over_the_contact():
+def test_kappa_and_gradient_are_those_over_the_contact():
     touching = np.zeros(64)
     touching[14:19] = 3.0
     values = evaluation.measure(contact(touching))

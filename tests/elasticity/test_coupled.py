@@ -114,7 +114,7 @@ def test_long_waves_become_the_uniform_modes(nu):
     assert normal == pytest.approx(stiffness.uniform(nu, a), rel=1e-15)
 
 
-def test_units_of_c11():
+def test_moduli_are_those_of_linear_elasticity():
     nu = 0.3
     assert moduli.c11(nu) == pytest.approx((1 - nu) ** 2 / (1 - 2 * nu))
     assert moduli.c11(nu, 0.1) == pytest.approx(10 * moduli.c11(nu))

@@ -68,7 +68,7 @@ def along_z(body, depth, step):
 
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("part", [0.2, 0.6])
-def test_equilibrium_strain_and_hookes_law(body, part):
+def test_fields_are_in_equilibrium_and_obey_hookes_law(body, part):
     depth = part * min(body.aspect_ratio or 0.1, 0.1)
     here, slope = along_z(body, depth, min(depth / 10, 2e-4))
     nu = body.poissons_ratio
@@ -90,7 +90,7 @@ def test_equilibrium_strain_and_hookes_law(body, part):
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_boundary_conditions(body):
+def test_fields_meet_the_boundary_conditions(body):
     found = random_surface(body)
     depths = [0.0] if body.aspect_ratio is None else [0.0, -body.aspect_ratio]
     result = fields.fields_inside(found, NX, np.array(depths), body)
@@ -146,7 +146,7 @@ def test_deep_slab_is_the_half_space(nu):
         np.testing.assert_allclose(found, true, rtol=1e-12, atol=1e-300)
 
 
-def test_cosine_load_on_the_half_space():
+def test_a_cosine_load_on_the_half_space_has_its_closed_form():
     """p cos(qx) gives sigma_33, sigma_11 = -p (1 +- d) exp(-d) cos(qx), sigma_13 = p d exp(-d) sin(qx), d = q depth."""
     x, q, nu = np.arange(NX) / NX, 2 * np.pi * 3, 0.33
     depth = np.array([0.0, 0.01, 0.1, 0.7])
@@ -178,7 +178,7 @@ def test_a_row_of_line_loads_is_flamant_near_one_of_them():
     np.testing.assert_allclose(found.stress5[0][near], radial * -depth * x[near] / r2, atol=0.05)
 
 
-def test_von_mises_of_simple_states():
+def test_von_mises_stress_of_simple_states_is_known():
     assert fields.von_mises(np.array(2.0), np.array(0.0), np.array(0.0), np.array(0.0)) == 2.0
     assert fields.von_mises(np.array(3.0), np.array(3.0), np.array(3.0), np.array(1.0)) == pytest.approx(np.sqrt(3))
 

@@ -46,7 +46,7 @@ def test_coupled_switches_are_differences_of_eigenvalues(a, s):
         assert slowest_mode.switch(case, a, s) == pytest.approx(value, abs=1e-10 * high)
 
 
-def test_half_space():
+def test_softest_modes_of_the_half_space_are_6_70_and_6_84():
     """(6.70), (6.84), and for nu = 1/2 no coupling (6.86)."""
     assert slowest_mode.half_space_normal().stiffness == pytest.approx(stiffness.half_space(2 * np.pi), rel=1e-15)
     for nu in (-0.9, 0.0, 0.3, 0.5):
@@ -57,7 +57,7 @@ def test_half_space():
     assert slowest_mode.slab_coupled(0.3, 50.0).stiffness < slowest_mode.half_space_coupled(0.3).stiffness
 
 
-def test_uniform_slab():
+def test_the_uniform_mode_of_a_slab_is_6_66():
     """(6.66) with E in E*."""
     nu, a = 0.3, 0.7
     assert slowest_mode.uniform_slab(nu, a) == pytest.approx(((1 - nu**2) / (2 * a * (1 + nu)), 0, "tangential"))
@@ -66,7 +66,7 @@ def test_uniform_slab():
 
 @pytest.mark.parametrize("nu", [-5.0, -0.9, 0.0, 0.2, 0.3, 0.45, 0.5])
 @pytest.mark.parametrize("a", ASPECTS)
-def test_softest_of_all_modes(nu, a):
+def test_the_softest_mode_is_the_softest_of_all(nu, a):
     index = np.arange(1, 4000)
     q = 2 * np.pi * index
     a11, a13, a33 = (q * m for m in coupled.slab_elements(q * a, nu))

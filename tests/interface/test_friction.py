@@ -146,7 +146,7 @@ def frictionless(x, a):
         return np.cos(np.pi * x) / np.sqrt(np.sin(np.pi * a) ** 2 - np.sin(np.pi * x) ** 2)
 
 
-def test_frictionless_flat_punch():
+def test_a_frictionless_flat_punch_has_its_closed_form():
     errors = [
         flat_punch_error(nx, nx // 8, 0.2, 0.0, frictionless, lambda x, a: 0 * x, smooth=False)[0] for nx in (256, 1024)
     ]
@@ -155,7 +155,7 @@ def test_frictionless_flat_punch():
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_sticking_flat_punch(nu):
+def test_a_sticking_flat_punch_has_its_closed_form(nu):
     """Johnson (1985), 2.69 for one punch; these stand in a row, 32 punch widths apart."""
     kappa = 3 - 4 * nu
     eta = np.log(kappa) / (2 * np.pi)

@@ -185,7 +185,7 @@ path: []
         ),
     ],
 )
-def test_bad_scenes(tmp_path, old, new, message):
+def test_laws_that_make_no_sense_are_refused_where_they_stand(tmp_path, old, new, message):
     path = tmp_path / "scene.yaml"
     assert SCENE.count(old) == 1
     path.write_text(SCENE)

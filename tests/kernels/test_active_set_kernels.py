@@ -17,7 +17,7 @@ def listed(kernel, contact, n):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.contact_nodes))
-def test_contact_nodes(kernel):
+def test_contact_nodes_begin_behind_the_widest_gap(kernel):
     assert listed(kernel, CONTACT, N) == NODES.tolist()
     assert listed(kernel, np.roll(CONTACT[:N], -2), N) == [4, 6, 7, 10, 11, 12]  # the widest gap ends the period
     assert listed(kernel, np.arange(5) == 3, 5) == [3]
@@ -26,7 +26,7 @@ def test_contact_nodes(kernel):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.open_gap))
-def test_open_gap(kernel, rng):
+def test_open_gap_is_its_plain_twin(kernel, rng):
     sp, punch, gap = rng.normal(size=(3, PADDED))
     expected = np.concatenate([(sp + punch)[:N], gap[N:]])
     kernel(sp, punch, N, gap)
@@ -35,7 +35,7 @@ def test_open_gap(kernel, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.closing_displacement))
-def test_closing_displacement(kernel, free_mean, rng):
+def test_closing_displacement_is_its_plain_twin(kernel, free_mean, rng):
     gap, r = rng.normal(size=(2, PADDED))
     kernel(gap, NODES, 6, r, free_mean)
     expected = -gap[NODES]
@@ -44,7 +44,7 @@ def test_closing_displacement(kernel, free_mean, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.newton_error))
-def test_newton_error(kernel, free_mean, rng):
+def test_newton_error_is_its_plain_twin(kernel, free_mean, rng):
     """The change keeps a prescribed load; uphill, or where all is closed to rounding, there is no error."""
     z, p = rng.normal(size=(2, PADDED))
     uniform = rng.random(6)
@@ -60,7 +60,7 @@ def test_newton_error(kernel, free_mean, rng):
 
 @pytest.mark.parametrize("last", [0.0, 2.0])
 @pytest.mark.parametrize("kernel", both(kernels.newton_direction))
-def test_newton_direction(kernel, last, rng):
+def test_newton_direction_is_its_plain_twin(kernel, last, rng):
     z = rng.normal(size=6)
     t = rng.normal(size=PADDED)
     t[:N][~CONTACT[:N]] = 0.0 if last else 7.0
@@ -72,7 +72,7 @@ def test_newton_direction(kernel, last, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.newton_update))
-def test_newton_update(kernel, free_mean, rng):
+def test_newton_update_is_its_plain_twin(kernel, free_mean, rng):
     p, gap, t, st, r = rng.normal(size=(5, PADDED))
     t[:N][~CONTACT[:N]] = 0.0
     step = 0.5 / (t[:N] @ st[:N])
@@ -86,7 +86,7 @@ def test_newton_update(kernel, free_mean, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.revise_contact))
-def test_revise_contact(kernel, free_mean, rng):
+def test_revise_contact_is_its_plain_twin(kernel, free_mean, rng):
     contact, p = CONTACT.copy(), np.where(CONTACT, 1.0 + rng.random(PADDED), 0.0)
     p[8] = -0.1
     gap = np.where(CONTACT, 0.3, 1.0)
@@ -106,7 +106,7 @@ def test_revise_contact(kernel, free_mean, rng):
 @pytest.mark.parametrize("signed", [False, True])
 @pytest.mark.parametrize("solve", both(kernels.exponential_sum_solve))
 @pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
-def test_decays_against_dense_algebra(factor, solve, signed, rng):
+def test_decays_are_those_of_dense_algebra(factor, solve, signed, rng):
     """Also decays that grow, and differences of decays, as long as the sum is positive definite."""
     n, count, terms = 40, 7, 3
     nodes = np.array([31, 33, 34, 35, 2, 9, 10])

@@ -7,7 +7,7 @@ from gfmd_numba import kernels
 
 
 @pytest.mark.parametrize("compiled", [True, False])
-def test_kernels(compiled):
+def test_kernels_of_boundaries_are_their_plain_twins(compiled):
     rng = np.random.default_rng(0)
     u, old, ku, traction = rng.normal(size=(4, 2, 16))
     free, excess, n = rng.random((2, 16)) < 0.6, np.array([0.0, 0.3]), 13

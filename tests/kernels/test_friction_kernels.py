@@ -8,7 +8,7 @@ from support.kernel_twins import both
 
 
 @pytest.mark.parametrize("kernel", both(kernels.couple))
-def test_couple(kernel):
+def test_couple_is_its_plain_twin(kernel):
     rng = np.random.default_rng(0)
     spectrum = rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9))
     k11, k13, k33 = rng.normal(size=(3, 7))
@@ -22,7 +22,7 @@ def test_couple(kernel):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, np.inf])
 @pytest.mark.parametrize("kernel", both(kernels.coupled_step))
-def test_coupled_step(kernel, friction):
+def test_coupled_step_is_its_plain_twin(kernel, friction):
     rng = np.random.default_rng(1)
     u1, old1, k1, u3, old3, k3, anchor = rng.normal(size=(7, 3, 16))
     anchor[:, ::2] = np.nan
@@ -48,7 +48,7 @@ def test_coupled_step(kernel, friction):
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("kernel", both(kernels.friction_violation))
-def test_friction_violation(kernel, friction):
+def test_friction_violation_is_its_plain_twin(kernel, friction):
     rng = np.random.default_rng(2)
     u1, k1, u3, k3 = rng.normal(size=(4, 3, 16))
     anchor = u1 + rng.choice([0.0, 0.5, -0.5], size=u1.shape)
@@ -82,7 +82,9 @@ def test_friction_violation(kernel, friction):
     ],
 )
 @pytest.mark.parametrize("kernel", both(kernels.friction_violation))
-def test_what_friction_does_not_balance_at_one_node(kernel, slid, touches, k1, k3, friction, violation):
+def test_friction_violation_at_one_node_is_what_friction_does_not_balance(
+    kernel, slid, touches, k1, k3, friction, violation
+):
     u1, u3, worst, one = np.array([[0.1]]), np.array([[0.4]]), np.zeros(1), np.ones(1)
     wall = u3 if touches else u3 + 1e-3
     anchor = np.array([[0.1 - slid]])

@@ -17,7 +17,7 @@ def only_active(new, old):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.multiply))
-def test_multiply(kernel, rng):
+def test_multiply_is_its_plain_twin(kernel, rng):
     spectrum = rng.normal(size=(ROWS, 8)) + 1j * rng.normal(size=(ROWS, 8))
     symbol = rng.normal(size=7)
     expected = spectrum.copy()
@@ -27,7 +27,7 @@ def test_multiply(kernel, rng):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.verlet_step))
-def test_verlet_step(kernel, rng):
+def test_verlet_step_is_its_plain_twin(kernel, rng):
     u, u_old, ku = rng.normal(size=(3, ROWS, PADDED))
     punch = u + rng.normal(size=u.shape) * 0.1
     load, dt2, eta = rng.normal(size=ROWS), 0.3, 0.7
@@ -61,7 +61,7 @@ def fired(u, v, force, punch, dt, mixing, downhill, longest):
 
 @pytest.mark.parametrize("downhill", [0, 5])
 @pytest.mark.parametrize("kernel", both(kernels.fire_step))
-def test_fire_step(kernel, downhill, rng):
+def test_fire_step_is_its_plain_twin(kernel, downhill, rng):
     u, ku = rng.normal(size=(2, ROWS, PADDED))
     load = rng.normal(size=ROWS)
     punch = u + np.maximum(rng.normal(size=u.shape), 0.0)
@@ -94,7 +94,7 @@ def test_fire_goes_downhill_by_the_power_of_all_nodes(kernel):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
-def test_kkt_violation(kernel, rng):
+def test_kkt_violation_is_its_plain_twin(kernel, rng):
     punch, ku = rng.normal(size=(2, ROWS, PADDED))
     u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
     load = rng.normal(size=ROWS)
@@ -124,7 +124,7 @@ def test_kkt_violation_reports_what_is_not_finite(kernel, poison, touches):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.wall_pressure))
-def test_wall_pressure(kernel, rng):
+def test_wall_pressure_is_its_plain_twin(kernel, rng):
     punch, ku, p = rng.normal(size=(3, ROWS, PADDED))
     u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
     load = rng.normal(size=ROWS)
@@ -135,7 +135,7 @@ def test_wall_pressure(kernel, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.cg_gap))
-def test_cg_gap(kernel, free_mean, rng):
+def test_cg_gap_is_its_plain_twin(kernel, free_mean, rng):
     sp, punch, gap = rng.normal(size=(3, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
     opened = punch + sp
@@ -149,7 +149,7 @@ def test_cg_gap(kernel, free_mean, rng):
 
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
-def test_cg_direction(kernel, free_mean, rng):
+def test_cg_direction_is_its_plain_twin(kernel, free_mean, rng):
     gap, t = rng.normal(size=(2, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
     norm, keep = np.array([2.0, 3.0, 0.0]), np.array([1.0, 1.0, 1.0])
@@ -198,7 +198,7 @@ def updated(p, st, gap, t, load, step, keep, free_mean):
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("overlap", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.cg_update))
-def test_cg_update(kernel, overlap, free_mean, rng):
+def test_cg_update_is_its_plain_twin(kernel, overlap, free_mean, rng):
     gap, t, st = rng.normal(size=(3, ROWS, PADDED))
     st = t + 0.1 * st  # positive curvature
     gap = gap if overlap else abs(gap)
@@ -226,7 +226,7 @@ def test_cg_update_keeps_the_last_step_at_a_single_touching_node(kernel):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.close_gap))
-def test_close_gap(kernel, rng):
+def test_close_gap_is_its_plain_twin(kernel, rng):
     gap, punch, u = rng.normal(size=(3, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
     expected = only_active(punch - np.where(p > 0.0, 0.0, np.maximum(gap, 0.0)), u)

@@ -58,7 +58,7 @@ def test_every_notebook_is_tested():
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
-def test_notebook_runs(name, tmp_path, monkeypatch):
+def test_a_notebook_runs_on_shrunk_data(name, tmp_path, monkeypatch):
     file, replacements, commands = NOTEBOOKS[name]
     text = (CAMPAIGNS / file).read_text()
     for old, new in replacements:
@@ -83,7 +83,7 @@ def test_notebook_runs(name, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
-def test_committed_notebook(name):
+def test_a_committed_notebook_is_executed_small_and_anonymous(name):
     path = CAMPAIGNS / f"{name}.ipynb"
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)

@@ -130,7 +130,7 @@ grid: {anisotropy: [1, 4]}
         ),
     ],
 )
-def test_what_is_refused(tmp_path, load, text, old, new, fault):
+def test_anisotropies_that_make_no_sense_are_refused_where_they_stand(tmp_path, load, text, old, new, fault):
     path = tmp_path / "file.yaml"
     assert old in text
     path.write_text(text)
@@ -141,7 +141,7 @@ def test_what_is_refused(tmp_path, load, text, old, new, fault):
     assert fault in str(refused.value)
 
 
-def test_campaign_over_anisotropies(tmp_path):
+def test_a_campaign_over_anisotropies_names_them(tmp_path):
     (tmp_path / "ridges.yaml").write_text(CAMPAIGN)
     dataset = run(tmp_path / "ridges.yaml", output=tmp_path / "out", workers=0)
     assert dataset["anisotropy"].values.tolist() == [1.0] * 3 + [4.0] * 3

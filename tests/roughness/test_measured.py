@@ -19,7 +19,7 @@ def netcdf(folder, x=X, units="m", x_units="m"):
 
 
 @pytest.mark.parametrize("x", [X, X + 1, X.astype(np.float32), np.linspace(0, LENGTH, N, endpoint=False)])
-def test_positions_that_agree_with_the_length(tmp_path, x):
+def test_positions_that_agree_with_the_length_are_read(tmp_path, x):
     np.testing.assert_array_equal(read_profile(netcdf(tmp_path, x), LENGTH), HEIGHTS)
     np.testing.assert_array_equal(read_profile(netcdf(tmp_path, x, None, None), LENGTH), HEIGHTS)
 

@@ -9,7 +9,7 @@ from gfmd_numba.roughness.measurements import read_measurement
 from gfmd_numba.roughness.processing import mirrored, process, windowed
 
 
-def test_readers_agree(tmp_path):
+def test_arrays_and_tables_are_read_alike(tmp_path):
     heights = np.random.default_rng(0).normal(size=(5, 7))
     np.save(tmp_path / "map.npy", heights)
     np.savetxt(tmp_path / "map.csv", heights, delimiter=",", fmt="%.17g")
@@ -29,7 +29,7 @@ def test_readers_agree(tmp_path):
     assert found.lengths == pytest.approx((3.5,))
 
 
-def test_instrument_format(tmp_path):
+def test_a_format_of_an_instrument_is_read_with_its_units(tmp_path):
     topography = pytest.importorskip("SurfaceTopography")
     heights = np.random.default_rng(0).normal(size=(6, 8))
     topography.Topography(heights.T, (4.0, 3.0), unit="um").to_netcdf(str(tmp_path / "map.x"))
@@ -41,7 +41,7 @@ def test_instrument_format(tmp_path):
         read_measurement(tmp_path / "junk.xyzzy")
 
 
-def test_instrument_format_without_the_extra(tmp_path, monkeypatch):
+def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_path, monkeypatch):
     load = builtins.__import__
 
     def without(name, *arguments):

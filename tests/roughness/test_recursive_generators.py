@@ -41,7 +41,7 @@ def test_a_finer_grid_samples_the_same_surface(recursion):
 
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("method", METHODS)
-def test_levels_nest(method, dimension):
+def test_levels_of_a_recursion_nest(method, dimension):
     """A smaller cut-on keeps every point of midpoint displacement, and adds to those of successive addition."""
     few, many = (Recursion(method, dimension, 0.7, cut_on, 1 / 2) for cut_on in (1 / 8, 1 / 16))
     coarse, fine = (recursive.surfaces(r, 2**r.last, 5, range(1))[0] for r in (few, many))
@@ -53,7 +53,7 @@ def test_levels_nest(method, dimension):
 
 
 @pytest.mark.parametrize(("method", "old", "new"), [(METHODS[0], 1.0, 1.0), (METHODS[1], 1.25, 0.75)])
-def test_one_step_by_hand(method, old, new):
+def test_one_step_of_a_recursion_is_that_by_hand(method, old, new):
     """Four heights of variance 1; between them their means, of variance 1/2, and heights of variance 1/2 or 1/4."""
     recursion = Recursion(method, 1, 0.5, 1 / 4, 1.0)
     assert (recursion.first, recursion.last) == (2, 3)
@@ -77,7 +77,7 @@ def test_both_methods_have_the_same_spectrum_but_not_the_same_heights():
     ("hurst", "correlation", "low", "high"),
     [(0.3, 0.018, 0.80, 1.10), (0.5, 0.027, 0.74, 1.12), (0.9, 0.042, 0.26, 1.35)],
 )
-def test_known_artefact(hurst, correlation, low, high):
+def test_the_artefact_of_successive_addition_has_its_known_size(hurst, correlation, low, high):
     """Rms error of the autocorrelation up to half a period, and range of power over that asked for; both exact."""
     recursion = Recursion("successive_addition", 1, hurst, 1 / 1024, 1 / 4)
     asked = spectral.psd_power(SelfAffine(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
@@ -100,7 +100,7 @@ def test_resampling_keeps_waves_that_fit(old, new):
     np.testing.assert_allclose(resample(surface(old), (new, new)), surface(new), atol=1e-14)
 
 
-def test_resampling_a_wave_at_nyquist():
+def test_resampling_a_wave_at_nyquist_keeps_the_cosine():
     coarse = np.array([1.0, -1.0, 1.0, -1.0])
     np.testing.assert_allclose(resample(coarse, (8,)), np.cos(np.pi * np.arange(8) / 2), atol=1e-15)
     np.testing.assert_allclose(resample(resample(coarse, (8,)), (4,)), coarse, atol=1e-15)
@@ -114,11 +114,11 @@ def test_resampling_a_wave_at_nyquist():
         ((0.5, 0.1, 2.0), "at most 1"),
     ],
 )
-def test_recursions_that_make_no_sense(arguments, message):
+def test_recursions_that_make_no_sense_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         Recursion("midpoint_displacement", 1, *arguments)
 
 
-def test_cut_on_beyond_nyquist():
+def test_a_cut_on_beyond_nyquist_is_refused():
     with pytest.raises(ValueError, match="64 points of the last step on a grid of 32"):
         recursive.surfaces(Recursion("successive_addition", 1, 0.5, 1 / 32, 0.5), 32, 1, range(1))

@@ -54,7 +54,7 @@ def test_mean_spectrum_follows_theory():
     assert abs(coefficients[:, cut_off + 1 :]).max() < 1e-15
 
 
-def test_statistics_of_a_wave():
+def test_a_wave_has_its_statistics_in_closed_form():
     x, q, amplitude = np.arange(100) / 100, 2 * np.pi * 3, 0.01
     wave = amplitude * np.cos(q * x)
     assert statistics.rms_gradient(wave) == pytest.approx(q * amplitude / np.sqrt(2))
@@ -63,7 +63,7 @@ def test_statistics_of_a_wave():
 
 
 @pytest.mark.parametrize("nx", [8, 9])
-def test_parseval(nx):
+def test_power_adds_up_to_the_mean_square(nx):
     signal = np.random.default_rng(0).normal(size=(2, nx))
     power = grid.multiplicity(nx) * abs(grid.coefficients(signal)) ** 2
     np.testing.assert_allclose(power.sum(axis=1), (signal**2).mean(axis=1))

@@ -51,7 +51,7 @@ def inverse_series(q, hurst, dimension):
 @pytest.mark.parametrize(
     ("hurst", "q", "digits"), [(0.6, 3.0, 120), (0.8, 12.0, 220), (0.99, 29.9, 320), (0.99, 31.0, 320)]
 )
-def test_exponential_spectrum_where_its_series_loses_all_digits(hurst, q, digits, dimension):
+def test_the_exponential_spectrum_is_right_where_its_series_loses_all_digits(hurst, q, digits, dimension):
     assert transform(np.array([q]), hurst, dimension)[0] == pytest.approx(
         printed_series(q, hurst, dimension, digits), rel=1e-11
     )
@@ -59,13 +59,13 @@ def test_exponential_spectrum_where_its_series_loses_all_digits(hurst, q, digits
 
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize(("hurst", "q"), [(0.1, 0.7), (0.3, 0.7), (0.4, 40.0)])
-def test_exponential_spectrum_where_its_series_diverges(hurst, q, dimension):
+def test_the_exponential_spectrum_is_right_where_its_series_diverges(hurst, q, dimension):
     exact = inverse_series(q, hurst, dimension)
     assert transform(np.array([q]), hurst, dimension)[0] == pytest.approx(exact, rel=1e-12)
 
 
 @pytest.mark.parametrize("q", [1e-3, 0.2, 7.0, 300.0])
-def test_exponential_spectrum_in_closed_form(q):
+def test_the_exponential_spectrum_has_its_closed_form(q):
     """Fresnel integrals for H = 1/4 on a profile, a power for H = 1/2 on a map."""
     s, c = fresnel(np.sqrt(1 / (2 * np.pi * q)))
     phase = 1 / (4 * q)
@@ -147,7 +147,7 @@ def test_mounded_k_correlation_is_the_printed_series(hurst):
 
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("hurst", [0.0, 0.4, 1.0])
-def test_moments_of_a_self_affine_surface(hurst, dimension):
+def test_moments_of_a_self_affine_surface_are_integrals_of_its_spectrum(hurst, dimension):
     model = SelfAffine(dimension, hurst, cut_on=0.01, roll_off=0.3, longest=2.0)
     q_0, q_r, q_s = (2 * np.pi / length for length in (2.0, 0.3, 0.01))
     for order in (0, 1, 2, 4):
@@ -160,7 +160,7 @@ def test_moments_of_a_self_affine_surface(hurst, dimension):
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_moments_of_a_k_correlated_surface(dimension):
+def test_moments_of_a_k_correlated_surface_are_integrals_of_its_spectrum(dimension):
     model = KCorrelation(dimension, 0.7, 0.4)
     for order in (0, 2, 4):
         area = lambda q: (2 if dimension == 1 else 2 * np.pi * q) * q**order * float(model.psd(np.array(q)))  # noqa: E731, B023
@@ -168,7 +168,7 @@ def test_moments_of_a_k_correlated_surface(dimension):
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_moments_of_an_exponential_surface(dimension):
+def test_moments_of_an_exponential_surface_are_integrals_of_its_spectrum(dimension):
     """Finite for the Gaussian autocorrelation only, whose Nayak parameter is 3 on profiles in any dimension."""
     model = Exponential(dimension, 1.0, 0.4)
     for order in (0, 2, 4):
@@ -190,7 +190,7 @@ def test_height_height_correlation_is_self_affine_at_short_distances():
 @pytest.mark.parametrize(
     "model", [LengthAnisotropy(0.7, (0.5, 0.1)), ScalingAnisotropy((0.9, 0.4), (0.5, 0.1))], ids=repr
 )
-def test_anisotropic_spectra(model):
+def test_anisotropic_spectra_are_transforms_of_their_autocorrelation(model):
     """Unit integral, and along x the transform of the autocorrelation."""
     steps = np.arange(-14.0, 24.0, 0.05)
     q = np.exp(steps)
@@ -225,6 +225,6 @@ def test_length_anisotropy_with_equal_lengths_is_the_k_correlation_model():
         (lambda: ScalingAnisotropy((0.5, 0.5), (1.0, 0.0)), "correlation length of 0"),
     ],
 )
-def test_models_that_make_no_sense(make, message):
+def test_models_that_make_no_sense_are_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()

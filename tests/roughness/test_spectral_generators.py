@@ -109,11 +109,11 @@ class Broken:
         (Broken(1.0), 0, "waves up to index 0"),
     ],
 )
-def test_spectra_that_cannot_be_drawn(spectrum, largest, message):
+def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
     with pytest.raises(ValueError, match=message):
         spectral.psd_power(spectrum, 32, largest)
 
 
-def test_a_period_too_short_for_the_correlation():
+def test_a_period_too_short_for_the_correlation_is_refused():
     with pytest.raises(ValueError, match="negative at wave index"):
         spectral.filter_power(Exponential(1, 0.9, 1.0), 64, 31, 1.0)

@@ -15,7 +15,7 @@ def wave_map(ny=24, nx=32):
     return 0.1 * np.cos(q_y * y + q_x * x) + 7.0, np.hypot(q_y, q_x)
 
 
-def test_statistics_of_a_wave_on_a_map():
+def test_a_wave_on_a_map_has_its_statistics_in_closed_form():
     heights, q = wave_map()
     w = 0.1 / np.sqrt(2)
     assert statistics.rms_height(heights, LENGTHS) == pytest.approx(w)
@@ -26,7 +26,7 @@ def test_statistics_of_a_wave_on_a_map():
     assert distribution.skewness(heights, 2) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_parseval_on_a_map():
+def test_rms_height_of_a_map_is_its_standard_deviation():
     heights = np.random.default_rng(0).normal(size=(3, 6, 8))
     np.testing.assert_allclose(statistics.rms_height(heights, LENGTHS), heights.std(axis=(1, 2)))
 
@@ -39,7 +39,7 @@ def test_typical_slope_is_the_angle():
 
 
 @pytest.mark.parametrize("shape", [(9,), (8,), (6, 8), (5, 7)])
-def test_autocorrelation_and_height_differences_by_brute_force(shape):
+def test_autocorrelation_and_height_differences_are_those_of_brute_force(shape):
     heights = np.random.default_rng(1).normal(size=(2, *shape))
     lengths = LENGTHS[: len(shape)]
     axes = tuple(range(1, len(shape) + 1))
@@ -54,7 +54,7 @@ def test_autocorrelation_and_height_differences_by_brute_force(shape):
         np.testing.assert_allclose(differences[(slice(None), *shift)], exact, atol=1e-12)
 
 
-def test_radial_mean_of_a_radial_function():
+def test_the_radial_mean_of_a_radial_function_is_the_function():
     n, length = 64, 3.0
     shift = np.fft.fftfreq(n) * length
     distance, mean = correlation.radial_mean(np.hypot(shift[:, np.newaxis], shift), (length, length))
@@ -64,7 +64,7 @@ def test_radial_mean_of_a_radial_function():
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_binned_spectrum_and_hurst_exponent_of_a_self_affine_surface(dimension):
+def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
     nx, length, hurst = (4096, 3.0, 0.7) if dimension == 1 else (256, 3.0, 0.7)
     largest = nx // 2 - 1
     model = SelfAffine(dimension, hurst, length / (0.9 * largest), length / 4, length)
@@ -112,7 +112,7 @@ def test_moments_of_surfaces_are_those_of_their_model(dimension):
     assert statistics.nayak(heights, lengths).mean() == pytest.approx(nayak(tuple(moments), dimension), rel=0.08)
 
 
-def test_scaling():
+def test_scaled_heights_have_the_rms_asked_for():
     heights = np.random.default_rng(3).normal(size=(4, 6, 8)) + 2.0
     by_height = statistics.scaled(heights, LENGTHS, rms_height=0.3)
     np.testing.assert_allclose(statistics.rms_height(by_height, LENGTHS), 0.3)
@@ -123,7 +123,7 @@ def test_scaling():
         statistics.scaled(np.ones((1, 8)), (1.0,), rms_height=1.0)
 
 
-def test_gaussian_distance():
+def test_the_gaussian_distance_is_that_of_the_distributions():
     assert distribution.gaussian_distance(np.random.default_rng(0).normal(size=200_000)) < 0.004
     wave = np.sin(2 * np.pi * np.arange(100_000) / 100_000)
     h = np.linspace(-np.sqrt(2), np.sqrt(2), 10_001)

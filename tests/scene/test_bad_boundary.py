@@ -141,13 +141,13 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize("name", LOADS)
-def test_bad_loaded_body(folder, name):
+def test_a_bad_load_on_a_body_is_refused_where_it_stands(folder, name):
     change, expected = LOADS[name]
     assert complaint(folder, gfmd_numba.solve, changed(LOADED, *change)).startswith(expected)
 
 
 @pytest.mark.parametrize("name", BESIDES)
-def test_bad_boundary_beside_a_punch(folder, name):
+def test_a_bad_boundary_beside_a_punch_is_refused_where_it_stands(folder, name):
     change, expected = BESIDES[name]
     assert complaint(folder, gfmd_numba.solve, changed(BESIDE, *change)).startswith(expected)
 

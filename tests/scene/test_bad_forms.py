@@ -154,11 +154,11 @@ def test_a_wrong_form_is_refused_where_it_stands(tmp_path, name):
         ("a: [1, 2\n", "bad.yaml:2:1: given text that is not YAML"),
     ],
 )
-def test_bad_text(tmp_path, text, expected):
+def test_text_that_is_no_plain_yaml_is_refused_at_its_first_fault(tmp_path, text, expected):
     assert complaint(tmp_path, load_scene, text).startswith(expected)
 
 
-def test_alias_bomb_is_refused_at_its_first_anchor(tmp_path):
+def test_an_alias_bomb_is_refused_at_its_first_anchor(tmp_path):
     levels = [f"l{i}: &l{i} [{', '.join(9 * [f'*l{i - 1}'])}]" for i in range(1, 40)]
     message = complaint(tmp_path, read_document, "\n".join(["l0: &l0 lol", *levels]))
     assert message == "bad.yaml:1:5: given an anchor or alias; allowed: the value itself"

@@ -24,7 +24,7 @@ MEASURED = SCENE.replace("method: psd\n    hurst: 0.8\n    rms_gradient: 0.01", 
         ("''", "bad.yaml:5:11: scene.roughness.file: given ''; allowed: text"),
     ],
 )
-def test_bad_profile(tmp_path, file, expected):
+def test_a_file_that_is_no_profile_is_refused_where_it_is_named(tmp_path, file, expected):
     (tmp_path / "steels.npy").touch()
     text = changed(MEASURED.partition("discretisation")[0], "steel.npy", file)
     assert expected in complaint(tmp_path, load_scene, text)
@@ -40,7 +40,7 @@ def test_a_folder_is_no_profile(tmp_path):
     assert "did you mean" not in complaints
 
 
-def test_measured_profile_with_discretisation(tmp_path):
+def test_a_measured_profile_has_no_discretisation(tmp_path):
     (tmp_path / "steel.npy").touch()
     assert complaint(tmp_path, load_scene, MEASURED).startswith(
         "bad.yaml:10:17: discretisation: given {'eps_c': 0.5, 'eps_f': 0.015625, 'eps_t': 0.5}; "

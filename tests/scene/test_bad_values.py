@@ -149,7 +149,7 @@ def test_a_wrong_value_is_refused_where_it_stands(tmp_path, name):
     assert message.count("\n") == expected.count("\n")
 
 
-def test_incompressible_body_under_displacement_with_verlet(tmp_path):
+def test_verlet_is_refused_for_an_incompressible_body_under_displacement(tmp_path):
     text = changed(SCENE, "0.33, aspect_ratio: .inf", "0.5, aspect_ratio: 1")
     text = changed(changed(text, "reduced_pressure: 0.007", "displacement: 0.1"), "auto", "verlet")
     assert complaint(tmp_path, gfmd_numba.solve, text).startswith(
@@ -160,7 +160,7 @@ def test_incompressible_body_under_displacement_with_verlet(tmp_path):
     assert load_scene(tmp_path / "good.yaml").scene.body.poissons_ratio == 0.499
 
 
-def test_nx_too_large(tmp_path, monkeypatch):
+def test_a_grid_larger_than_the_memory_is_refused(tmp_path, monkeypatch):
     class Memory:
         total = 8e9
 

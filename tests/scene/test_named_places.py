@@ -14,7 +14,7 @@ discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}
 """
 
 
-def test_path_that_is_no_file(tmp_path):
+def test_a_path_that_is_no_file_is_named(tmp_path):
     with pytest.raises(InputError) as caught:
         load_scene(tmp_path / "absent.yaml")
     assert str(caught.value) == (
@@ -47,7 +47,7 @@ def test_mapping_is_told_the_path_alone():
     )
 
 
-def test_mapping_with_a_number_as_a_key():
+def test_a_number_as_a_key_of_a_mapping_is_refused():
     with pytest.raises(InputError, match=r"body\[1\]: given an unknown key; allowed: one of 'youngs_modulus'"):
         load_scene({"body": {"poissons_ratio": 0.3, 1: 2}})
 

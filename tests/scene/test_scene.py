@@ -97,7 +97,7 @@ def test_nan_is_a_number(tmp_path):
     assert isnan(read_document(write(tmp_path, "key: .nan\n")).data["key"])
 
 
-def test_positions_of_values_and_keys(tmp_path):
+def test_positions_of_values_and_keys_are_remembered(tmp_path):
     document = read_document(write(tmp_path, "\ufeffa:\n  b: [1,\n      2]\n"))
     assert document.positions[("a", "b", 1)] == (3, 7)
     assert document.key_positions[("a", "b")] == (2, 3)
@@ -145,7 +145,7 @@ def test_records_are_frozen():
         (1 / 8, 1 / 65536, 1, (1, 65536, 2**20)),
     ],
 )
-def test_wave_indices(eps_c, eps_f, eps_t, indices):
+def test_wave_indices_and_nodes_follow_from_the_eps(eps_c, eps_f, eps_t, indices):
     d = Discretisation(eps_c=eps_c, eps_f=eps_f, eps_t=eps_t)
     assert d.misfit is None
     assert (d.cut_on_index, d.cut_off_index, d.nx) == indices
@@ -165,7 +165,7 @@ def test_nearest_fit_is_the_nearest_of_all(eps_c, eps_f, eps_t, misfit):
     assert float(d.nearest_fit(misfit)) == best
 
 
-def test_campaign_loads(tmp_path):
+def test_a_campaign_file_gives_its_campaign(tmp_path):
     campaign, document = load_campaign(write(tmp_path, CAMPAIGN, "campaign.yaml"))
     assert document.text == CAMPAIGN
     assert campaign.grid.aspect_ratio == (0.5, 1, 4, inf)

@@ -47,7 +47,7 @@ def test_tractions_are_those_of_the_surface_and_the_base_is_held(aspect_ratio, i
         assert abs(fields.displacement_3[1]).max() < 1e-8 * largest
 
 
-def test_westergaard_below_the_surface(tmp_path):
+def test_stresses_below_a_wave_are_westergaards(tmp_path):
     """On the axis of symmetry Westergaard's stresses follow from his stress function (Johnson 1985, 13.2)."""
     nx, amplitude, load = 4096, 0.001, 0.3
     np.save(tmp_path / "wave.npy", amplitude * np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5)))

@@ -28,7 +28,7 @@ def scene(folder, old="", new=""):
     return path
 
 
-def test_file_of_a_map(tmp_path):
+def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
     single.solve_scene(scene(tmp_path)).to_netcdf(tmp_path / "map.nc")
     with xr.open_dataset(tmp_path / "map.nc") as dataset:
         assert dataset["pressure"].dims == ("y", "x")
@@ -83,7 +83,7 @@ def test_file_of_a_map(tmp_path):
         ("dimension: 2", "dimension: 3", "dimension", "one of 1, 2"),
     ],
 )
-def test_what_maps_are_refused(tmp_path, old, new, where, allowed):
+def test_what_maps_cannot_have_is_refused(tmp_path, old, new, where, allowed):
     np.save(tmp_path / "a.npy", np.zeros(4))
     with pytest.raises(InputError) as refused:
         single.solve_scene(scene(tmp_path, old, new))
@@ -91,7 +91,7 @@ def test_what_maps_are_refused(tmp_path, old, new, where, allowed):
     assert allowed in str(refused.value)
 
 
-def test_campaign_of_maps(tmp_path):
+def test_a_campaign_of_maps_gives_plausible_kappas(tmp_path):
     text = """\
 name: maps
 seed: 1

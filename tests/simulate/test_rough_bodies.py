@@ -147,7 +147,7 @@ def test_finite_range_laws_act_on_rough_bodies():
     np.testing.assert_allclose(own.pressure, mapped.pressure, atol=1e-7 * mapped.pressure.max().item())
 
 
-def test_a_path_of_loads_on_a_rough_body():
+def test_a_path_of_loads_on_a_rough_body_returns_where_it_was():
     steps = {"path": [{"reduced_pressure": 0.05}, {"reduced_pressure": 0.02}]}
     contact = gfmd_numba.solve(scene(body=rough()) | steps)
     np.testing.assert_allclose(contact.pressure[2], contact.pressure[0], atol=1e-5 * contact.pressure.max().item())

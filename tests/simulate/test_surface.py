@@ -38,7 +38,7 @@ SURFACES = [
 
 
 @pytest.mark.parametrize(("surface", "dimension"), SURFACES, ids=str)
-def test_every_method_and_model(surface, dimension):
+def test_every_method_and_model_makes_a_surface_of_the_scale_asked_for(surface, dimension):
     file = {"surface": surface | {"rms_height": 3e-7, "points": 256}, "length": 1e-4, "dimension": dimension}
     dataset = surface_dataset(file)
     assert dataset["height"].shape == (256,) * dimension
@@ -175,24 +175,24 @@ length: 1e-4
         (RANDOM, "cut_on: 1e-6", "cut_on: 1e-7", "surface.cut_on: given 1e-07; allowed: at least 3.92157e-07"),
     ],
 )
-def test_bad_surface_files(tmp_path, text, old, new, said):
+def test_a_surface_that_makes_no_sense_is_refused_where_it_stands(tmp_path, text, old, new, said):
     assert text.count(old) == 1
     assert said in complaint(tmp_path, load_surface, text.replace(old, new))
 
 
-def test_a_range_of_the_hurst_exponent_without_waves(tmp_path):
+def test_a_range_of_the_hurst_exponent_without_waves_is_refused(tmp_path):
     text = TEXT + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
     assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
 
 
-def test_models_that_need_a_map(tmp_path):
+def test_models_that_need_a_map_are_refused_on_a_profile(tmp_path):
     surface = {"method": "psd", **ANISOTROPIC, "rms_height": 3e-7, "points": 64}
     file = {"surface": surface, "length": 1e-4}
     message = complaint(tmp_path, load_surface, yaml.safe_dump(file))
     assert "dimension: given nothing; allowed: 2, which model length_anisotropy needs" in message
 
 
-def test_a_period_too_short_for_the_filter(tmp_path):
+def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
     text = (
         TEXT.replace("psd", "fourier_filter")
         .replace("\nlength: 1e-4", "\nlength: 5e-6")
@@ -215,7 +215,7 @@ def test_a_period_too_short_for_the_filter(tmp_path):
         ("broken.nc", "no dataset", "no netCDF file"),
     ],
 )  # fmt: skip
-def test_unusable_measurement(tmp_path, name, content, said):
+def test_an_unusable_measurement_is_refused_with_its_reason(tmp_path, name, content, said):
     (tmp_path / name).write_text(content)
     text = f"surface: {{method: measured, file: {name}}}\n"
     message = complaint(tmp_path, surface_dataset, text)
@@ -223,7 +223,7 @@ def test_unusable_measurement(tmp_path, name, content, said):
     assert said in message
 
 
-def test_a_map_with_uneven_rows(tmp_path):
+def test_a_map_with_uneven_rows_is_refused(tmp_path):
     y = np.array([0.0, 1.0, 2.0, 3.5, 4.0])
     heights = xr.DataArray(np.random.default_rng(0).normal(size=(5, 6)), {"y": y, "x": np.arange(6.0)}, ("y", "x"))
     heights.to_dataset(name="height").to_netcdf(tmp_path / "map.nc", engine="netcdf4")
@@ -231,7 +231,7 @@ def test_a_map_with_uneven_rows(tmp_path):
     assert "a spacing of 1.5 in y at index 2" in message
 
 
-def test_a_file_that_is_not_there_and_a_length_too_many(tmp_path):
+def test_a_file_that_is_not_there_and_a_length_too_many_are_told(tmp_path):
     (tmp_path / "steel.csv").write_text("# [m]\n0,1\n1,2\n2,1\n3,0\n")
     message = complaint(tmp_path, surface_dataset, "surface: {method: measured, file: stel.csv}\n")
     assert "did you mean 'steel.csv'?" in message

@@ -19,7 +19,7 @@ def save(folder, **arrays):
     return {name: str(folder / f"{name}.csv") for name in arrays}
 
 
-def test_a_file_in_si_units(tmp_path):
+def test_a_file_in_si_units_is_the_same_problem(tmp_path):
     """The same problem in E* and L_x, flat, as a record, and in Pa and m."""
     given, _ = flat(64, 16, -1e-3)
     x = np.arange(64) / 64
@@ -69,7 +69,7 @@ SHEAR = 3e-3 * np.sin(2 * np.pi * 2 * X) + 1e-3
 
 @pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}])
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}])
-def test_tractions_beside_a_rough_punch(tmp_path, friction, loading):
+def test_tractions_beside_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
     """Where the body is, what is prescribed and the pressure of the punch balance, and nothing penetrates."""
     result = beside(tmp_path, friction, loading, normal_traction=WAVE, tangential_traction=SHEAR)
     bare = beside(tmp_path, friction, loading)
@@ -103,7 +103,7 @@ def test_tractions_that_shape_the_body_like_the_punch_leave_a_uniform_pressure(t
     assert float(result["contact_area_fraction"]) == 1.0
 
 
-def test_identity_and_effects_of_tractions():
+def test_tractions_are_part_of_the_identity_and_of_the_effects():
     scene = {
         "body": {"poissons_ratio": 0.3},
         "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},

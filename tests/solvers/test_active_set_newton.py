@@ -77,7 +77,7 @@ def test_contacts_are_those_of_conjugate_gradients(hurst, load, nu, aspect_ratio
 
 
 @pytest.mark.parametrize("load", [1e-5, 1e-2, 1.0, 100.0])
-def test_flat_punches_and_vertical_walls(load):
+def test_flat_punches_and_vertical_walls_are_solved_as_by_conjugate_gradients(load):
     n = 600
     x = np.arange(n) / n
     rough = self_affine.profiles(0.5, 2, 150, n, 1, range(1))[0]
@@ -91,7 +91,7 @@ def test_flat_punches_and_vertical_walls(load):
 
 @pytest.mark.parametrize(("nu", "aspect_ratio"), BODIES[1:5])
 @pytest.mark.parametrize("depth", [1e-3, 0.1, 0.5])
-def test_prescribed_displacement(nu, aspect_ratio, depth):
+def test_a_prescribed_displacement_is_solved_as_by_conjugate_gradients(nu, aspect_ratio, depth):
     n = 512
     heights = self_affine.profiles(0.8, 2, 128, n, 1, range(2))
     punch = heights.max(axis=1, keepdims=True) - heights
@@ -100,7 +100,7 @@ def test_prescribed_displacement(nu, aspect_ratio, depth):
     assert_same(solve(punch, slab, None), solve(punch, slab, None, "conjugate_gradients"))
 
 
-def test_a_punch_that_does_not_touch():
+def test_a_punch_that_does_not_touch_has_no_pressure():
     slab = body(512, 0.3, 1.0)
     result = solve(np.full((1, 512), 0.1), slab, None)
     assert result.status[0] == Status.ok

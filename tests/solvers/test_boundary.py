@@ -58,7 +58,7 @@ def compliance(k, nu, aspect_ratio):
 
 @bodies
 @pytest.mark.parametrize("k", [1, 5, 40])
-def test_one_wave_of_traction(nu, aspect_ratio, k):
+def test_one_wave_of_traction_moves_the_surface_as_the_compliance_says(nu, aspect_ratio, k):
     phase = 2 * np.pi * k * X
     t = np.array([0.3, 0.7])
     result = settled(body(nu, aspect_ratio), t[:, None] * np.stack([np.sin(phase), np.cos(phase)]), FREE)
@@ -92,7 +92,7 @@ def test_mixed_boundaries_recover_the_fields_they_were_cut_from(nu, aspect_ratio
 
 
 @bodies
-def test_reciprocity_superposition_and_equilibrium(nu, aspect_ratio):
+def test_prescribed_boundaries_are_reciprocal_superpose_and_balance(nu, aspect_ratio):
     stiffness, held = body(nu, aspect_ratio), mixed(np.ones((2, NX)), FREE, 3)[1] == 1
     cases = []
     for seed in (1, 2):

@@ -12,7 +12,7 @@ from gfmd_numba.solvers.status import Status
 from support.coupled_bodies import NX, body, flat, settled
 
 
-def test_frictionless_flat_punch_pushed_into_a_deep_slab():
+def test_a_frictionless_flat_punch_in_a_deep_slab_has_its_closed_form():
     """A row of punches of half width a: pressure as in Johnson (1985), 2.7, and the logarithmic capacity of an arc."""
     depth, width = 4.0, 1 / 8
     errors = []
@@ -51,7 +51,7 @@ def test_prescribed_displacements_are_a_flat_punch(friction):
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_sticking_flat_punch(nu):
+def test_a_sticking_flat_punch_has_its_closed_form(nu):
     """Johnson (1985), 2.69, for one punch; these stand 32 widths apart. Means over neighbours, as of a sharp edge.
 
     A periodic surface keeps its length under the mean pressure p, where that of one punch is free to contract by

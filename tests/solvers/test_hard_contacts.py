@@ -31,7 +31,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_from_a_single_node_to_full_contact(tmp_path, shape):
+def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
     """At every pressure all solvers end with the same contact, which carries its load."""
     np.save(tmp_path / "profile.npy", SHAPES[shape])
     nx = len(SHAPES[shape])
@@ -194,7 +194,7 @@ def test_a_million_steps_do_not_move_the_state():
 
 @pytest.mark.long
 @pytest.mark.parametrize("nx", [2**20, 3**12])
-def test_a_million_nodes(nx):
+def test_a_million_nodes_are_solved(nx):
     heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
     result = press(heights, 0.05, "active_set_newton", residual=1e-7)
     assert result.pressure.mean() == pytest.approx(0.05, rel=1e-6)

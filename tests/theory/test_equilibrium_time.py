@@ -54,7 +54,7 @@ def test_critical_equilibrium_time_is_the_marched_one(stiffness, z, fraction):
     assert steps == np.ceil(predicted)
 
 
-def test_critical_equilibrium_time_of_the_oscillator():
+def test_the_critical_equilibrium_time_of_the_oscillator_has_its_closed_form():
     """For dt -> 0 it solves (1 + x) exp(-x) = fraction, and is independent of dt to first order only."""
     x = float(et.critical_equilibrium_time(np.array(1.0), 1e-7, 1e-16))
     assert (1 + x) * np.exp(-x) == pytest.approx(1e-16, rel=1e-4)
@@ -107,7 +107,7 @@ def slope(x, y):
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
-def test_half_space_by_simulation():
+def test_the_fastest_damping_of_a_half_space_is_found_by_marching():
     """(6.105), (6.106), Tab. 6.1 and Fig. 6.22: powers of L_x, E* and dt, found without any formula for the damping."""
     k = np.array([1, 2, 3, 10, 30])
     guesses = np.geomspace(0.5, 6.0, 300)
@@ -128,7 +128,7 @@ def test_half_space_by_simulation():
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.49])
-def test_slab_by_simulation(nu):
+def test_the_fastest_damping_of_a_slab_is_found_by_marching(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
     k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5
     modulus, q = 0.7 / (1 - nu**2), 2 * np.pi * k / nx

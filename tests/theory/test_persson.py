@@ -29,7 +29,7 @@ def press(hurst, body, load):
     return pressed, evaluation.measure(pressed)
 
 
-def test_light_load_and_full_contact():
+def test_perssons_area_is_right_at_light_load_and_full_contact():
     assert persson.contact_area_fraction(1e-8, 0.5) == pytest.approx(1e-8 * np.sqrt(8 / np.pi))  # kappa in p/(g E*)
     assert persson.contact_area_fraction(5.0, 0.5) == 1.0
     p = np.linspace(3.0, 7.0, 9)
@@ -88,7 +88,7 @@ KNOWN = {0.3: (1.77, 1.46, 1.11, 1.013, 1.0), 0.8: (1.52, 1.26, 1.085, 1.011, 1.
 
 @pytest.mark.parametrize("body", [HALF_SPACE, SLAB])
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
-def test_simulated_area(hurst, body):
+def test_simulated_area_is_perssons_times_a_known_ratio(hurst, body):
     for load, known in zip((0.007, 0.1, 0.5, 1.0, 3.0), KNOWN[hurst], strict=True):
         _, values = press(hurst, body, load)
         ratio = values["contact_area_fraction"] / persson.contact_area_fraction(load, values["full_contact_pressure"])
@@ -99,7 +99,7 @@ def test_simulated_area(hurst, body):
 
 @pytest.mark.parametrize("body", [HALF_SPACE, SLAB])
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
-def test_simulated_pressure_distribution(hurst, body):
+def test_simulated_pressures_are_distributed_nearly_as_perssons(hurst, body):
     """Half the integral of |difference|: 0.04 to 0.06 at p* = 0.5, and no more than scatter near full contact."""
     levels = np.linspace(0.0, 9.0, 91)
     middle, width = 0.5 * (levels[1:] + levels[:-1]), levels[1]

@@ -121,7 +121,7 @@ def test_damping_with_the_sign_of_6_2_feeds_the_motion(scheme):
     assert regimes.growth(scheme.polynomial(x, np.array(0.01))) < 1
 
 
-def test_every_mode_critically_damped():
+def test_every_critically_damped_mode_has_a_double_root():
     """Mode-dependent damping: each mode has the double root 1 - dt sqrt(K) of its own stiffness."""
     stiffness, dt = np.geomspace(0.01, 9.0, 20), 0.3
     eta = damping.critical_damping(stiffness, dt)

@@ -5,6 +5,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc
+from support.campaigns import MAPS
+from support.campaigns import campaign as campaign_file
 from support.synthetic_campaigns import ALPHA, campaign
 
 
@@ -37,24 +39,9 @@ def test_patches_of_a_map_are_counted_over_its_square():
     assert "nodes on average" not in message(81, 20, dimension=2)
 
 
-MAPS = """
-name: maps
-seed: 1
-realisations: 2
-scene:
-  dimension: 2
-  body: {poissons_ratio: 0.33}
-  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
-  interface: {hard_wall: {}}
-  loading: {reduced_pressure: 0.05}
-reference: {eps_c: 1/4, eps_f: 1/8, eps_t: 1/2}
-limits: {eps_c: [1/2]}
-"""
-
-
 def test_a_campaign_of_resolved_maps_is_not_warned_of(tmp_path):
-    (tmp_path / "maps.yaml").write_text(MAPS)
-    dataset = gfmd_numba.run(tmp_path / "maps.yaml", tmp_path / "out")
+    text = MAPS + "reference: {eps_c: 1/4, eps_f: 1/8, eps_t: 1/2}\nlimits: {eps_c: [1/2]}\n"
+    dataset = gfmd_numba.run(campaign_file(tmp_path, text), tmp_path / "out")
     assert (dataset["dimension"] == 2).all()
     nodes = dataset["contact_area_fraction_counted"] * dataset["nx"] ** 2
     assert (nodes.sum("realisation") / dataset["n_segments"].sum("realisation")).max() > 20

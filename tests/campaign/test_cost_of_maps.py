@@ -4,21 +4,9 @@ import pytest
 
 from gfmd_numba.campaign import cost
 from gfmd_numba.campaign.plan import plan
+from support.campaigns import MAPS, campaign
 from support.costs import noise, predicted, true_seconds
 
-MAPS = """
-name: maps
-seed: 1
-realisations: 4
-scene:
-  dimension: 2
-  body: {poissons_ratio: 0.33}
-  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
-  interface: {hard_wall: {}}
-  loading: {reduced_pressure: 0.01}
-reference: {eps_c: 1/4, eps_f: 1/50, eps_t: 1/4}
-grid: GRID
-"""
 ISOTROPIC = "{reduced_pressure: [0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32], eps_c: [1/2, 1/4]}"
 ANISOTROPIC = "{anisotropy: [1, 2, 4], reduced_pressure: [0.01, 0.1], eps_c: [1/2, 1/4]}"
 
@@ -43,9 +31,8 @@ def seconds(problem):
 
 
 def maps(folder, grid):
-    path = folder / "maps.yaml"
-    path.write_text(MAPS.replace("GRID", grid))
-    return plan(path)
+    text = f"{MAPS}reference: {{eps_c: 1/4, eps_f: 1/50, eps_t: 1/4}}\ngrid: {grid}\n"
+    return plan(campaign(folder, text, **{"realisations: 2": "realisations: 4"}))
 
 
 @pytest.mark.parametrize("grid", [ISOTROPIC, ANISOTROPIC])

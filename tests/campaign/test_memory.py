@@ -7,21 +7,10 @@ import pytest
 from gfmd_numba.campaign import execution
 from gfmd_numba.campaign.plan import check_memory, plan
 from gfmd_numba.scene import InputError
-from support.campaigns import campaign
+from support.campaigns import MAPS, campaign
 from support.command_line import gfmd
 
-LARGE = """
-name: large
-seed: 1
-realisations: 2
-scene:
-  dimension: 2
-  body: {poissons_ratio: 0.33}
-  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
-  interface: {hard_wall: {}}
-  loading: {reduced_pressure: 0.01}
-reference: {eps_c: 1/4, eps_f: 1/256, eps_t: 1/4}
-"""  # 8192^2: 12.9 GB a worker
+LARGE = MAPS + "reference: {eps_c: 1/4, eps_f: 1/256, eps_t: 1/4}\n"  # 8192^2: 12.9 GB a worker
 
 
 @pytest.fixture
@@ -35,25 +24,19 @@ def free(monkeypatch):
     return of
 
 
-def large(folder):
-    path = folder / "large.yaml"
-    path.write_text(LARGE)
-    return path
-
-
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_two_workers_beyond_the_free_memory_are_objected_to(tmp_path, free, monkeypatch, command):
     monkeypatch.setattr(execution, "solve", lambda *_: pytest.fail("begun"))
     monkeypatch.chdir(tmp_path)
     free(20e9)
-    said = gfmd(command, large(tmp_path), "--workers=2")
+    said = gfmd(command, campaign(tmp_path, LARGE), "--workers=2")
     assert said.exit_code == 2
     for part in ("--workers: given 2", "12.9 GB", "25.8 GB in all", "20.0 GB of memory are free", "at most 1"):
         assert part in said.output
 
 
 def test_what_is_proposed_is_accepted(tmp_path, free):
-    blocks = list(plan(large(tmp_path)).blocks)
+    blocks = list(plan(campaign(tmp_path, LARGE)).blocks)
     free(39e9)
     with pytest.raises(InputError, match="at most 2, or a coarser grid"):
         check_memory(blocks, 3)

@@ -14,6 +14,7 @@ from gfmd_numba.scene import load_scene
 from gfmd_numba.scene.surface_file import load_surface
 from support.alterations import changed_text
 from support.faulty_files import refusal
+from support.scenes import SURFACE
 
 CAMPAIGN = (Path(__file__).parents[2] / "campaigns" / "quickstart.yaml").read_text(encoding="utf-8")
 SCENE = """
@@ -26,18 +27,6 @@ boundary: {normal_traction: 3.0}
 discretisation: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
 numerics: {solver: auto, residual: 1e-8}
 path: [{displacement: 3e-7}, {sliding: 1e-7}, {displacement: 1e-7}]
-"""
-SURFACE = """
-surface:
-  method: psd
-  model: exponential
-  hurst: 0.8
-  correlation_length: 4e-6
-  mound_separation: 9e-6
-  cut_on: 1e-6
-  rms_height: 3e-7
-  points: 512
-length: 1e-4
 """
 KINDS = {"campaign": (load_campaign, CAMPAIGN), "scene": (load_scene, SCENE), "surface": (load_surface, SURFACE)}
 

@@ -15,6 +15,7 @@ from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
 from gfmd_numba.scene import Discretisation, InputError, Scene
 from gfmd_numba.simulate import contact as single
 from gfmd_numba.solvers.options import Options
+from support.campaigns import MAPS, campaign
 
 WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}
 
@@ -97,19 +98,11 @@ interface: {hard_wall: {}}
 loading: {reduced_pressure: 0.05}
 discretisation: {eps_c: 1/2, eps_f: 1/4, eps_t: 1/4}
 """
-CAMPAIGN = """\
-name: ridges
-seed: 1
-realisations: 2
-scene:
-  dimension: 2
-  body: {poissons_ratio: 0.33}
-  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
-  interface: {hard_wall: {}}
-  loading: {reduced_pressure: 0.05}
-reference: {eps_c: 1/2, eps_f: 1/4, eps_t: 1/4}
-limits: {eps_c: [1, 1/4]}
-grid: {anisotropy: [1, 4]}
+CAMPAIGN = f"""\
+{MAPS}
+reference: {{eps_c: 1/2, eps_f: 1/4, eps_t: 1/4}}
+limits: {{eps_c: [1, 1/4]}}
+grid: {{anisotropy: [1, 4]}}
 """
 
 
@@ -142,8 +135,7 @@ def test_anisotropies_that_make_no_sense_are_refused_where_they_stand(tmp_path, 
 
 
 def test_a_campaign_over_anisotropies_names_them(tmp_path):
-    (tmp_path / "ridges.yaml").write_text(CAMPAIGN)
-    dataset = run(tmp_path / "ridges.yaml", output=tmp_path / "out", workers=0)
+    dataset = run(campaign(tmp_path, CAMPAIGN), output=tmp_path / "out", workers=0)
     assert dataset["anisotropy"].values.tolist() == [1.0] * 3 + [4.0] * 3
     fitted = fit_tfc(dataset, fixed={"eps_c": 1.0})
     assert fitted["anisotropy"].values.tolist() == [1.0, 4.0]
@@ -153,9 +145,8 @@ def test_a_campaign_over_anisotropies_names_them(tmp_path):
 
 
 def test_isotropic_results_have_no_such_coordinate_and_are_fitted_and_paired(tmp_path):
-    text = CAMPAIGN.replace("anisotropy: [1, 4]", "reduced_pressure: [0.02, 0.05]")
-    (tmp_path / "ridges.yaml").write_text(text)
-    dataset = run(tmp_path / "ridges.yaml", output=tmp_path / "out", workers=0)
+    path = campaign(tmp_path, CAMPAIGN, **{"anisotropy: [1, 4]": "reduced_pressure: [0.02, 0.05]"})
+    dataset = run(path, output=tmp_path / "out", workers=0)
     assert "anisotropy" not in dataset.coords
     assert (fit_tfc(dataset, fixed={"eps_c": 1.0})["kappa_tfc"] > 0).all()
     assert (contact_stiffness(dataset)["stiffness"] > 0).all()

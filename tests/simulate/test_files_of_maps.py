@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.scene import InputError
 from gfmd_numba.simulate import contact as single
 from gfmd_numba.solvers.status import Status
+from support.campaigns import MAPS, campaign
 
 SCENE = """\
 dimension: 2
@@ -92,21 +93,8 @@ def test_what_maps_cannot_have_is_refused(tmp_path, old, new, where, allowed):
 
 
 def test_a_campaign_of_maps_gives_plausible_kappas(tmp_path):
-    text = """\
-name: maps
-seed: 1
-realisations: 2
-scene:
-  dimension: 2
-  body: {poissons_ratio: 0.33}
-  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
-  interface: {hard_wall: {}}
-  loading: {reduced_pressure: 0.05}
-reference: {eps_c: 1/2, eps_f: 1/8, eps_t: 1/2}
-limits: {eps_c: [1, 1/4]}
-"""
-    (tmp_path / "maps.yaml").write_text(text)
-    dataset = run(tmp_path / "maps.yaml", output=tmp_path / "out", workers=0)
+    text = MAPS + "reference: {eps_c: 1/2, eps_f: 1/8, eps_t: 1/2}\nlimits: {eps_c: [1, 1/4]}\n"
+    dataset = run(campaign(tmp_path, text), output=tmp_path / "out", workers=0)
     assert dataset["nx"].values.tolist() == [64, 32, 128]
     assert (dataset["status"] == Status.ok).all()
     assert ((dataset["kappa"] > 1.5) & (dataset["kappa"] < 3.0)).all()

@@ -11,6 +11,7 @@ from gfmd_numba.scene.surface_file import load_surface
 from gfmd_numba.simulate.surface import surface_dataset
 from support.command_line import gfmd
 from support.faulty_files import complaint
+from support.scenes import SURFACE
 
 SELF_AFFINE = {"model": "self_affine", "hurst": 0.8, "roll_off": 20e-6, "cut_on": 1e-6}
 K_CORRELATION = {"model": "k_correlation", "hurst": 0.7, "correlation_length": 4e-6}
@@ -127,18 +128,6 @@ def test_measured_profile_is_processed_and_says_how(tmp_path):
         assert float(dataset["x"][1]) == pytest.approx(200e-6 / 400)
 
 
-TEXT = """\
-surface:
-  method: psd
-  model: exponential
-  hurst: 0.8
-  correlation_length: 4e-6
-  mound_separation: 9e-6
-  cut_on: 1e-6
-  rms_height: 3e-7
-  points: 512
-length: 1e-4
-"""
 RANDOM = """\
 surface: {method: midpoint_displacement, hurst: 0.8, roll_off: 2e-5, cut_on: 1e-6, rms_gradient: 0.1, points: 512}
 length: 1e-4
@@ -149,26 +138,31 @@ length: 1e-4
     ("text", "old", "new", "said"),
     [
         (
-            TEXT,
+            SURFACE,
             "correlation_length: 4e-6",
             "correlation_length: 4e-5",
             "correlation_length: given 4e-05; allowed: at most mound_separation = 9e-06",
         ),
         (
-            TEXT,
+            SURFACE,
             "hurst: 0.8",
             "hurst: 1.2",
             "surface.hurst: given 1.2; allowed: a number from 0.01 to 1",
         ),
-        (TEXT, "hurst: 0.8", "hurst: 0", "4:10: surface.hurst: given 0; allowed"),
-        (TEXT, "cut_on: 1e-6", "cut_on: 1e-7", "cut_on: given 1e-07; allowed: at least 3.92157e-07, the shortest wave"),
-        (TEXT, "  rms_height: 3e-7\n", "", "2:3: surface: given {'correlation_length': 4e-06"),
-        (TEXT, "points: 512", "points: 3", "9:11: surface.points: given 3; allowed: a whole number from 4"),
-        (TEXT, "  points: 512\n", "", "surface.points: given nothing; allowed: the number of grid points over L_x"),
-        (TEXT, "points: 512", "points: 100000000000", "a grid that fits in"),
-        (TEXT, "points: 512", "points: 512\nhurst_range: {shortest: 2, longest: 1}", "10:25: hurst_range.shortest"),
-        (TEXT, "model: exponential", "model: exponentail", "did you mean 'exponential'?"),
-        (TEXT, "method: psd", "method: psdm", "did you mean 'psd'?"),
+        (SURFACE, "hurst: 0.8", "hurst: 0", "4:10: surface.hurst: given 0; allowed"),
+        (
+            SURFACE,
+            "cut_on: 1e-6",
+            "cut_on: 1e-7",
+            "cut_on: given 1e-07; allowed: at least 3.92157e-07, the shortest wave",
+        ),
+        (SURFACE, "  rms_height: 3e-7\n", "", "2:3: surface: given {'correlation_length': 4e-06"),
+        (SURFACE, "points: 512", "points: 3", "9:11: surface.points: given 3; allowed: a whole number from 4"),
+        (SURFACE, "  points: 512\n", "", "surface.points: given nothing; allowed: the number of grid points over L_x"),
+        (SURFACE, "points: 512", "points: 100000000000", "a grid that fits in"),
+        (SURFACE, "points: 512", "points: 512\nhurst_range: {shortest: 2, longest: 1}", "10:25: hurst_range.shortest"),
+        (SURFACE, "model: exponential", "model: exponentail", "did you mean 'exponential'?"),
+        (SURFACE, "method: psd", "method: psdm", "did you mean 'psd'?"),
         (RANDOM, "hurst: 0.8", "hurst: -0.1", "1:49: surface.hurst: given -0.1; allowed: a number from 0 to 1"),
         (RANDOM, "cut_on: 1e-6", "cut_on: 1.5e-5", "surface.cut_on: given 1.5e-05; allowed: at most half of roll_off"),
         (RANDOM, "roll_off: 2e-5", "roll_off: 2e-4", "surface.roll_off: given 0.0002; allowed: at most the period"),
@@ -181,7 +175,7 @@ def test_a_surface_that_makes_no_sense_is_refused_where_it_stands(tmp_path, text
 
 
 def test_a_range_of_the_hurst_exponent_without_waves_is_refused(tmp_path):
-    text = TEXT + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
+    text = SURFACE + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
     assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, surface_dataset, text)
 
 
@@ -194,7 +188,7 @@ def test_models_that_need_a_map_are_refused_on_a_profile(tmp_path):
 
 def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
     text = (
-        TEXT.replace("psd", "fourier_filter")
+        SURFACE.replace("psd", "fourier_filter")
         .replace("\nlength: 1e-4", "\nlength: 5e-6")
         .replace("  cut_on: 1e-6\n", "")
     )

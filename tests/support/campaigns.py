@@ -17,6 +17,17 @@ reference: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
 limits: {eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]}
 grid: {hurst: [0.3, 0.8]}
 """
+MAPS = """\
+name: maps
+seed: 1
+realisations: 2
+scene:
+  dimension: 2
+  body: {poissons_ratio: 0.33}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
+  interface: {hard_wall: {}}
+  loading: {reduced_pressure: 0.05}
+"""  # the discretisations are for the test to add
 
 
 def campaign(folder: Path, text: str = SMALL, **replacements: str) -> Path:

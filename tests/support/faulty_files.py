@@ -55,6 +55,15 @@ def complaint(folder, load, text, name="bad.yaml"):
     return message
 
 
+def assert_complaint(folder, load, good, change, expected):
+    """Assert that a good text loads, and how the complaint about it begins once it is changed; return the complaint."""
+    (folder / "good.yaml").write_text(good)
+    load(folder / "good.yaml")
+    message = complaint(folder, load, changed(good, *change))
+    assert message.startswith(expected)
+    return message
+
+
 def changed(text, old, new):
     assert text.count(old) == 1, old
     return text.replace(old, new)

@@ -1,4 +1,4 @@
-"""The text of a scene file that is quickly solved."""
+"""The texts of a scene file and a surface file that are quickly computed."""
 
 SCENE = """
 scene:
@@ -8,4 +8,16 @@ scene:
   interface: {hard_wall: {}}
   loading: {reduced_pressure: 0.05}
 discretisation: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
+"""
+SURFACE = """\
+surface:
+  method: psd
+  model: exponential
+  hurst: 0.8
+  correlation_length: 4e-6
+  mound_separation: 9e-6
+  cut_on: 1e-6
+  rms_height: 3e-7
+  points: 512
+length: 1e-4
 """

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import fit_tfc
-from support.described import with_axes
-from support.synthetic_campaigns import ALPHA, LEVELS, REFERENCE, C, campaign, noisy
+from support.synthetic_campaigns import ALPHA, LEVELS, REFERENCE, C, campaign, noisy, with_axes
 
 
 def test_error_bars_cover_an_exponent_known_only_to_a_range():

@@ -6,8 +6,7 @@ import pytest
 from gfmd_numba.analysis import UnusableDataError, fit_tfc, plot_campaign
 from gfmd_numba.analysis.selection import axes
 from gfmd_numba.cli.tables import show_fit
-from support.described import with_axes
-from support.synthetic_campaigns import ALPHA, campaign, noisy
+from support.synthetic_campaigns import ALPHA, campaign, noisy, with_axes
 
 TOY = {"long_name": "toy parameter", "units": "m", "symbol": "tau", "label": r"$\tau$", "axis": "physics"}
 

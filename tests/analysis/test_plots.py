@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
-from support.described import with_axes
+from support.synthetic_campaigns import with_axes
 
 REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
 LEVELS = {"eps_c": [1, 1 / 4, 1 / 8], "eps_f": [1 / 256, 1 / 512, 1 / 2048], "eps_t": [1, 1 / 4, 1 / 8]}

@@ -1,4 +1,4 @@
-"""A small campaign that has run."""
+"""A small campaign that has run, and a machine on which nothing was measured before."""
 
 import pytest
 
@@ -14,3 +14,9 @@ def finished(tmp_path_factory):
     path, failures = run_campaign(campaign(folder), folder / "out", Workers(0))
     assert failures == {}
     return gfmd_numba.open_campaign(path)
+
+
+@pytest.fixture
+def empty_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
+    (tmp_path / "cache").mkdir()

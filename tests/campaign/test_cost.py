@@ -18,10 +18,8 @@ WIDE = {
 
 
 @pytest.fixture
-def unmeasured(tmp_path, monkeypatch):
+def unmeasured(empty_cache, monkeypatch):
     """A machine on which nothing was measured before, and whose clock tells a law of its own."""
-    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
-    (tmp_path / "cache").mkdir()
     asked = []
 
     def law(problem, *_):
@@ -80,10 +78,8 @@ def test_tasks_are_of_about_equal_time_and_hold_every_block_once(tmp_path, unmea
     assert planned.wall_time(found, total, 10**6) == pytest.approx(longest)
 
 
-def test_a_problem_that_fails_in_the_pilot_is_predicted_as_the_others(tmp_path, monkeypatch):
+def test_a_problem_that_fails_in_the_pilot_is_predicted_as_the_others(tmp_path, empty_cache, monkeypatch):
     """And one that takes too long; what is wrong with it is for the run to say."""
-    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
-    (tmp_path / "cache").mkdir()
     planned = plan(campaign(tmp_path))
     compile_kernels(planned.problems)  # or the time to compile counts as that of a problem
     broken, slow = planned.problems[:2]

@@ -12,10 +12,8 @@ ANISOTROPIC = "{anisotropy: [1, 2, 4], reduced_pressure: [0.01, 0.1], eps_c: [1/
 
 
 @pytest.fixture
-def machine(tmp_path, monkeypatch):
+def machine(empty_cache, monkeypatch):
     """One that is told how many times slower anisotropic maps are; it lists the grids of its pilot."""
-    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
-    (tmp_path / "cache").mkdir()
     grids = []
 
     def law(problem, *_):

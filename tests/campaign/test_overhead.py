@@ -13,10 +13,8 @@ from support.campaigns import campaign
 
 
 @pytest.fixture
-def machine(tmp_path, monkeypatch):
+def machine(empty_cache, monkeypatch):
     """One that starts a process in 2 s, and fits in 3 s and 0.5 s a replicate of each group; it counts both."""
-    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
-    (tmp_path / "cache").mkdir()
     seen = SimpleNamespace(now=0.0, starts=0, fits=[])
 
     def started(*_, **__):

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from support.described import with_axes
+from gfmd_numba.campaign.axes import AXES
 
 LEVELS = {
     "eps_c": [1 / 2, 1 / 4, 1 / 8],
@@ -14,6 +14,22 @@ REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
 C = {"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.3}
 ALPHA = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
 TFC = {0.3: 3.0, 0.8: 2.0}
+
+
+def with_axes(dataset):
+    """Dataset whose coordinates have the attributes of the table of axes."""
+    described = dataset.copy()
+    for rank, axis in enumerate(AXES):
+        if axis.coordinate in described.coords:
+            described[axis.coordinate].attrs = {
+                "long_name": axis.long_name,
+                "units": "1",
+                "symbol": axis.symbol,
+                "label": axis.label,
+                "axis": "physics" if axis.forms_groups else "discretisation",
+                "rank": rank,
+            }
+    return described
 
 
 def campaign(hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisations=4):

@@ -1,0 +1,137 @@
+"""Designs that reach an accuracy at the least cost: predicted against achieved."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
+from support.campaigns import campaign as campaign_file
+from support.command_line import gfmd
+from support.synthetic_campaigns import ALPHA, campaign, noisy
+
+LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
+CAMPAIGN = {"levels": LEVELS}
+
+
+def pilot(seed=0, n=40):
+    dataset = noisy(campaign(realisations=n, **CAMPAIGN), np.random.default_rng(seed))
+    seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
+    return dataset, seconds
+
+
+def achieved(design, seeds=40):
+    """Relative scatter of kappa_tfc over repeated campaigns of a design."""
+    found = []
+    for seed in range(seeds):
+        dataset = noisy(campaign(realisations=most(design), **CAMPAIGN), np.random.default_rng(1000 + seed))
+        found.append(fit_tfc(left(dataset, design), fixed=ALPHA, bootstrap=0)["kappa_tfc"].item())
+    return np.std(found, ddof=1) / 2.0
+
+
+def most(design):
+    return max(design.reference, *(count for levels in design.levels.values() for count in levels.values()))
+
+
+def asked(dataset, design):
+    """Realisations of each case of a dataset in a design."""
+    counts = [
+        design.levels[limit][float(dataset[limit][i])] if limit in design.levels else design.reference
+        for i, limit in enumerate(dataset["limit"].values.tolist())
+    ]
+    return np.array(counts)
+
+
+def left(dataset, design):
+    """What a campaign of that design has of a dataset."""
+    counts = asked(dataset, design)
+    kept = np.arange(dataset.sizes["realisation"]) < counts[:, None]
+    dataset = dataset.assign(kappa=dataset["kappa"].where(kept)).assign_coords(realisations=("case", counts))
+    return dataset.isel(case=counts > 0)
+
+
+def test_the_target_is_met():
+    design = cheapest_design(*pilot(), target=0.01, fixed=ALPHA)
+    assert design.error <= 0.01
+    assert design.exponents == pytest.approx(0.0, abs=1e-12)
+    assert 0.4 * design.error < achieved(design) < 1.15 * design.error
+
+
+def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
+    """Seconds times squared error, a constant of a design, of four pilots on average."""
+    equal = noisy(campaign(realisations=200, **CAMPAIGN), np.random.default_rng(1))
+    error = fit_tfc(equal, fixed=ALPHA, bootstrap=100)["kappa_tfc_error"].item() / 2.0
+    seconds = pilot()[1]
+    designs = [cheapest_design(*pilot(seed), target=0.01, fixed=ALPHA) for seed in range(4)]
+    prices = [design.seconds * achieved(design) ** 2 for design in designs]
+    assert np.mean(prices) < 0.8 * 200 * sum(seconds) * error**2
+
+
+def test_the_price_is_that_of_the_realisations():
+    dataset, seconds = pilot()
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
+
+
+def test_a_level_that_costs_much_and_tells_little_is_left_out():
+    levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
+    dataset = noisy(campaign(realisations=40, levels=levels), np.random.default_rng(5))
+    seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    assert design.levels["eps_c"][1 / 4096] == 0
+    assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
+
+
+def test_half_the_error_costs_four_times_as_much():
+    coarse, fine = (cheapest_design(*pilot(), target=target, fixed=ALPHA) for target in (0.01, 0.005))
+    assert fine.seconds / coarse.seconds == pytest.approx(4.0, rel=0.1)
+
+
+def test_the_best_design_of_a_budget_is_the_cheapest_of_its_error():
+    dataset, seconds = pilot()
+    best = best_design(dataset, seconds, budget=10.0, fixed=ALPHA)
+    assert 9.0 < best.seconds <= 10.0
+    cheapest = cheapest_design(dataset, seconds, target=best.error, fixed=ALPHA)
+    assert cheapest.seconds == pytest.approx(best.seconds, rel=0.1)
+
+
+def test_what_cannot_be_reached_is_told():
+    ranges = {"eps_c": (1, 2), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2)}
+    dataset, seconds = pilot()
+    with pytest.raises(
+        UnusableDataError, match=r"given a target of 0.01%, where 1000000 realisations of all cases leave"
+    ):
+        cheapest_design(dataset, seconds, target=0.0001, fixed=ranges)
+    with pytest.raises(UnusableDataError, match=r"given a budget of 0.001 s; allowed: at least"):
+        best_design(dataset, seconds, budget=0.001, fixed=ranges)
+    with pytest.raises(UnusableDataError, match=r"given a pilot of 4 good realisations; allowed: at least 20"):
+        cheapest_design(dataset.isel(realisation=slice(4)), seconds, target=0.1, fixed=ranges)
+
+
+def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
+    fixed = "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\n"
+    path = campaign_file(tmp_path, **{"reference:": fixed + "reference:"})
+    planned = tmp_path / "planned.yaml"
+    said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
+    assert said.exit_code == 0, said.output
+    for line in ("realisations  reference: ", "error ", "residual ", "price         1.0%: "):
+        assert line in said.output
+    assert "\ntarget: 0.08" in planned.read_text()
+    ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
+    assert ran.exit_code == 0, ran.output
+    assert "reached by all groups" in ran.output
+    again = gfmd("plan", planned, "--target", "kappa=5%", "--write", tmp_path / "again.yaml")
+    assert again.exit_code == 0
+    assert (tmp_path / "again.yaml").read_text().count("target:") == 1
+    assert gfmd("plan", path, "--budget", "10s").exit_code == 0
+
+
+def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
+    said = gfmd("plan", campaign_file(tmp_path), "--target=kappa_r=2%")
+    assert said.exit_code == 2
+    assert "--target: given kappa_r; allowed: kappa, as the campaign fits that" in said.output
+
+
+@pytest.mark.parametrize("option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3d"])
+def test_malformed_goals_are_refused(tmp_path, option):
+    said = gfmd("plan", campaign_file(tmp_path), option)
+    assert said.exit_code == 2
+    assert "allowed: a " in said.output

@@ -1,0 +1,188 @@
+"""What the error of a limit comes from, and what a solver's residual may do to kappa."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import minimize_scalar
+
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.solvers.options import Options
+from support.synthetic_campaigns import ALPHA, REFERENCE, C, campaign, noisy
+
+RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}
+MIDDLE = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
+
+
+def part(fit, source):
+    return fit["error_budget"].sel(source=source).item()
+
+
+def limit_for(dataset, name, guess):
+    """kappa_tfc of data without noise, weighed alike, if an exponent is guessed and its range tells how well."""
+    low, high = RANGES[name]
+    means = dataset["kappa"].mean("realisation").values
+
+    def solved(exponent):
+        columns = [dataset[limit].values ** (MIDDLE | {name: exponent})[limit] for limit in MIDDLE]
+        design = np.column_stack([np.ones(means.size), *columns])
+        beta = np.linalg.lstsq(design, means, rcond=None)[0]
+        return beta[0], np.sum((means - design @ beta) ** 2)
+
+    def misfit(exponent):
+        return dataset.sizes["realisation"] * solved(exponent)[1] + 12 * ((exponent - guess) / (high - low)) ** 2
+
+    return solved(minimize_scalar(misfit, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).x)[0]
+
+
+@pytest.mark.parametrize("name", ["eps_c", "eps_f"])
+def test_the_part_of_an_exponent_is_the_spread_over_its_range(name):
+    dataset = campaign()
+    fit = fit_tfc(dataset, fixed=MIDDLE | {name: RANGES[name]}, bootstrap=5)
+    low, high = RANGES[name]
+    guesses = low + (high - low) * (np.arange(100) + 0.5) / 100
+    limits = [limit_for(dataset, name, guess) for guess in guesses]
+    assert part(fit, name) == pytest.approx(np.std(limits), rel=5e-3)
+    assert part(fit, "eps_t") == 0.0
+    assert part(fit, "sampling") < 1e-12
+
+
+def test_exponents_and_sampling_make_the_whole_error():
+    dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
+    fit = fit_tfc(dataset, fixed=RANGES, bootstrap=400)
+    parts = [part(fit, source) for source in ("eps_c", "eps_f", "eps_t", "sampling")]
+    assert min(parts[0], parts[1], parts[3]) > 0.1 * max(parts)
+    assert np.hypot.reduce(parts) == pytest.approx(fit["kappa_tfc_error"].item(), rel=0.1)
+
+
+def test_with_exact_exponents_all_is_sampling():
+    dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
+    fit = fit_tfc(dataset, fixed=MIDDLE, bootstrap=50)
+    assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
+
+
+def test_what_is_not_known_of_a_searched_exponent_is_sampling():
+    dataset = noisy(campaign(realisations=30), np.random.default_rng(4), spread=0.02, own=0.005)
+    fit = fit_tfc(dataset, fixed={"eps_t": 1.0}, bootstrap=50)
+    assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
+    assert [part(fit, name) for name in C] == [0.0, 0.0, 0.0]
+
+
+def test_a_limit_that_is_not_varied_has_an_unknown_part():
+    dataset = campaign(levels={"eps_c": [1 / 2, 1 / 4, 1 / 8]}, realisations=3)
+    fit = fit_tfc(dataset, fixed={"eps_c": (0.9, 1.3)}, bootstrap=5)
+    assert part(fit, "eps_c") > 0.0
+    assert np.isnan([part(fit, name) for name in ("eps_f", "eps_t")]).all()
+
+
+@pytest.mark.parametrize("variable", ["kappa", "kappa_r"])
+@pytest.mark.parametrize("fixed", [ALPHA, RANGES, {"eps_t": 1.0}], ids=["exact", "ranges", "free"])
+def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):
+    rng = np.random.default_rng(3)
+    dataset = noisy(campaign(realisations=30), rng, spread=0.02, own=0.005)
+    dataset["kappa_r"] = 0.7 * dataset["kappa"]
+    share = 1e-6 * rng.random(dataset["kappa"].shape)
+    dataset["kappa_residual_error"] = share * dataset["kappa"]
+    fit = fit_tfc(dataset, variable, fixed=fixed, bootstrap=40)
+    worst = 0.0
+    for case, error in enumerate((share * dataset[variable]).mean("realisation").values):
+        moved = dataset.copy(deep=True)
+        moved[variable][case] += 100 * error  # the same in every realisation: the weights stay
+        shifted = fit_tfc(moved, variable, fixed=fixed, bootstrap=0)["kappa_tfc"]
+        worst += abs(shifted - fit["kappa_tfc"]).item() / 100
+    assert part(fit, "residual") == pytest.approx(worst, rel=2e-2)
+    assert "residual" not in fit["message"].item()
+
+
+def test_a_residual_that_is_too_large_for_the_error_is_told():
+    dataset = noisy(campaign(realisations=12), np.random.default_rng(3))
+    dataset["kappa_residual_error"] = 0.1 * dataset["kappa"]
+    assert "ask the solver for a smaller one" in fit_tfc(dataset, fixed=ALPHA, bootstrap=20)["message"].item()
+
+
+def test_a_dataset_without_residual_errors_and_times_says_nothing_of_them():
+    fit = fit_tfc(campaign(), fixed=ALPHA, bootstrap=5)
+    assert np.isnan(part(fit, "residual"))
+    assert np.isnan(fit["seconds"].item())
+
+
+def test_seconds_are_those_of_the_cases_fitted():
+    dataset = campaign((0.3, 0.8), levels={"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]})
+    dataset["case_seconds"] = ("case", 2.0 ** np.arange(8))
+    fit = fit_tfc(dataset, fixed=ALPHA, bootstrap=5)
+    of_nyquist = (dataset["eps_c"] == 1).values
+    expected = [dataset["case_seconds"].values[(dataset["hurst"] == h).values & ~of_nyquist].sum() for h in (0.3, 0.8)]
+    assert fit["seconds"].values.tolist() == expected
+
+
+def test_the_budget_survives_netcdf(tmp_path):
+    fit_tfc(campaign((0.3, 0.8)), fixed=RANGES, bootstrap=5).to_netcdf(tmp_path / "fit.nc")
+    with xr.open_dataset(tmp_path / "fit.nc") as again:
+        assert again["source"].values.tolist() == ["eps_c", "eps_f", "eps_t", "sampling", "residual"]
+        assert again["error_budget"].sizes == {"group": 2, "source": 5}
+        assert REFERENCE["eps_c"] == again["reference_eps"][0, 0]
+
+
+@pytest.mark.parametrize(
+    ("load", "displacement", "nodes", "solver"),
+    [
+        (0.007, None, (4096, 1), "verlet"),
+        (0.05, None, (1024, 1), "active_set_newton"),
+        (0.3, None, (1024, 1), "conjugate_gradients"),
+        (None, 0.03, (1024, 1), "verlet"),
+        (0.05, None, (64, 2), "conjugate_gradients"),
+    ],
+)
+@pytest.mark.parametrize("residual", [1e-2, 1e-3, 1e-5, 1e-8])
+def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, nodes, solver, residual):
+    nx, dimension = nodes
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, nx // 8), nx, 5, dimension)
+    body = ElasticBody(0.33, 0.1)
+    tight = Options("active_set_newton", residual=1e-12)
+    problem = Problem(surface, body, Interactions(True), load, displacement, tight)
+    exact = measure(solve(problem, range(6)))
+    loose = measure(solve(replace(problem, numerics=Options(solver, residual=residual)), range(6)))
+    assert not exact["status"].any()
+    assert not loose["status"].any()
+    changed = abs(loose["kappa"] - exact["kappa"])
+    assert (changed <= loose["kappa_residual_error"] + 1e-11).all()
+    if residual <= 1e-5:
+        assert (loose["kappa_residual_error"] < 3e-2 * exact["kappa"]).all()
+
+
+@pytest.mark.parametrize("leaves", [True, False])
+def test_a_node_on_the_brink_counts(leaves):
+    """Its pressure or gap is below what the residual leaves open: on the other side, kappa is another."""
+    numerics = Options("active_set_newton")
+    problem = Problem(
+        RandomSurface(SelfAffineWaves(0.8, 2, 128), 1024, 5),
+        ElasticBody(None, None),
+        Interactions(True),
+        0.05,
+        None,
+        numerics,
+    )
+    contact = solve(problem, range(1))
+    found = contact.equilibrium
+    edge = found.touching & ~np.roll(found.touching, 1, axis=1)
+    node = np.flatnonzero(edge[0])[0] - (not leaves)
+    brink = found.residual[0] * found.pressure.max()
+    on_the_brink = replace(found, pressure=found.pressure.copy(), displacement=found.displacement.copy())
+    if leaves:
+        on_the_brink.pressure[0, node] = 2.0 * brink
+    else:
+        on_the_brink.displacement[0, node] = contact.punch[0, node] - 1e-3 * brink
+    moved = replace(on_the_brink, touching=found.touching.copy())
+    moved.touching[0, node] = not leaves
+    here, there = (measure(replace(contact, equilibrium=each)) for each in (on_the_brink, moved))
+    changed = abs(here["kappa"] - there["kappa"])
+    assert changed > 1e-3
+    assert changed <= here["kappa_residual_error"] <= 3.0 * changed
+    assert measure(contact)["kappa_residual_error"] < 1e-3 * changed

@@ -1,0 +1,109 @@
+"""Campaigns whose limit cannot be had, or only in part: what is refused, and what is said."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.analysis import fit_tfc
+from support.synthetic_campaigns import ALPHA, LEVELS, C, assert_refused, campaign, noisy
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.02])
+def test_a_flat_limit_has_no_exponent(spread):
+    rng = np.random.default_rng(6)
+    dataset = campaign(coefficients={"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.0}, realisations=15)
+    dataset["kappa"] = dataset["kappa"] + spread * rng.standard_normal(dataset["kappa"].shape)
+    fixed = {"eps_c": 1.1, "eps_f": 0.6}
+    why = "touches the bounds" if spread else "has no influence"
+    assert_refused(
+        fit_tfc(dataset, fixed=fixed, bootstrap=60),
+        f"exponent of eps_t {'with' if spread else why}",
+        why,
+        "levels 1, 1/2, 1/4, 1/8",
+        "15 realisations",
+        "`gfmd fit --fixed eps_t=1`",
+        "`fit: {fixed: {eps_t: [1/2, 1]}}`",
+        "fixed={'eps_t': (0.5, 1.0)}",
+    )
+    rescued = fit_tfc(dataset, fixed=fixed | {"eps_t": 1.0}, bootstrap=60)
+    assert rescued["fit_status"] == "ok"
+    assert abs(rescued["kappa_tfc"] - 2.0) < 5 * rescued["kappa_tfc_error"] + 1e-9
+
+
+def test_an_exponent_known_only_to_a_factor_of_ten_is_refused():
+    rng = np.random.default_rng(8)
+    dataset = campaign(alpha=ALPHA | {"eps_t": 0.8}, realisations=30)
+    dataset["kappa"] = dataset["kappa"] + 0.16 * rng.standard_normal(dataset["kappa"].shape)
+    fit = fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6}, bootstrap=150)
+    assert_refused(fit, "exponent of eps_t with 90 % interval 0.1", "uncertain by more than a factor 8")
+    mean = dataset["kappa"].mean("realisation")
+    dataset["kappa"] = mean + 0.2 * (dataset["kappa"] - mean)
+    assert fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6}, bootstrap=150)["fit_status"] == "ok"
+
+
+def test_one_doubtful_exponent_refuses_every_group_that_shares_it():
+    dataset = noisy(campaign((0.3, 0.8), coefficients=C | {"eps_t": 0.0}, realisations=10), np.random.default_rng(1))
+    fit = fit_tfc(dataset, bootstrap=30)
+    assert_refused(fit, "exponent of eps_t")
+    assert "exponent of eps_t" in fit["message"].values[1]
+
+
+def test_two_levels_need_a_fixed_exponent():
+    dataset = campaign(levels=LEVELS | {"eps_t": [1, 1 / 2]})
+    assert_refused(fit_tfc(dataset, bootstrap=5), "eps_t needs three levels, has two (1, 1/2)", "fixed={'eps_t'")
+    fit = fit_tfc(dataset, fixed={"eps_t": 1.0}, bootstrap=5)
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
+
+
+def test_a_limit_that_is_not_varied_is_named_and_left_in_the_result():
+    fit = fit_tfc(campaign(levels={"eps_c": LEVELS["eps_c"], "eps_f": LEVELS["eps_f"]}), bootstrap=5)
+    assert fit["fit_status"] == "ok"
+    assert fit["message"] == "eps_t is not varied: kappa_tfc is not extrapolated in it"
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.3 / 2, atol=1e-8)
+    assert np.isnan(fit["C"].sel(limit="eps_t"))
+
+
+def test_no_limit_varied_is_refused():
+    assert_refused(fit_tfc(campaign(levels={}), bootstrap=5), "no discretisation is varied")
+
+
+def test_limits_varied_together_are_refused():
+    dataset = campaign(levels={"eps_c": LEVELS["eps_c"]})
+    dataset = dataset.assign_coords(eps_t=dataset["eps_c"] / 2)
+    assert_refused(fit_tfc(dataset, bootstrap=5), "3 cases cannot tell eps_c, eps_t apart")
+
+
+def test_a_single_realisation_has_no_sampling_error():
+    fit = fit_tfc(campaign(realisations=1))
+    assert fit["fit_status"] == "ok"
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
+    assert np.isnan(fit["kappa_tfc_error"])
+    assert np.isnan(fit["kappa_tfc_low"])
+    assert "sampling error is unknown (1 realisation," in fit["message"].item()
+
+
+@pytest.mark.parametrize("lacking", ["is_reference", "case_id", "eps_t"])
+def test_a_dataset_that_is_no_campaign_is_named(lacking):
+    with pytest.raises(ValueError, match="given no campaign's results"):
+        fit_tfc(campaign().drop_vars(lacking))
+    with pytest.raises(ValueError, match="given no campaign's results"):
+        fit_tfc(campaign().isel(case=0))
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"variable": "kapa"}, "no variable 'kapa'"),
+        ({"exponents": "both"}, "'shared' or 'free'"),
+        ({"fixed": {"eps_x": 1.0}}, "eps_x"),
+        ({"fixed": {"eps_c": -1.0}}, "positive"),
+        ({"fixed": {"eps_c": np.nan}}, "positive"),
+        ({"fixed": {"eps_c": (0.0, 1.0)}}, "positive"),
+        ({"fixed": {"eps_c": (1.0, 0.5)}}, r"not 'eps_c': \(1.0, 0.5\)"),
+        ({"fixed": {"eps_c": (1.0, np.inf)}}, "positive"),
+        ({"fixed": {"eps_c": (0.5, 0.7, 1.0)}}, r"\(low, high\)"),
+        ({"fixed": {"eps_c": "1.0"}}, "not 'eps_c': '1.0'"),
+    ],
+)
+def test_wrong_options_are_named(options, match):
+    with pytest.raises(ValueError, match=match):
+        fit_tfc(campaign(), **options)

@@ -1,0 +1,22 @@
+"""A small campaign that has run, and a machine on which nothing was measured before."""
+
+import pytest
+
+import gfmd_numba
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.run import run as run_campaign
+from support.campaigns import campaign
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished")
+    path, failures = run_campaign(campaign(folder), folder / "out", Workers(0))
+    assert failures == {}
+    return gfmd_numba.open_campaign(path)
+
+
+@pytest.fixture
+def empty_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
+    (tmp_path / "cache").mkdir()

@@ -1,0 +1,127 @@
+"""Every axis of the one table reaches the scene, is checked as the scene is, and is named in the results."""
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+import gfmd_numba
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
+from gfmd_numba.campaign.coordinates import coordinates
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.scene import Discretisation, Scene
+from support.faulty_files import CAMPAIGN, changed, complaint
+
+LAW = "{hard_wall: {}, exponential: {work_of_adhesion: 1e-5, range: 2e-2}}"
+SCENES = {
+    "displacement": ("{reduced_pressure: 0.007}", "{displacement: 0.001}"),
+    "friction_coefficient": ("interface: {hard_wall: {}}", "interface: {hard_wall: {}, friction: {coefficient: 0.3}}"),
+    "work_of_adhesion": ("interface: {hard_wall: {}}", f"interface: {LAW}"),
+    "interaction_range": ("interface: {hard_wall: {}}", f"interface: {LAW}"),
+}
+COARSE = ("eps_f: 1/1024, eps_t: 1/2}\nlimits: {eps_c: [1, 1/2], eps_t: [1, 1/2, 1/4]}", "eps_f: 1/16, eps_t: 1/2}")
+VALUES = {
+    "displacement": "[0.002, 0.004]",
+    "friction_coefficient": "[0.1, .inf]",
+    "work_of_adhesion": "[1e-5, 2e-5]",
+    "interaction_range": "[0.05, 0.1]",
+}
+FULL = Scene.model_validate(
+    {
+        "dimension": 1,
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 1.0},
+        "roughness": {"method": "psd", "hurst": 0.5, "rms_gradient": 0.1, "anisotropy": 1.0},
+        "interface": {
+            "hard_wall": {},
+            "exponential": {"work_of_adhesion": 1.0, "range": 1.0},
+            "friction": {"coefficient": 1.0},
+        },
+        "loading": {"displacement": 1.0},
+    }
+)
+
+
+def with_grid(name, values, *changes):
+    text = changed(CAMPAIGN, "grid: {hurst: [0.3, 0.5]}", f"grid: {{{name}: {values}}}")
+    for change in changes:
+        text = changed(text, *change)
+    return text
+
+
+@pytest.mark.parametrize("axis", OF_THE_SCENE, ids=lambda axis: axis.name)
+def test_a_value_of_an_axis_stands_in_its_place_of_the_scene_alone(axis):
+    value = 0.375 if axis.name not in ("anisotropy",) else 1.5
+    assert TypeAdapter(axis.type).validate_python(value) == value
+    found = with_values(FULL, {axis.place: value})
+    asked, changed_to = FULL.model_dump(), found.model_dump()
+    for part in axis.place[:-1]:
+        asked, changed_to = asked[part], changed_to[part]
+    assert changed_to == asked | {axis.place[-1]: value}
+    assert axis.value(found, None) == value
+    before = axis.value(FULL, None)
+    restored = with_values(found, {axis.place: before})
+    assert restored == FULL
+
+
+def test_names_and_symbols_of_axes_are_unique():
+    for of in (lambda axis: axis.name, lambda axis: axis.coordinate, lambda axis: axis.symbol, lambda axis: axis.label):
+        assert len({of(axis) for axis in AXES}) == len(AXES)
+
+
+def test_discretisations_are_those_of_the_record():
+    assert [axis.name for axis in AXES if not axis.place] == list(Discretisation.model_fields)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_grid_over_any_parameter_of_the_scene_is_run(tmp_path, name):
+    (tmp_path / "grid.yaml").write_text(
+        with_grid(name, VALUES[name], COARSE, SCENES[name], ("realisations: 30", "realisations: 2"))
+    )
+    planned = plan(tmp_path / "grid.yaml")
+    assert len(planned.problems) == len(planned.cases) == 2
+    dataset = gfmd_numba.run(tmp_path / "grid.yaml", tmp_path / "out", workers=0)
+    (axis,) = (axis for axis in AXES if axis.name == name)
+    column = dataset[axis.coordinate]
+    assert column.values.tolist() == list(load_campaign(tmp_path / "grid.yaml")[0].model_dump()["grid"][name])
+    assert column.attrs["axis"] == "physics"
+    assert (dataset["status"] == 0).all()
+    assert len(np.unique(dataset["mean_gap"].mean("realisation"))) == 2
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_grid_over_what_the_scene_does_not_have_says_what_to_add(tmp_path, name):
+    said = complaint(tmp_path, load_campaign, with_grid(name, VALUES[name]))
+    assert said.startswith(f"bad.yaml:11:{8 + len(name) + 2}: grid.{name}: given [")
+    (axis,) = (axis for axis in AXES if axis.name == name)
+    if axis.place[0] == "interface":
+        home, key = ".".join(("scene", *axis.place[:-1])), axis.place[-1]
+        assert f"nothing without {home}.{key}: add `{key}` to {home}" in said
+    else:
+        assert said.endswith("allowed: nothing, as the loading is a reduced_pressure")
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "change", "allowed"),
+    [
+        ("work_of_adhesion", "[1e-5, 0]", (), "[1]: given 0; allowed: a number other than 0"),
+        ("work_of_adhesion", "[-1, 1]", ("{hard_wall: {}, exp", "{exp"), "[1]: given 1; allowed: hard_wall, cohesive"),
+        ("interaction_range", "[0.1, 1e-5]", (), "[1]: given 1e-05; allowed: at least the grid spacing"),
+        ("interaction_range", "[0.1, 0]", (), "[1]: given 0; allowed: a number from 1e-30 to 1e+30"),
+        ("friction_coefficient", "[0]", (), "[0]: given 0; allowed: a number above 0, or .inf for sticking contact"),
+        ("displacement", "[0.1, -0.1]", (), "[1]: given -0.1; allowed: a finite number of at least 0, as nothing acts"),
+    ],
+)
+def test_a_value_of_a_grid_keeps_the_rules_of_the_scene(tmp_path, name, values, change, allowed):
+    if change:
+        law = SCENES[name][1].replace(*change).replace("work_of_adhesion: 1e-5", "work_of_adhesion: -1e-5")
+        said = complaint(tmp_path, load_campaign, with_grid(name, values, (SCENES[name][0], law)))
+    else:
+        said = complaint(tmp_path, load_campaign, with_grid(name, values, SCENES[name]))
+    assert f"grid.{name}{allowed}" in said
+
+
+def test_an_axis_without_values_has_no_coordinate(tmp_path):
+    (tmp_path / "plain.yaml").write_text(CAMPAIGN)
+    found = coordinates(plan(tmp_path / "plain.yaml").cases)
+    assert not {"anisotropy", "punch_displacement", "friction_coefficient", "work_of_adhesion"} & found.keys()
+    assert {"hurst", "reduced_pressure", "rms_gradient_target", "eps_c"} <= found.keys()

@@ -1,0 +1,122 @@
+"""What a run notes beside its shards, damaged or forged, and looking at a directory that cannot be written."""
+
+import json
+import subprocess
+
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.campaign import failures
+from gfmd_numba.campaign.output_directory import at_work, claimed
+from gfmd_numba.campaign.plan import plan
+from support.campaigns import TINY, campaign, numbers
+from support.command_line import gfmd, unfolded
+
+DAMAGED = [
+    "",
+    "null",
+    "[]",
+    "{",
+    "[" * 100_000,
+    '{"a":' * 100_000,
+    '{"status": null, "reason": null}',
+    '{"status": "exploded", "reason": "boom"}',
+    '{"status": "ok", "reason": "all is well"}',
+    '{"status": ["crashed"], "reason": "boom"}',
+    '{"status": "crashed", "reason": {"a": 1}}',
+    "\ud800",
+]
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("out")
+    gfmd_numba.run(campaign(folder, TINY + "grid: {hurst: [0.3, 0.8]}\n"), folder / "out")
+    return folder / "out"
+
+
+@pytest.mark.parametrize("content", DAMAGED)
+def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
+    block = next(plan(out / "campaign.yaml").blocks)
+    (out / "shards" / f"{block.name}.shard").unlink()
+    (out / "shards" / f"{block.name}.failed").write_bytes(content.encode("utf-8", "surrogatepass"))
+    assert failures.of(out, block.name) is None
+    before = numbers(gfmd_numba.open_campaign(out))
+    for command in ("status", "collect"):
+        assert gfmd(command, out).exit_code == 0
+    assert int((gfmd_numba.open_campaign(out)["status"] == 6).sum()) == 2
+    gfmd_numba.run(out / "campaign.yaml", out)
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
+
+
+NO_NUMBERS = [f'{{"last_run_seconds": {given}}}' for given in ("null", "[[1]]", "1e999", "NaN", 10**400, "true", -1)]
+
+
+@pytest.mark.parametrize("content", DAMAGED + NO_NUMBERS)
+def test_damaged_notes_of_a_run_stop_nothing(out, content):
+    (out / "run.json").write_bytes(content.encode("utf-8", "surrogatepass"))
+    assert gfmd("collect", out).exit_code == 0
+    assert not {"last_run_seconds", "last_run_blocks", "status", "reason"} & gfmd_numba.open_campaign(out).attrs.keys()
+    next(out.glob("shards/*.shard")).unlink()
+    assert gfmd_numba.run(out / "campaign.yaml", out).attrs["last_run_blocks"] == 1
+
+
+def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
+    assert gfmd("collect", out).exit_code == 0
+    before = gfmd_numba.open_campaign(out).attrs
+    forged = {name: "forged" for name in before} | {"last_run_seconds": 2.5}
+    (out / "run.json").write_text(json.dumps(forged))
+    assert gfmd("collect", out).exit_code == 0
+    after = gfmd_numba.open_campaign(out).attrs
+    assert "forged" not in map(str, after.values())
+    assert after["last_run_seconds"] == 2.5
+    for name in ("campaign", "versions", "fit", "title", "seed", "content_sha256"):
+        assert after[name] == before[name]
+
+
+@pytest.mark.parametrize("name", ["campaign", "campaign_sha256", "fit", "seed", "title"])
+def test_verify_notices_results_that_say_something_else_of_the_campaign(out, name):
+    assert gfmd("collect", out).exit_code == 0
+    assert gfmd("verify", out).exit_code == 0
+    dataset = gfmd_numba.open_campaign(out)
+    for value in ("forged", [1.0, 2.0], None):
+        del dataset.attrs[name]
+        if value is not None:
+            dataset.attrs[name] = value
+        dataset.to_netcdf(out / "tiny.nc", engine="netcdf4")
+        said = gfmd("verify", out)
+        assert said.exit_code == 3
+        assert "tiny.nc differs from its digest" in unfolded(said.output)
+        dataset.attrs[name] = value
+    assert gfmd("collect", out).exit_code == 0
+
+
+def test_looking_at_a_run_does_not_write(out, tmp_path):
+    before = {path: path.stat().st_mtime_ns for path in (out, *out.rglob("*"))}
+    for command in ("status", "verify"):
+        assert gfmd(command, out).exit_code == 0
+    assert {path: path.stat().st_mtime_ns for path in (out, *out.rglob("*"))} == before
+    (out / ".lock").chmod(0o444)
+    assert not at_work(out)
+    (out / ".lock").chmod(0o644)
+    with claimed(out, "tiny", (out / "campaign.yaml").read_text()):
+        assert at_work(out)
+        assert "2 of 2 blocks done; running" in gfmd("status", out).output
+
+
+def test_a_read_only_directory_can_be_looked_at(out, tmp_path):
+    seen = tmp_path / "seen"
+    seen.mkdir()
+    for options in (["--bind", out], ["-o", "remount,ro,bind"]):
+        if subprocess.run(["mount", *options, seen], capture_output=True).returncode:
+            pytest.skip("only root can mount a directory")
+    try:
+        said = gfmd("status", seen)
+        assert (said.exit_code, said.output) == (0, "tiny: 2 of 2 blocks done; finished\n")
+        assert gfmd("verify", seen).exit_code == 0
+        refused = gfmd("run", out / "campaign.yaml", "-o", seen, "--workers=0")
+        assert refused.exit_code == 2
+        assert "it may not be written" in refused.stderr
+    finally:
+        subprocess.run(["umount", seen], check=True)

@@ -1,0 +1,187 @@
+"""What can go wrong with the workers of a campaign, and that it touches nothing but its own block."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, replace
+
+import cloudpickle
+import pytest
+from distributed import LocalCluster
+
+from gfmd_numba.campaign import shards
+from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cluster import connected
+from gfmd_numba.campaign.execution import Workers, check, execute, shard_path
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.scene import InputError
+from support.campaigns import campaign
+from support.command_line import unfolded
+
+POISONS = ("segfault", "exception", "endless")
+
+
+@dataclass(frozen=True)
+class Poison:
+    """A surface that does harm to whoever looks at it."""
+
+    kind: str
+    nx: int = 64
+    shape: tuple = (64,)
+
+    def heights(self, realisations):
+        if self.kind == "segfault":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if self.kind == "freeze":
+            os.kill(os.getpid(), signal.SIGSTOP)
+        if self.kind == "endless":
+            re.match("(a|aa)+$", "a" * 100 + "b")  # like a compiled kernel, it does not let go of the interpreter
+        raise ZeroDivisionError("poison")
+
+
+def perform_all(tasks, folder, workers, timeout=None):
+    failures = {}
+
+    def finished(blocks, failed):
+        failures.update(failed)
+        return True
+
+    execute(tasks, folder, workers, timeout, finished)
+    return failures
+
+
+def poisoned(problem, kinds=POISONS):
+    return [(Block(replace(problem, surface=Poison(kind)), 0, 1),) for kind in kinds]
+
+
+@pytest.fixture
+def sound(tmp_path):
+    """Sound tasks of a small campaign."""
+    planned = plan(campaign(tmp_path))
+    blocks = list(planned.blocks)
+    return [tuple(blocks[i : i + 2]) for i in range(0, len(blocks), 2)]
+
+
+def test_poison_kills_no_other_task(tmp_path, sound):
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    bad = poisoned(sound[0][0].problem)
+    tasks = [sound[0], (*bad[0], *sound[1]), bad[1], *sound[2:], bad[2]]
+    failures = perform_all(tasks, tmp_path, Workers(2), timeout=4.0)
+    assert [failures[task[0].name].status for task in bad] == ["crashed", "crashed", "timeout"]
+    reasons = (
+        "its worker died or froze, also with nothing else at work",
+        "ZeroDivisionError: poison",
+        "case_timeout of 4 s",
+    )
+    for task, reason in zip(bad, reasons, strict=True):
+        assert reason in failures[task[0].name].reason
+    assert len(failures) == 3
+    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+    assert not list(tmp_path.glob("shards/*.tmp"))
+
+
+def test_poison_in_this_process_fails_its_own_block_only(tmp_path, sound, monkeypatch):
+    monkeypatch.setattr(Poison, "heights", lambda self, realisations: time.sleep(60))
+    bad = poisoned(sound[0][0].problem, ["endless"])
+    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
+    assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
+    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+
+
+def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
+    """Outside the main thread nothing stops a block gently: it is then let run."""
+    failures = []
+    thread = threading.Thread(
+        target=lambda: failures.append(perform_all(sound[:1], tmp_path, Workers(0), timeout=1e-6))
+    )
+    thread.start()
+    thread.join()
+    assert failures == [{}]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
+    """A limit to the size of files stops the run as a full disk would."""
+    path, out = campaign(tmp_path), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers", str(workers)]
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+
+    stopped = subprocess.run(
+        command, preexec_fn=limit, capture_output=True, text=True, env=os.environ | {"GFMD_CACHE_DIR": str(tmp_path)}
+    )
+    assert stopped.returncode == 3
+    lines = stopped.stderr.splitlines()
+    said = unfolded(" ".join(line for line in lines if not line.startswith(("blocks", "busy"))))
+    assert said.count("gfmd: ") == 1
+    assert said.startswith("gfmd: [Errno 27] File too large")
+    assert said.endswith("finished work is kept, the same command resumes")
+    assert all(shards.read(shard) is not None for shard in out.glob("shards/*.shard"))
+    assert subprocess.run(command, capture_output=True).returncode == 0
+
+
+def test_a_lost_scheduler_is_told(tmp_path, sound):
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+
+        def finished(blocks, failed):
+            cluster.close()
+            return True
+
+        with pytest.raises(OSError, match="the dask scheduler is lost"):
+            execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None, finished)
+
+
+def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
+    """The second begins while the first has the same blocks in flight."""
+    folders = [tmp_path / "first", tmp_path / "second"]
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+        workers = Workers(address=cluster.scheduler_address)
+
+        def finished(blocks, failed):
+            if not folders[1].exists():
+                folders[1].mkdir()
+                execute(sound, folders[1], workers, None, lambda *_: True)
+            return True
+
+        folders[0].mkdir()
+        execute(sound, folders[0], workers, None, finished)
+    for folder in folders:
+        assert all(shards.read(shard_path(folder, block)) is not None for task in sound for block in task)
+
+
+@pytest.mark.parametrize(
+    ("address", "allowed"),
+    [("tcp://192.0.2.1:8786", "or --insecure beside it"), ("nowhere://127.0.0.1:1", "the address of a running dask")],
+)
+def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
+    with (
+        pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
+        connected(address, None, False),
+    ):
+        pass
+
+
+def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
+        address = cluster.scheduler_address
+        monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
+        with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):
+            check(Workers(address=address), tmp_path)
+
+
+class OtherVersions:
+    """Here the versions of long ago; on a worker the present ones."""
+
+    def __call__(self):
+        return {"numba": "0.1"}
+
+    def __reduce__(self):
+        from gfmd_numba.campaign import provenance
+
+        return getattr, (provenance, "versions")

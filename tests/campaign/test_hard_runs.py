@@ -1,0 +1,34 @@
+"""Long runs: many cases one after another leave no memory, no file handles and no temporary files behind."""
+
+from itertools import count, islice
+
+import psutil
+import pytest
+
+from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.execution import perform, shard_path
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.shards import read
+from support.campaigns import campaign
+
+
+@pytest.mark.parametrize("cases", [300, pytest.param(10_000, marks=pytest.mark.long)])
+def test_memory_and_file_handles_stay_flat_over_many_cases(tmp_path, cases):
+    (tmp_path / "shards").mkdir()
+    problems = plan(campaign(tmp_path)).problems
+    tasks = ((Block(problem, first, first + 1),) for first in count() for problem in problems)
+    process = psutil.Process()
+
+    def perform_some(number):
+        for task in islice(tasks, number):
+            assert perform(task, tmp_path, None) == {}
+            path = shard_path(tmp_path, task[0])
+            assert read(path)["status"].tolist() == [0]
+            path.unlink()
+        return process.memory_info().rss, process.num_fds()
+
+    memory, handles = perform_some(100)
+    more_memory, more_handles = perform_some(cases)
+    assert more_handles <= handles
+    assert more_memory - memory < 8e6, f"{more_memory - memory} bytes more after {cases} cases"
+    assert not list((tmp_path / "shards").iterdir())

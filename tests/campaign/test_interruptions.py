@@ -1,0 +1,117 @@
+"""Runs that are killed, interrupted, damaged or crash: no number changes, and finished work is kept."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import psutil
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.campaign import execution, shards
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.output_directory import claimed
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.run import run as run_campaign
+from support.campaigns import campaign, numbers
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
+    """SIGKILL as soon as the first shards are there; what is finished is not computed again."""
+    path, out = campaign(tmp_path), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    while process.poll() is None and len(list(out.glob("shards/*.shard"))) < 3:
+        time.sleep(0.001)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    left = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
+    assert len(left) >= 3
+    result = gfmd_numba.run(path, out, workers)
+    xr.testing.assert_identical(numbers(result), numbers(finished))
+    assert {shard: shard.stat().st_mtime_ns for shard in left} == left
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
+def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
+    """Ctrl-C reaches the workers, too, at any moment after the first shard."""
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=2"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    while process.poll() is None and not list(out.glob("shards/*.shard")):
+        time.sleep(0.001)
+    time.sleep(np.random.default_rng().uniform(0, 0.2))
+    os.killpg(process.pid, signal.SIGINT)
+    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("blocks ")]
+    assert process.returncode == 130
+    assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]
+    left = list(out.glob("shards/*"))
+    assert left
+    assert all(shards.read(shard) is not None for shard in left if shard.suffix == ".shard")
+    assert not [p for p in psutil.process_iter() if p.status() != psutil.STATUS_ZOMBIE and session(p) == process.pid]
+
+
+def session(process: psutil.Process) -> int | None:
+    try:
+        return os.getsid(process.pid)
+    except ProcessLookupError:
+        return None
+
+
+def test_a_damaged_shard_is_computed_again(finished, tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    gfmd_numba.run(path, out, 0)
+    first, second, third, *_ = sorted(out.glob("shards/*.shard"))
+    content = first.read_bytes()
+    first.write_bytes(content[:-10])
+    altered = bytearray(second.read_bytes())
+    altered[len(altered) // 2] ^= 1
+    second.write_bytes(altered)
+    third.write_bytes(b"")
+    xr.testing.assert_identical(numbers(gfmd_numba.run(path, out, 0)), numbers(finished))
+    assert first.read_bytes()[:13] == content[:13]
+    assert all(shards.read(shard) is not None for shard in (first, second, third))
+
+
+def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path, monkeypatch):
+    planned = plan(campaign(tmp_path))
+    bad = next(planned.blocks)
+    solve = execution.solve
+
+    def fails_once(problem, realisations):
+        if problem.identity == bad.problem.identity:
+            raise FloatingPointError("boom")
+        return solve(problem, realisations)
+
+    monkeypatch.setattr(execution, "solve", fails_once)
+    path, failures = run_campaign(tmp_path / "campaign.yaml", tmp_path / "out", Workers(0))
+    assert failures == {bad.name: Failure("crashed", "FloatingPointError: boom")}
+    result = gfmd_numba.open_campaign(path)
+    crashed = result["case_id"] == bad.problem.identity
+    assert (result["status"].where(crashed, drop=True) == 5).all()
+    assert result["kappa"].where(crashed, drop=True).isnull().all()
+    xr.testing.assert_identical(
+        numbers(result).isel(case=~crashed.values), numbers(finished).isel(case=~crashed.values)
+    )
+
+
+def test_leftovers_of_a_killed_run_do_not_block_it(finished, tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    out.mkdir(parents=True)
+    leftovers = [out / f"small.nc.{32 * '0'}.tmp", out / f".{32 * 'a'}.tmp"]
+    for leftover in (*leftovers, out / ".lock"):
+        leftover.touch()
+    with claimed(out, "small", path.read_text()):
+        assert not any(leftover.exists() for leftover in leftovers)
+    (out / "shards").mkdir()
+    leftovers += [out / "shards" / f"a.shard.{32 * '1'}.tmp", out / "shards" / "a.late.tmp"]
+    for leftover in leftovers:
+        leftover.touch()
+    xr.testing.assert_identical(numbers(gfmd_numba.run(path, out)), numbers(finished))
+    assert not any(leftover.exists() for leftover in leftovers)

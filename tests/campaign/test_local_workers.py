@@ -1,0 +1,124 @@
+"""Local workers: nobody else can use them, and one that freezes does not stall a run."""
+
+import asyncio
+import signal
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+
+import psutil
+import pytest
+from distributed.comm import connect
+from distributed.security import Security
+
+from gfmd_numba.campaign import cluster, shards
+from gfmd_numba.campaign.execution import Workers, execute, shard_path
+from gfmd_numba.campaign.plan import plan
+from support.campaigns import campaign
+
+
+def family(process):
+    try:
+        parent = psutil.Process(process.pid)
+        return [parent, *parent.children(recursive=True)]
+    except psutil.NoSuchProcess:
+        return []
+
+
+def ports(process):
+    """TCP ports on which a process listens, and the addresses they are bound to."""
+    try:
+        return {s.laddr for s in process.net_connections(kind="tcp") if s.status == psutil.CONN_LISTEN}
+    except psutil.Error:
+        return set()
+
+
+async def admitted(address, **connection):
+    """Whether a scheduler or worker answers who connects like this."""
+    try:
+        async with asyncio.timeout(5):
+            comm = await connect(address, timeout=4, **connection)
+            await comm.write({"op": "identity", "reply": True})
+            return bool(await comm.read())
+    except Exception:
+        return False
+
+
+def says_nothing(port):
+    """Whether the port answers a web browser with no more than that there is nothing."""
+    for page in ("", "status", "info/main/workers.html", "json/identity.json", "metrics", "health"):
+        try:
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=2)
+        except urllib.error.HTTPError as error:
+            if error.code != 404:
+                return False
+        except (OSError, ValueError):  # it does not speak with browsers at all
+            continue
+        else:
+            return False
+    return True
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere sockets of processes are hard to see")
+@pytest.mark.filterwarnings("ignore")
+def test_a_client_without_the_key_of_a_run_is_refused_everywhere(tmp_path):
+    with cluster.local(2) as client:
+        assert client.submit(sum, [1, 2]).result() == 3
+        found = {address for member in family(psutil.Process()) for address in ports(member)}
+        assert len(found) >= 5  # a scheduler and two nannies with their workers
+        assert {address.ip for address in found} == {"127.0.0.1"}
+        assert all(says_nothing(address.port) for address in found)
+        stranger = Security.temporary().get_connection_args("client")  # TLS, but with a key of its own
+
+        async def attempts():
+            addresses = [f"127.0.0.1:{address.port}" for address in found]
+            plain = [admitted(f"tcp://{address}") for address in addresses]
+            return await asyncio.gather(*plain, *(admitted(f"tls://{address}", **stranger) for address in addresses))
+
+        assert not any(asyncio.run(attempts()))
+        friend = client.security.get_connection_args("client")
+        assert asyncio.run(admitted(client.scheduler.address, **friend))  # who has the key gets in by the same way
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
+def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "_HEARTBEATS", 8.0)
+    blocks = list(plan(campaign(tmp_path)).blocks)
+    stopped, ended = [], []
+
+    def finished(number, failures):
+        if not stopped:
+            members = [child for child in psutil.Process().children(recursive=True) if child.num_threads() > 3]
+            workers = [child for child in members if not child.children()]
+            stopped.append(workers[0])
+            workers[0].send_signal(signal.SIGSTOP)
+        assert failures == {}
+        ended.append(number)
+        return True
+
+    execute([(block,) for block in blocks], tmp_path, Workers(1), 2.0, finished)
+    assert not stopped[0].is_running()
+    assert sum(ended) == len(blocks)
+    assert all(shards.read(shard_path(tmp_path, block)) is not None for block in blocks)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
+def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path):
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 600\ncase_timeout: 6"}), tmp_path / "out"
+    code = (
+        "import sys; from gfmd_numba.campaign import cluster; cluster._HEARTBEATS = 8.0\n"
+        "if __name__ == '__main__':\n    from gfmd_numba.cli import main; main(sys.argv[1:])"
+    )
+    script = tmp_path / "run.py"
+    script.write_text(code)
+    command = [sys.executable, str(script), "run", str(path), "-o", str(out), "--workers=2"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    while process.poll() is None and len(list(out.glob("shards/*.shard"))) < 1:
+        time.sleep(0.01)
+    workers = [child for child in family(process)[1:] if not child.children() and "spawn_main" in str(child.cmdline())]
+    workers[-1].suspend()
+    said = process.communicate(timeout=300)[0]
+    assert process.returncode == 0, said
+    assert len(list(out.glob("shards/*.shard"))) == len(list(plan(path).blocks))

@@ -1,0 +1,136 @@
+"""More or fewer realisations of a campaign use what is finished, and change no number."""
+
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import gfmd_numba
+from gfmd_numba.campaign import cases, execution
+from gfmd_numba.campaign.cases import blocks
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.status import progress, verify
+from gfmd_numba.cli import main
+from support.campaigns import campaign, numbers
+
+
+def test_more_realisations_keep_the_finished_ones(tmp_path, monkeypatch):
+    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 128 * 3)
+    out = tmp_path / "out"
+    few = gfmd_numba.run(campaign(tmp_path), out, 0)
+    stamps = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
+    more = gfmd_numba.run(campaign(tmp_path, **{"realisations: 6": "realisations: 9"}), out, 0)
+    same = numbers(more).isel(realisation=slice(6)).drop_vars("realisations")
+    xr.testing.assert_identical(same, numbers(few).drop_vars("realisations"))
+    assert stamps.items() <= {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}.items()
+
+
+def realisations(folder, number):
+    return campaign(folder, **{"realisations: 6": f"realisations: {number}"})
+
+
+@pytest.fixture(scope="module")
+def of_six(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("six")
+    return gfmd_numba.run(campaign(folder), folder / "out")
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Realisations that have been solved, in order."""
+    counted = []
+    solve = execution.solve
+
+    def counting(problem, chosen):
+        if problem.surface.nodes > 16:  # kernels are compiled on less
+            counted.append((chosen.start, chosen.stop))
+        return solve(problem, chosen)
+
+    monkeypatch.setattr(execution, "solve", counting)
+    return counted
+
+
+def test_more_realisations_solve_only_the_new_ones(tmp_path, of_six, solved):
+    out = tmp_path / "out"
+    gfmd_numba.run(realisations(tmp_path, 4), out)
+    assert set(solved) == {(0, 4)}
+    solved.clear()
+    more = gfmd_numba.run(realisations(tmp_path, 6), out)
+    assert set(solved) == {(4, 6)}
+    assert len(solved) == 10
+    assert more.attrs["content_sha256"] == of_six.attrs["content_sha256"]
+    xr.testing.assert_identical(numbers(more), numbers(of_six))
+    found, verdict = progress(out), verify(out)
+    assert (found.done, found.blocks) == (20, 20)
+    assert (verdict.sound, verdict.damaged, verdict.missing, verdict.foreign) == (20, [], 0, [])
+
+
+def test_fewer_realisations_solve_nothing(tmp_path, of_six, solved):
+    out, fresh = tmp_path / "out", tmp_path / "fresh"
+    gfmd_numba.run(realisations(tmp_path, 6), out)
+    expected = gfmd_numba.run(realisations(tmp_path, 4), fresh)
+    solved.clear()
+    fewer = gfmd_numba.run(realisations(tmp_path, 4), out)
+    assert solved == []
+    assert fewer.sizes["realisation"] == 4
+    assert fewer.attrs["content_sha256"] == expected.attrs["content_sha256"]
+    gfmd_numba.run(realisations(tmp_path, 3), fresh)
+    verdict = verify(fresh)
+    assert (verdict.sound, verdict.missing, verdict.foreign) == (10, 0, [])
+
+
+def test_a_surplus_shard_is_not_foreign(tmp_path, of_six):
+    """A damaged one is not used, so nothing computes it again."""
+    out = tmp_path / "out"
+    gfmd_numba.run(realisations(tmp_path, 4), out)
+    gfmd_numba.run(realisations(tmp_path, 6), out)
+    gfmd_numba.run(realisations(tmp_path, 4), out)
+    assert (verify(out).sound, verify(out).foreign) == (20, [])
+    surplus = next(out.glob("shards/*-000004-000006.shard"))
+    surplus.write_bytes(b"")
+    assert (verify(out).sound, verify(out).damaged, verify(out).foreign) == (19, [], [surplus.name])
+
+
+def test_a_damaged_old_shard_is_computed_again(tmp_path, of_six):
+    out = tmp_path / "out"
+    gfmd_numba.run(realisations(tmp_path, 4), out)
+    next(out.glob("shards/*.shard")).write_bytes(b"")
+    more = gfmd_numba.run(realisations(tmp_path, 6), out)
+    assert more.attrs["content_sha256"] == of_six.attrs["content_sha256"]
+
+
+def test_a_part_of_a_run_with_more_realisations_is_collected(tmp_path, of_six):
+    path, out = realisations(tmp_path, 4), tmp_path / "out"
+    gfmd_numba.run(path, out)
+    ran = CliRunner().invoke(
+        main, ["run", str(realisations(tmp_path, 6)), "-o", str(out), "--workers=0", "--only=hurst=0.3", "--limit=2"]
+    )
+    assert ran.exit_code == 0, ran.output
+    assert "16 of 60 simulations are not run yet" in ran.output
+
+
+ranges = st.tuples(st.integers(0, 30), st.integers(1, 8)).map(lambda r: (r[0], r[0] + r[1]))
+
+
+@pytest.fixture(scope="module")
+def problem(tmp_path_factory):
+    return plan(campaign(tmp_path_factory.mktemp("problem"))).problems[0]
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data(), held=st.lists(ranges, max_size=6), wanted=st.integers(1, 30), size=st.integers(1, 8))
+def test_blocks_cover_what_is_wanted_and_stay_the_same_while_they_get_finished(problem, data, held, wanted, size):
+    before, cases._BLOCK_SAMPLES = cases._BLOCK_SAMPLES, size * problem.surface.nodes
+    try:
+        split = [(block.first, block.stop) for block in blocks(problem, wanted, held)]
+        finished = data.draw(st.sets(st.sampled_from(split)))
+        again = [(block.first, block.stop) for block in blocks(problem, wanted, [*held, *finished])]
+    finally:
+        cases._BLOCK_SAMPLES = before
+    assert split == again
+    covered = [r for first, stop in split for r in range(first, stop)]
+    assert covered == list(range(split[-1][1]))
+    assert wanted <= len(covered)
+    assert all(stop - first <= size for first, stop in split)
+    assert all((first, stop) in held or stop <= wanted for first, stop in split)

@@ -1,0 +1,142 @@
+"""Looking at a campaign while it runs and afterwards: status, collect, verify, and running parts of it."""
+
+import json
+
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.campaign import execution, failures
+from gfmd_numba.campaign.output_directory import claimed
+from gfmd_numba.campaign.plan import plan
+from support.campaigns import campaign, numbers
+from support.command_line import gfmd, unfolded
+
+
+def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    ran = gfmd("run", path, "-o", out, "--workers=0", "--only=hurst=0.3", "--only=eps_f=1/16", "--limit=2")
+    assert ran.exit_code == 0, ran.output
+    assert f"{8 * 6} of 60 simulations are not run yet" in ran.output
+    part = gfmd_numba.open_campaign(out)
+    done = part["status"].values == 0
+    assert done.all(axis=1).sum() == 2
+    assert set(part["hurst"].values[done.all(axis=1)]) == {0.3}
+    assert (part["status"].values[~done] == 6).all()
+    assert json.loads(gfmd("status", out, "--json").output)["done"] == 2
+    assert "2 of 10 blocks done; not running" in gfmd("status", out).output
+    assert gfmd("run", path, "-o", out, "--workers=0").exit_code == 0
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), numbers(finished))
+    assert gfmd_numba.open_campaign(out).attrs["content_sha256"] == finished.attrs["content_sha256"]
+    assert "10 of 10 blocks done; finished" in gfmd("status", out).output
+
+
+@pytest.mark.parametrize(
+    ("only", "said"),
+    [
+        ("hirst=0.3", "--only: given hirst; allowed: case_id, limit"),
+        ("hurst=0.4", "--only: given hurst=0.4; allowed: a value of the campaign, like 0.3, 0.8"),
+        ("hurst", "a coordinate and its value, like hurst=0.8"),
+    ],
+)
+def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
+    ran = gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--only", only)
+    assert ran.exit_code == 2
+    assert said in ran.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tmp_path, monkeypatch):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    bad = next(plan(path).blocks)
+    solve, calls = execution.solve, []
+
+    def fails(problem, realisations):
+        if problem.identity == bad.problem.identity and problem.surface.nx == bad.problem.surface.nx:
+            calls.append(problem)
+            raise FloatingPointError("boom")
+        return solve(problem, realisations)
+
+    monkeypatch.setattr(execution, "solve", fails)
+    for _ in range(2):
+        ran = gfmd("run", path, "-o", out, "--workers=0")
+        assert ran.exit_code == 3
+        assert f"block {bad.name} crashed: FloatingPointError: boom" in unfolded(ran.output)
+    assert len(calls) == 1
+    assert "FloatingPointError: boom" in gfmd_numba.open_campaign(out).attrs["failures"]
+    state = gfmd("status", out).output.replace("\\\n", "")  # a long command is folded
+    assert "9 of 10 blocks done, 1 failed" in state
+    monkeypatch.undo()
+    command = next(line for line in state.splitlines() if "--retry-failed" in line).split()
+    assert command[0] == "gfmd"
+    assert gfmd(*command[1:]).exit_code == 0
+    assert failures.of(out, bad.name) is None
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), numbers(finished))
+
+
+def test_fail_fast_stops_at_the_first_failure(tmp_path, monkeypatch):
+    def fails(*_):
+        raise FloatingPointError("boom")
+
+    monkeypatch.setattr(execution, "solve", fails)
+    monkeypatch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
+    monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
+    out = tmp_path / "out"
+    ran = gfmd("run", campaign(tmp_path), "-o", out, "--workers=0", "--fail-fast")
+    assert ran.exit_code == 3
+    assert len(json.loads(gfmd("status", out, "--json").output)["failed"]) <= 2  # those of one task
+
+
+def test_results_are_collected_at_any_time(tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    gfmd_numba.run(path, out)
+    (out / "small.nc").unlink()
+    next(out.glob("shards/*.shard")).unlink()
+    assert gfmd("collect", out).exit_code == 0
+    assert (gfmd_numba.open_campaign(out)["status"].values == 6).sum() == 6
+
+
+def test_verify_finds_what_was_altered(tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    dataset = gfmd_numba.run(path, out)
+    sound = gfmd("verify", out)
+    assert sound.exit_code == 0
+    assert "10 sound, 0 damaged, 0 not there" in sound.output
+    shard, other, gone, *_ = sorted(out.glob("shards/*.shard"))
+    shard.write_bytes(shard.read_bytes()[:-1])
+    other.rename(other.with_name("foreign.shard"))
+    gone.unlink()
+    dataset["kappa"][0, 0] += 1e-12
+    dataset.to_netcdf(out / "small.nc", engine="netcdf4")
+    ran = gfmd("verify", out)
+    assert ran.exit_code == 3
+    assert "7 sound, 1 damaged, 2 not there" in ran.output
+    assert f"damaged  {shard.name}" in ran.output
+    assert "foreign  foreign.shard" in ran.output
+    assert "small.nc differs from its digest" in unfolded(ran.output)
+
+
+def test_the_status_of_a_running_campaign_is_shown(tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    gfmd("run", path, "-o", out, "--workers=0", "--limit=3")
+    for shard in out.glob("shards/*.shard"):
+        shard.touch()
+    with claimed(out, "small", path.read_text()):
+        for shard in out.glob("shards/*.shard"):
+            shard.touch()
+        assert "3 of 10 blocks done; running, about" in gfmd("status", out).output
+
+
+@pytest.mark.parametrize("command", ["status", "collect", "verify"])
+def test_a_directory_of_no_campaign_is_refused(tmp_path, command):
+    ran = gfmd(command, tmp_path)
+    assert ran.exit_code == 2
+    assert "given a directory without .gfmd-campaign; allowed: one that `gfmd run` made" in ran.output
+
+
+def test_the_file_says_where_it_comes_from(finished):
+    attributes = finished.attrs
+    assert {"campaign_sha256", "versions", "git_commit", "machine", "threads", "fft_plans"} <= attributes.keys()
+    assert 0 < attributes["predicted_cpu_seconds_p50"] <= attributes["predicted_cpu_seconds_p90"]
+    assert attributes["cpu_seconds"] == pytest.approx(float(finished["case_seconds"].sum()))
+    assert attributes["cpu_seconds"] > 0

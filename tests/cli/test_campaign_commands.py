@@ -1,0 +1,118 @@
+"""Commands for campaigns: plan, run, fit and plot, and what they say of runs that are not ok."""
+
+import re
+
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.solvers import integrators
+from support.campaigns import SMALL, campaign
+from support.command_line import gfmd, refused, unfolded
+
+
+def test_plan_counts_cases_and_distinct_problems(tmp_path):
+    path = campaign(tmp_path, **{"hurst: [0.3, 0.8]": "poissons_ratio: [0.2, 0.33]"})
+    output = gfmd("plan", path).output
+    assert "10, of which 5 distinct problems" in output
+    assert "nx = 512" in output
+    assert "Poisson's ratio" in output
+
+
+def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = campaign(tmp_path)
+    done = gfmd("run", path, "--workers=0")
+    assert done.exit_code == 0
+    assert "results  small/small.nc" in done.output
+    assert (tmp_path / "small" / "small.png").stat().st_size > 10_000
+    assert xr.open_dataset(tmp_path / "small" / "small.nc").sizes["case"] == 10
+    again = gfmd("run", path, "--workers=0")
+    assert "tasks" not in again.stderr  # nothing was left to do
+    done = gfmd("fit", "small", "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", "fit.nc")
+    assert done.exit_code == 0
+    fitted = xr.open_dataset(tmp_path / "fit.nc")
+    assert (fitted["fit_status"] == "ok").all()
+    assert f"{float(fitted['kappa_tfc'][0]):.3f}" in done.output
+    done = gfmd("plot", "small/small.nc", "-o", "picture.png", "--variable", "kappa_counted")
+    assert done.exit_code == 0
+    assert (tmp_path / "picture.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("realisations", [1, 6])
+def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations):
+    text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("limits"))
+    path = campaign(tmp_path, text, **{"realisations: 6": f"realisations: {realisations}"})
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 0
+    assert "exponent" not in done.output
+    kappa = xr.open_dataset(tmp_path / "out" / "small.nc")["kappa"]
+    assert "nu = 0.33, a = inf, p* = 0.05, eps_c = 0.25, eps_f = 0.0625, eps_t = 0.5\n" in done.output
+    rows = [line.split() for line in done.output.splitlines() if line.startswith("0.")]
+    assert [row[0] for row in rows] == ["0.3", "0.8"]
+    found = [row[1].partition("±") for row in rows]
+    assert [mean for mean, _, _ in found] == [f"{mean:.3f}" for mean in kappa.mean("realisation").values]
+    assert all((error != "") == (realisations > 1) for _, _, error in found)
+    assert "nan" not in done.output
+    message = refused("plot", tmp_path / "out", "-o", tmp_path / "out.png")
+    assert "small.nc: given results in which no discretisation is varied; allowed: " in message
+
+
+def test_runs_that_do_not_converge_exit_with_3(tmp_path):
+    path = campaign(tmp_path, **{"grid:": "numerics: {max_iterations: 1}\ngrid:"})
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 3
+    assert "60 of 60 simulations are not ok" in done.stderr
+
+
+def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
+    path = campaign(tmp_path, **{"grid:": "numerics: {solver: verlet}\ngrid:"})
+    limit = integrators.stability_limit
+    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 3
+    least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())
+    assert (
+        f"60 are unstable, the first after {least} iterations. Tractions grew without bound: lower numerics"
+        in unfolded(done.stderr)
+    )
+
+
+def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
+    done = gfmd("fit", results.parent, "--fixed", "eps_c=1", "--fixed", "eps_f=1")
+    dataset = xr.open_dataset(results)
+    kappa = dataset["kappa"].isel(case=dataset["is_reference"].values)
+    for row, mean, error in zip(
+        (line for line in done.output.splitlines() if line.startswith("0.")),
+        kappa.mean("realisation").values,
+        (kappa.std("realisation", ddof=1) / 6**0.5).values,
+        strict=True,
+    ):
+        assert f"{mean:.3f}±{error:.3f}" in row
+    said = gfmd("fit", results, "--fixed=eps_f=1").output.replace("\n         ", " ")  # notes are folded
+    notes = [line for line in said.splitlines() if line.startswith("note")]
+    assert len(notes) == len(set(notes)) < 6
+    assert sum("--fixed eps_" in note and "fit: {fixed: {" in note for note in notes) == 1
+
+
+def test_notes_name_the_group_and_the_case(tmp_path, results):
+    dataset = xr.open_dataset(results).load()
+    dataset["kappa"][1] = float("nan")
+    dataset.to_netcdf(tmp_path / "broken.nc")
+    done = gfmd("fit", tmp_path / "broken.nc", "--fixed", "eps_c=1", "--fixed", "eps_f=1")
+    assert "H = 0.3: left out, no good realisation: eps_c = 1/2, eps_f = 1/16, eps_t = 1/2" in unfolded(done.output)
+
+
+def test_picture_of_a_directory_is_named_like_that_of_a_run(results):
+    assert gfmd("plot", results.parent, "--fixed=eps_c=1", "--fixed=eps_f=1").exit_code == 0
+    assert (results.parent / "small.png").exists()
+
+
+def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
+    text = SMALL.replace("grid: {", "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], ")
+    path = tmp_path / "campaign.yaml"
+    path.write_text(text)
+    said = unfolded(gfmd("plan", path, "--pilot=1").output)
+    assert "cases differ from another one in poissons_ratio and aspect_ratio alone" in said
+    assert re.search(r"CPU time +\S+ m?s, with 90 % probability below", said)
+    assert re.search(r"dropped +slab of aspect ratio 1.5, .* at most \S+, below numerics.effects = 0.0001", said)

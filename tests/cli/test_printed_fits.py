@@ -1,0 +1,56 @@
+"""What a fit prints belongs where it stands: exponents to groups, seconds to the campaign."""
+
+import numpy as np
+
+from gfmd_numba import fit_tfc
+from gfmd_numba.cli.tables import show_fit
+from support.synthetic_campaigns import ALPHA, campaign, noisy
+
+
+def fitted(dataset):
+    return fit_tfc(dataset, exponents="free", fixed=ALPHA, bootstrap=5)
+
+
+def exponent_line(alphas, capsys):
+    """What is printed of a fit whose groups have these exponents of eps_f."""
+    fit = fitted(noisy(campaign(), np.random.default_rng(1))).isel(group=[0] * len(alphas))
+    fit["alpha"].loc[{"limit": "eps_f"}] = alphas
+    fit["alpha_error"].loc[{"limit": "eps_f"}] = np.nan
+    show_fit(fit)
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("exponent eps_f"))
+    return line.removeprefix("exponent eps_f").rpartition("(")[0].replace(",", "").strip()
+
+
+def test_every_group_has_its_exponent_at_its_place(capsys):
+    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, 0.5], capsys) == "0.900 0.800 0.700 0.800 0.600 0.500"
+
+
+def test_a_group_without_an_exponent_keeps_its_place(capsys):
+    assert exponent_line([0.9, np.nan, 0.7, np.nan, 0.6, 0.5], capsys) == "0.900 - 0.700 - 0.600 0.500"
+
+
+def test_one_exponent_of_all_groups_is_printed_once(capsys):
+    assert exponent_line([0.7] * 6, capsys) == "0.700"
+
+
+def test_exponents_of_many_groups_are_a_range(capsys):
+    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, np.nan, 0.8], capsys) == "0.600 to 0.900"
+
+
+def test_a_problem_that_cases_share_is_paid_for_once(capsys):
+    dataset = noisy(campaign((0.3, 0.8)), np.random.default_rng(1))
+    half = dataset.sizes["case"] // 2
+    dataset["case_seconds"] = ("case", np.full(2 * half, 10.0))
+    apart = fitted(dataset)
+    shared = fitted(dataset.assign_coords(case_id=("case", [f"problem-{i % half}" for i in range(2 * half)])))
+    assert apart.attrs["cpu_seconds"] == 2 * shared.attrs["cpu_seconds"] == 20.0 * half
+    np.testing.assert_array_equal(apart["seconds"], shared["seconds"])
+    show_fit(shared)
+    assert f"{10 * half} s of processor time" in capsys.readouterr().out
+
+
+def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
+    fit = fitted(noisy(campaign((0.3, 0.8)), np.random.default_rng(1)))
+    assert "cpu_seconds" not in fit.attrs
+    show_fit(fit)
+    assert "processor time" not in capsys.readouterr().out

@@ -1,0 +1,98 @@
+"""`gfmd solve`: what it writes, prints and draws of one contact."""
+
+import re
+
+import pytest
+import xarray as xr
+
+from gfmd_numba.solvers import integrators
+from support.campaigns import campaign
+from support.command_line import gfmd, unfolded
+from support.scenes import SCENE
+
+
+def test_solve_writes_fields_and_scalars(tmp_path):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE)
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0
+    result = xr.open_dataset(tmp_path / "out.nc")
+    assert result.sizes == {"x": 256}
+    assert {"height", "pressure", "displacement", "gap", "kappa", "status"} <= set(result.data_vars)
+    assert gfmd("plot", tmp_path / "out.nc").exit_code == 0
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "given"),
+    [
+        ("utf16.csv", "\ufeff0\n1\n0\n2\n".encode("utf-16"), "codec"),
+        ("flat.csv", "1\n1\n1\n1\n", "rms gradient of 0"),
+        ("nan.csv", "1\n2\nnan\n4\n", "height nan at index 2"),
+        ("short.csv", "1\n2\n", "2 values"),
+        ("columns.csv", "0,1\n1,2\n2,1\n3,0\n", "2 columns"),
+        ("words.csv", "one\ntwo\nthree\nfour\n", "could not convert string 'one'"),
+        ("empty.csv", "", "0 values"),
+        ("broken.npy", "no array", "no .npy array"),
+        ("broken.nc", "no dataset", "no netCDF file"),
+    ],
+)
+def test_an_unusable_profile_is_refused_with_its_reason(tmp_path, name, content, given):
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    scene = tmp_path / "scene.yaml"
+    text = SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", f"{{method: measured, file: {name}}}")
+    scene.write_text(text.partition("discretisation")[0])
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 2
+    assert f"{scene}:5:39: scene.roughness.file: given {name} (" in done.stderr
+    assert given in done.stderr
+    assert "allowed: at least 4 equidistant finite heights" in done.stderr
+
+
+def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tmp_path):
+    changes = {
+        "{reduced_pressure: 0.05}": "{displacement: 1e-4}",
+        "0.33}": "0.33, aspect_ratio: 0.5}",
+        "grid:": "fit: {fixed: {eps_c: 1, eps_f: 1}}\ngrid:",
+    }
+    done = gfmd("run", campaign(tmp_path, **changes), "-o", tmp_path / "out", "--workers=0")
+    assert done.exit_code == 0
+    assert "nan" not in done.output
+    assert (tmp_path / "out" / "small.png").stat().st_size > 10_000
+
+
+def test_solve_follows_a_path(tmp_path):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}, {reduced_pressure: 0.05}]\n")
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0
+    result = xr.load_dataset(tmp_path / "out.nc")
+    assert result.sizes == {"step": 3, "x": 256}
+    assert result["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.05]
+    kappa = [f"{float(k):.6g}" for k in result["kappa"]]
+    rows = [line.split()[:3] for line in done.output.splitlines() if re.match(r" +\d ", line)]
+    assert rows == [["0", "0.05", kappa[0]], ["1", "0.1", kappa[1]], ["2", "0.05", kappa[2]]]
+    assert kappa[0] == kappa[2]
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 3
+    said = unfolded(done.stderr)
+    assert "not_converged after 1 iterations in step 0, not_converged after 1 iterations in step 1" in said
+    assert "raise numerics.max_iterations" in said
+
+
+def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
+    scene, out = tmp_path / "scene.yaml", tmp_path / "out.nc"
+    scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")
+    assert gfmd("solve", scene, "-o", out).exit_code == 0
+    assert "growing_wave" not in xr.load_dataset(out)
+    limit = integrators.stability_limit
+    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    done = gfmd("solve", scene, "-o", out)
+    assert done.exit_code == 3
+    result = xr.load_dataset(out)
+    steps, wave = int(result["n_iterations"][0]), int(result["growing_wave"][0])
+    assert wave > 100  # of 128
+    said = unfolded(done.stderr)
+    assert f"unstable after {steps} iterations with wave {wave} growing in step 0" in said
+    assert said.count("gfmd: Tractions grew without bound: lower numerics.time_step") == 1

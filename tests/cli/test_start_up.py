@@ -1,0 +1,92 @@
+"""What a command loads before it computes: time that nobody asked for."""
+
+import gc
+
+import pytest
+
+from gfmd_numba.cli.imports import without_collections
+from support.command_line import python
+from support.scenes import SCENE
+
+OURS = "import gfmd_numba.fourier.convolution as ours"
+THEIRS = "import pyfftw, pyfftw.interfaces.numpy_fft, numpy as np"
+
+
+def test_transforms_load_no_other_library_of_transforms():
+    names = ("dask", "scipy.fftpack", "pyfftw.interfaces", "pyfftw.builders")
+    assert python(f"import sys; {OURS}; print([name for name in {names} if name in sys.modules])") == "[]\n"
+
+
+@pytest.mark.parametrize("imports", [f"{OURS}; {THEIRS}", f"{THEIRS}; {OURS}"], ids=["before", "after"])
+def test_pyfftw_is_whole_for_who_imports_it(imports):
+    script = f"""{imports}
+assert pyfftw.pyfftw.FFTW is pyfftw.FFTW
+assert isinstance(ours.Convolution(1, 8)._inverse[0], pyfftw.FFTW)
+assert np.allclose(pyfftw.interfaces.numpy_fft.rfft([1.0, 2.0, 3.0, 4.0]), np.fft.rfft([1.0, 2.0, 3.0, 4.0]))
+assert pyfftw.builders.rfft(pyfftw.zeros_aligned(8))().size == 5
+print("whole")"""
+    assert python(script) == "whole\n"
+
+
+def test_a_module_that_needs_its_package_is_loaded_with_it():
+    script = f"""import sys, pyfftw
+from importlib.machinery import PathFinder
+find, _ = PathFinder.find_spec, sys.modules.pop("pyfftw.pyfftw")
+PathFinder.find_spec = lambda name, *places: None if name == "pyfftw.pyfftw" else find(name, *places)
+{OURS}
+print(ours.pyfftw is pyfftw)"""
+    assert python(script) == "True\n"
+
+
+def test_help_loads_no_records_and_no_arrays():
+    script = (
+        "import sys; from gfmd_numba.cli import main\n"
+        "try: main(['--help'])\n"
+        "finally: print([name for name in ('numpy', 'pydantic', 'yaml', 'xarray') if name in sys.modules])"
+    )
+    assert python(script).endswith("[]\n")
+
+
+def test_solve_loads_no_cluster_no_pictures_and_no_statistics(tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    names = (
+        "distributed",
+        "matplotlib",
+        "pyfftw.interfaces",
+        "rich",
+        "scipy.interpolate",
+        "scipy.optimize",
+        "scipy.stats",
+    )
+    script = (
+        "import sys; from gfmd_numba.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        f"finally: print([name for name in {names} if name in sys.modules])"
+    )
+    said = python(script, "solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+    assert said.endswith("[]\n")
+
+
+@pytest.mark.parametrize("collecting", [True, False])
+def test_imports_are_not_looked_through_for_garbage(collecting):
+    before = gc.isenabled()
+    (gc.enable if collecting else gc.disable)()
+    try:
+        with without_collections():
+            assert not gc.isenabled()
+        assert gc.isenabled() == collecting
+        assert gc.get_freeze_count() > 10_000
+    finally:
+        gc.unfreeze()
+        (gc.enable if before else gc.disable)()
+
+
+def test_at_its_end_a_solve_looks_for_no_garbage(tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    script = (
+        "import atexit, gc, sys; from gfmd_numba.cli import main\n"
+        "atexit.register(lambda: print(len(gc.get_objects()), 'objects left'))\n"
+        "main(sys.argv[1:])"
+    )
+    said = python(script, "solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+    assert int(said.splitlines()[-1].split()[0]) < 1000  # frozen ones are not among them

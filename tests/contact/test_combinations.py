@@ -1,0 +1,92 @@
+"""What does not go together is refused in one place, before anything is computed, and a knob without effect with it."""
+
+import subprocess
+import sys
+from itertools import product
+
+import pytest
+from click.testing import CliRunner
+
+import gfmd_numba
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.cli import main
+from gfmd_numba.contact.combinations import REFUSALS
+from gfmd_numba.interface.table import LAWS
+from gfmd_numba.solvers.table import able
+from support.faulty_files import CAMPAIGN, SCENE, changed, complaint
+
+FRICTION = ("{hard_wall: {}}", "{hard_wall: {}, friction: {coefficient: 0.3}}")
+SCENES = {
+    "time step of a solver without one": (
+        ("{solver: auto}", "{time_step: 0.5}"),
+        "bad.yaml:10:23: numerics.time_step: given 0.5; allowed: nothing with solver active_set_newton, which has no "
+        "time_step; these have one: verlet, gronbech_jensen, fire",
+    ),
+    "damping of a solver without one": (
+        ("{solver: auto}", "{solver: fire, damping: 0.5}"),
+        "bad.yaml:10:35: numerics.damping: given 0.5; allowed: nothing with solver fire, which has no damping; these",
+    ),
+    "order of no topography": (
+        ("{solver: auto}", "{topography_order: 2}"),
+        "bad.yaml:10:30: numerics.topography_order: given 2; allowed: nothing where no deformable body is rough",
+    ),
+    "solver of one displacement": (
+        (
+            FRICTION[0] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: auto",
+            FRICTION[1] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: fire",
+        ),
+        "bad.yaml:10:20: numerics.solver: given 'fire'; allowed: 'verlet' or 'auto', the solver of both displacements",
+    ),
+    "anisotropy of a profile": (
+        ("rms_gradient: 0.01", "rms_gradient: 0.01\n    anisotropy: 2"),
+        "bad.yaml:7:17: scene.roughness.anisotropy: given 2; allowed: nothing with dimension 1",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_is_refused_by_check_and_by_solve_alike(tmp_path, name):
+    change, expected = SCENES[name]
+    said = complaint(tmp_path, gfmd_numba.solve, changed(SCENE, *change))
+    assert said.startswith(expected)
+    done = CliRunner().invoke(main, ["check", str(tmp_path / "bad.yaml")])
+    assert done.exit_code == 2
+    assert said in done.stderr.replace(f"{tmp_path}/", "")
+
+
+def test_the_options_of_the_solver_that_is_chosen_are_accepted(tmp_path):
+    text = changed(changed(SCENE, *FRICTION), "{solver: auto}", "{time_step: 0.5, damping: 1, residual: 1e-3}")
+    (tmp_path / "good.yaml").write_text(changed(text, "1/64", "1/4"))
+    assert int(gfmd_numba.solve(tmp_path / "good.yaml")["status"]) == 0
+
+
+def test_every_fault_is_told_on_a_line_of_its_own(tmp_path):
+    text = changed(
+        changed(SCENE, *FRICTION), "{solver: auto}", "{topography_order: 1, precision: single, residual: 1e-3}"
+    )
+    said = complaint(tmp_path, gfmd_numba.solve, text).splitlines()
+    assert [line.split(": ")[1] for line in said] == ["numerics.precision", "numerics.topography_order"]
+
+
+def test_an_incompressible_value_of_a_grid_is_refused_beside_a_law(tmp_path):
+    text = changed(CAMPAIGN, "{hard_wall: {}}", "{hard_wall: {}, exponential: {work_of_adhesion: 1e-6, range: 0.1}}")
+    text = changed(text, "{reduced_pressure: 0.007}", "{displacement: 0.1}")
+    text = changed(text, "grid: {hurst: [0.3, 0.5]}", "grid: {poissons_ratio: [0.3, 1/2]}")
+    said = complaint(tmp_path, load_campaign, text)
+    assert "grid.poissons_ratio[1]: given 0.5; allowed: a number below 0.5, as no solver combines" in said
+
+
+def test_what_is_not_refused_has_a_solver():
+    laws = (["hard_wall"], ["exponential"], ["hard_wall", "exponential"], ["cohesive"], ["hard_wall", "friction"])
+    others = product(("dimension 1", "dimension 2"), laws, ([], ["rigid mean"]), ([], ["single"]))
+    for dimension, interface, mean, precision in others:
+        found = {dimension, *interface, *mean, *precision}
+        refused = any({row.beside, row.refused} <= found for row in REFUSALS)
+        needs = {dimension, *mean, *precision, *(LAWS[law].ability for law in interface)}
+        assert refused or able(needs), needs
+
+
+def test_the_tables_compile_nothing():
+    code = "import sys, gfmd_numba.contact.refusal; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "numba", "dask", "scipy", "xarray"} & set(done.stdout.split())

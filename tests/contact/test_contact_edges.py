@@ -1,0 +1,119 @@
+"""Where a contact ends between two nodes, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipe, ellipk
+
+from gfmd_numba.contact import contact_area, solution
+from gfmd_numba.contact.edges import contact_length, perimeter_bias
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.theory import closed_forms
+
+NUMERICS = Options("conjugate_gradients", residual=1e-10)
+
+
+def press(height, load):
+    found = equilibrate(
+        (height.max() - height)[np.newaxis], stiffness.half_space(grid.wavenumbers(len(height))), load, NUMERICS
+    )
+    assert (found.status == 0).all()
+    return found
+
+
+def wave(x):
+    return 0.01 * np.cos(2 * np.pi * x)
+
+
+def row_of_cylinders(x):
+    return -(x**2) / 2
+
+
+@pytest.mark.parametrize(
+    ("height", "half_width", "bound"),
+    [
+        (wave, lambda load: closed_forms.westergaard_half_width(load, 0.01), 0.01),
+        (row_of_cylinders, lambda load: closed_forms.hertz_line_half_width(load, 1.0), 0.05),
+    ],
+)
+def test_contact_length_is_right_to_a_small_part_of_a_spacing(height, half_width, bound):
+    """Node counting is wrong by up to one spacing, and by 0.38 on average."""
+    nx = 512
+    x = np.arange(nx) / nx - 0.5
+    errors, counted = [], []
+    for load in np.linspace(0.002, 0.006, 9):
+        found = press(height(x), load)
+        length, unknown = contact_length(found.pressure, found.touching)
+        errors.append((length[0] - 2 * half_width(load)) * nx)
+        counted.append(found.touching.sum() - 2 * half_width(load) * nx)
+        assert unknown == 0.0
+    assert np.abs(errors).max() < bound
+    assert np.abs(counted).max() > 0.5
+
+
+def test_two_contacts_of_a_two_scale_wave_add_up():
+    """Refinement is the reference: both contacts end where eight times the nodes say they do."""
+    lengths = {}
+    for nx in (512, 4096):
+        x = np.arange(nx) / nx - 0.5
+        found = press(0.01 * np.cos(2 * np.pi * x) + 0.002 * np.cos(6 * np.pi * x + 1.0), 0.004)
+        lengths[nx] = contact_length(found.pressure, found.touching)[0][0], found.touching.mean()
+    assert lengths[512][0] == pytest.approx(lengths[4096][0], abs=0.05 / 512)
+    assert abs(lengths[512][1] - lengths[4096][0]) > 0.1 / 512
+
+
+def test_short_stretches_have_a_length_and_an_error():
+    touching = np.zeros((2, 32), dtype=bool)
+    touching[0, 3:5] = touching[0, 9] = True
+    touching[1, :] = True
+    length, error = contact_length(touching.astype(float), touching)
+    assert length[0] * 32 == pytest.approx(3 - 4 * 0.19001, abs=1e-4)
+    assert error[0] * 32 == pytest.approx(np.sqrt(4 / 12))
+    assert length[1] == 1.0
+    assert error[1] == 0.0
+
+
+def aliased(q):
+    return q - 2 * np.pi * np.round(q / (2 * np.pi))
+
+
+@pytest.mark.parametrize("longer", [1.0, 3.0, 19.0])
+def test_perimeter_bias_is_the_mean_over_the_edges_of_stretched_contacts(longer):
+    """Each edge by the integral of its own direction, its length by that of an ellipse."""
+    q = (np.arange(100_000) + 0.5) * 0.01
+    angles = (np.arange(100) + 0.5) * np.pi / 200
+    reach, sides = 0.0, 0.0
+    for facing_x, facing_y in zip(longer * np.cos(angles), np.sin(angles), strict=True):
+        length = np.hypot(facing_x, facing_y)
+        alias = np.hypot(aliased(q * facing_x / length), aliased(q * facing_y / length))
+        rest = (np.log(q[-1]) + 1.0 - np.log(2.4)) / q[
+            -1
+        ]  # the mean of the logarithm over the zone is about that of 2.4
+        reach += length * ((np.log(q / alias) / q**2).sum() * 0.01 + rest) / np.pi
+        sides += facing_x + facing_y
+    found = perimeter_bias(np.array([round(1000 * longer)]), np.array([1000]))
+    assert found[0] == pytest.approx(reach / sides, rel=0.002)
+
+
+@pytest.mark.parametrize("longer", [1.001, 4.0])
+def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
+    """Johnson, Contact Mechanics (4.26), of an ellipse along y, and the periodic images as a paraboloid."""
+    n, rng, left, excess = 96, np.random.default_rng(0), 0.0, 0.0
+    images = 9.0336217  # sum of 1/r^3 over the square lattice
+    x, stiff = np.arange(n) / n - 0.5, stiffness.half_space(grid.magnitudes((n, n)))
+    for _ in range(120):
+        b, (y0, x0) = rng.uniform(4.0, 7.0) / np.sqrt(longer) / n, rng.uniform(0.0, 1.0, 2) / n
+        a, m = longer * b, 1.0 - longer**-2
+        along_a = b / (m * a**2) * (ellipk(m) - ellipe(m))
+        along_b = b / (m * a**2) * (longer**2 * ellipe(m) - ellipk(m))
+        load = 2.0 / 3.0 * np.pi * a * b
+        lifted = load * images / (4.0 * np.pi)
+        punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
+        found = equilibrate(punch[np.newaxis], stiff, load, Options("active_set_newton"))
+        made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
+        left += contact_area.contact_area_fraction(made)[0] - np.pi * a * b
+        excess += contact_area.contact_area_fraction_counted(made)[0] - np.pi * a * b
+    assert excess > 0.0
+    assert abs(left) < 0.1 * excess

@@ -1,0 +1,172 @@
+"""A law the grid does not resolve is told: how fast it softens over how fast the shortest wave stiffens."""
+
+import warnings
+
+import numpy as np
+import pytest
+import yaml
+
+import gfmd_numba
+from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
+from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.solvers.equilibrium import equilibrate, following
+from gfmd_numba.solvers.options import Options
+from support.command_line import gfmd, unfolded
+
+AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
+ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}
+
+
+@pytest.mark.parametrize(
+    "energy",
+    [
+        (ExponentialLaw(0.3, 0.2), lambda law, gap: law.energy(gap)),
+        (ExponentialLaw(-0.3, 0.2), lambda law, gap: law.energy(gap)),
+        (XuNeedlemanLaw(0.3, 0.2, 0.4), lambda law, gap: law.energy(gap, 0.0 * gap)),
+    ],
+    ids=["attraction", "repulsion", "cohesive"],
+)
+def test_softening_is_the_largest_negative_curvature_of_the_energy(energy):
+    law, of = energy
+    gap, h = np.linspace(0.0, 2.0, 20001), 1e-4
+    curvature = (of(law, gap + h) - 2 * of(law, gap) + of(law, gap - h)) / h**2
+    assert law.softening == pytest.approx(max(-curvature.min(), 0.0), rel=1e-5, abs=1e-4)
+
+
+def problem(nx, interface, body=None, counter=None):
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 32), nx, 1)
+    return Problem(surface, body or ElasticBody(None, None), interface, 0.1, None, Options("verlet"), counter=counter)
+
+
+ATTRACTION = Interactions(True, ExponentialLaw(WORK, RANGE))
+
+
+def test_of_an_exponential_law_it_is_that_of_its_range():
+    assert resolution(problem(512, ATTRACTION)) == pytest.approx(WORK / RANGE**2 / (np.pi * 512 / 2))
+    assert resolution(problem(512, Interactions(True))) == 0.0
+    assert resolution(problem(512, Interactions(False, ExponentialLaw(-WORK, RANGE)))) == 0.0
+
+
+def test_the_shortest_wave_is_as_stiff_as_the_bodies_make_it():
+    """A thin incompressible slab stiffens all waves of the grid, a second half-space halves them."""
+    half_space = resolution(problem(512, ATTRACTION))
+    thin = resolution(problem(512, ATTRACTION, ElasticBody(0.5, 1e-3)))
+    factor = stiffness.slab_factor(np.array([np.pi * 512 * 1e-3]), 0.5)[0]
+    assert factor > 2
+    assert thin == pytest.approx(half_space / factor)
+    two = resolution(problem(512, ATTRACTION, counter=CounterBody(ElasticBody(None, None), 0.5)))
+    assert two == pytest.approx(half_space)
+    softer = resolution(problem(512, ATTRACTION, counter=CounterBody(ElasticBody(0.5, 1e-3), 0.5)))
+    assert softer == pytest.approx(half_space * (0.5 + 0.5 / factor))
+
+
+@pytest.mark.parametrize("body", [None, ElasticBody(0.5, 1e-3), ElasticBody(0.3, 1e-2)])
+def test_the_grid_it_asks_for_resolves_the_law(body):
+    told = doubt(problem(512, ATTRACTION, body), None)
+    nodes = int(told.rpartition("at least ")[2].split()[0])
+    assert nodes > 512
+    assert resolution(problem(nodes, ATTRACTION, body)) <= COARSEST
+    assert doubt(problem(nodes, ATTRACTION, body), None) == ""
+
+
+def pull_off(nodes):
+    """Largest tension of a wave on a slab of height 1, drawn back in steps, and x."""
+    law, x = Interactions(True, ExponentialLaw(WORK, 2 * RANGE)), np.arange(nodes) / nodes
+    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    before, most = None, 0.0
+    for displacement in np.arange(0.0, -0.1, -2e-3):
+        punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
+        start = None if before is None else following(before, punch, 0.0)
+        before = equilibrate(punch, body, None, Options("verlet", residual=1e-6), law, start)
+        assert before.status[0] == 0
+        most = max(most, -before.pressure.mean())
+    return most, law.softening / body[-1]
+
+
+def test_pull_off_of_a_wave_is_off_by_what_x_says():
+    """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
+    psi = np.linspace(1e-3, 0.6, 100001)
+    exact = -(np.pi * AMPLITUDE * np.sin(psi) ** 2 - np.sqrt(2 * WORK * np.tan(psi))).min()
+    found = {x: tension / exact - 1 for tension, x in map(pull_off, (128, 256, 512, 1024))}
+    np.testing.assert_allclose(list(found), [1.865, 0.933, 0.466, 0.233], rtol=1e-3)
+    np.testing.assert_allclose(list(found.values()), [0.79, 0.15, 0.033, 0.003], rtol=0.1)
+    assert all((error < 0.01) == (x < COARSEST) for x, error in found.items())
+
+
+def scene(points, tmp_path, **interface):
+    np.save(tmp_path / "wave.npy", AMPLITUDE * np.cos(2 * np.pi * np.arange(points) / points))
+    file = {
+        "scene": {
+            "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
+            "roughness": {"method": "measured", "file": "wave.npy"},
+            "interface": {"hard_wall": {}} | interface,
+            "loading": {"displacement": 0.0},
+        }
+    }
+    path = tmp_path / "wave.yaml"
+    path.write_text(yaml.safe_dump(file))
+    return path
+
+
+def test_an_unresolved_law_is_told_by_check_solve_and_file(tmp_path):
+    path = scene(512, tmp_path, exponential=ADHESIVE)
+    expected = "the grid does not resolve the interaction law: it softens 1.87 times as fast as the shortest wave"
+    checked = gfmd("check", path)
+    assert checked.exit_code == 0
+    assert expected in unfolded(checked.stderr)
+    assert "at least 3184 points" in unfolded(checked.stderr)
+    solved = gfmd("solve", path, "-o", tmp_path / "out.nc")
+    assert solved.exit_code == 0
+    assert expected in unfolded(solved.stderr)
+    with pytest.warns(UserWarning, match=expected):
+        dataset = gfmd_numba.solve(path)
+    assert expected in dataset.validity
+
+
+def test_a_resolved_law_is_solved_without_a_word(tmp_path):
+    path = scene(512, tmp_path, exponential={"work_of_adhesion": 9e-4, "range": RANGE})
+    with warnings.catch_warnings(action="error"):
+        assert gfmd_numba.solve(path).validity == ""
+    assert gfmd("check", path).stderr == ""
+
+
+def test_a_random_surface_is_told_its_eps_c(tmp_path):
+    path = scene(512, tmp_path, cohesive={"work_of_adhesion": 0.05, "normal_length": RANGE, "tangential_length": RANGE})
+    file = yaml.safe_load(path.read_text())
+    file["scene"]["roughness"] = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}
+    file["discretisation"] = {"eps_c": "1/4", "eps_f": "1/64", "eps_t": 1}
+    path.write_text(yaml.safe_dump(file).replace("'", ""))
+    told = unfolded(gfmd("check", path).stderr)
+    assert "it softens 2.1 times as fast" in told
+    assert "eps_c = 1/29 (nx = 3712)" in told
+
+
+CAMPAIGN = """
+name: adhesive
+seed: 1
+realisations: 1
+scene:
+  body: {poissons_ratio: 0.3}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.1}
+  interface: {hard_wall: {}, exponential: {work_of_adhesion: 0.05, range: 0.0625}}
+  loading: {reduced_pressure: 0.5}
+reference: {eps_c: 1/8, eps_f: 1/8, eps_t: 1}
+limits: {eps_c: [1]}
+numerics: {residual: 1.0e-6}
+"""
+
+
+def test_a_campaign_says_how_many_of_its_cases_do_not_resolve_the_law(tmp_path):
+    path = tmp_path / "adhesive.yaml"
+    path.write_text(CAMPAIGN)
+    expected = "in 1 of 2 cases the grid does not resolve the interaction law: it softens 0.509 times as fast"
+    assert expected in unfolded(gfmd("check", path).stderr)
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert expected in unfolded(done.stderr)
+    assert expected in gfmd_numba.open_campaign(tmp_path / "out").validity

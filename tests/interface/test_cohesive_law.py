@@ -1,0 +1,122 @@
+"""The law of gap and slip: consistent derivatives, balance of forces, shearing off, and friction beside adhesion."""
+
+import numpy as np
+import pytest
+from scipy.special import lambertw
+
+from gfmd_numba import kernels
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from support.kernel_twins import both
+from support.laws import nearly_flat, surface
+
+COHESION = XuNeedlemanLaw(0.3, 0.2, 0.4)
+
+
+def test_cohesive_tractions_are_derivatives_of_the_energy():
+    gap, slip = np.meshgrid(np.linspace(-0.2, 1.0, 9), np.linspace(-0.8, 0.8, 9))
+    law, h = COHESION, 1e-6
+    normal = (law.energy(gap + h, slip) - law.energy(gap - h, slip)) / (2 * h)
+    tangential = (law.energy(gap, slip + h) - law.energy(gap, slip - h)) / (2 * h)
+    np.testing.assert_allclose(law.normal_traction(gap, slip), normal, atol=1e-9)
+    np.testing.assert_allclose(law.tangential_traction(gap, slip), tangential, atol=1e-9)
+    assert law.energy(0.0, 0.0) == -0.3
+    peak = law.normal_traction(np.array(0.2), np.array(0.0))
+    assert peak == pytest.approx(0.3 / 0.2 / np.e)
+
+
+@pytest.mark.parametrize("pressure", [0.0, 1.0, 10.0])
+def test_the_stiffness_of_the_cohesive_law_is_bounded(pressure):
+    """Eigenvalues of its Hessian by finite differences, down to the gap at which it repels with the pressure."""
+    law, h = COHESION, 1e-5
+    deepest = -law.normal * lambertw(pressure * law.normal / law.work).real
+    assert law.normal_traction(deepest, 0.0) == pytest.approx(-pressure, abs=1e-12)
+    gap, slip = np.meshgrid(np.linspace(deepest, 2.0, 60), np.linspace(-1.5, 1.5, 61))
+    nn = (law.normal_traction(gap + h, slip) - law.normal_traction(gap - h, slip)) / (2 * h)
+    tt = (law.tangential_traction(gap, slip + h) - law.tangential_traction(gap, slip - h)) / (2 * h)
+    nt = (law.normal_traction(gap, slip + h) - law.normal_traction(gap, slip - h)) / (2 * h)
+    largest = np.linalg.eigvalsh(np.stack([np.stack([nn, nt], -1), np.stack([nt, tt], -1)], -1)).max()
+    assert largest <= law.stiffest(pressure, hard_wall=False) * (1 + 1e-6)
+    assert largest > 0.4 * law.stiffest(pressure, hard_wall=False)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.xu_needleman_pull))
+def test_the_cohesive_kernel_is_the_law(kernel):
+    u1, k1, u3, k3, punch = np.random.default_rng(0).normal(size=(5, 3, 16))
+    expected1, expected3, rows = k1.copy(), k3.copy(), [0, 2]
+    gap, slip = (punch - u3)[rows, :13], (0.1 - u1)[rows, :13]
+    expected1[rows, :13] -= COHESION.tangential_traction(gap, slip)
+    expected3[rows, :13] -= COHESION.normal_traction(gap, slip)
+    kernel(u1, k1, u3, k3, punch, 0.1, np.array(rows), 13, 0.3, 0.2, 0.4)
+    np.testing.assert_allclose(k1, expected1, rtol=1e-12)
+    np.testing.assert_allclose(k3, expected3, rtol=1e-12)
+
+
+def test_a_cohesive_contact_is_sheared_off(tmp_path):
+    """An almost flat punch dragged sideways: the slab's spring in series with the law, which gives way."""
+    work, normal, tangential = 0.02, 0.05, 0.1
+    body = (1 - 0.3) / 2 / 0.1  # C44 / z_m in E*
+    law = {"work_of_adhesion": work, "normal_length": normal, "tangential_length": tangential}
+    slips = np.array([0.01, 0.03, 0.06, 0.071])
+    pulls = 2 * work * slips / tangential**2 * np.exp(-((slips / tangential) ** 2))
+    path = [{"sliding": float(slip + pull / body)} for slip, pull in zip(slips, pulls, strict=True)]
+    result = nearly_flat(tmp_path, path, 0.0, hard_wall={}, cohesive=law)
+    assert (result["status"] == 0).all()
+    np.testing.assert_allclose(result["tangential_traction"].mean("x")[1:], pulls, rtol=1e-5)
+    np.testing.assert_allclose(result["tangential_displacement"].mean("x")[1:], pulls / body, rtol=1e-5)
+
+
+@pytest.mark.parametrize("hard_wall", [True, False])
+def test_cohesive_forces_balance_on_a_rough_surface(hard_wall):
+    punch, _ = surface()
+    law = XuNeedlemanLaw(0.002, 0.02, 0.02)
+    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
+    result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(hard_wall, cohesive=law))
+    assert (result.status == 0).all()
+    c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
+    f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
+    f3 = grid.signal(both.k33 * c3 - 1j * both.k13 * c1, punch.shape[1])
+    gap, slip = punch - result.displacement, -result.tangential.displacement
+    wall = result.pressure + law.normal_traction(gap, slip)
+    np.testing.assert_allclose(f1, law.tangential_traction(gap, slip), atol=2e-8)
+    np.testing.assert_allclose(0.05 - f3 + law.normal_traction(gap, slip), wall, atol=2e-8)
+    assert (wall > -1e-8).all()
+    assert abs(wall).max() > 0.01 if hard_wall else abs(wall).max() < 1e-7
+
+
+def test_adhesion_lets_an_unloaded_punch_rub(tmp_path):
+    """An almost flat punch at its first touch: the wall presses as hard as the law pulls, and friction is on that."""
+    work, length, friction = 0.02, 0.05, 0.3
+    body, most = (1 - 0.3) / 2 / 0.1, 0.3 * 0.02 / 0.05  # C44 / z_m and the traction it slides at, in E*
+    path = [{"sliding": 0.5 * most / body}, {"sliding": 3 * most / body}]
+    law = {"work_of_adhesion": work, "range": length}
+    result = nearly_flat(tmp_path, path, 0.0, hard_wall={}, exponential=law, friction={"coefficient": friction})
+    assert (result["status"] == 0).all()
+    np.testing.assert_allclose(result["pressure"], 0.0, atol=1e-6 * work / length)
+    np.testing.assert_allclose(result["tangential_traction"].mean("x"), [0.0, 0.5 * most, most], rtol=1e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize("work", [0.002, -0.002])
+def test_forces_of_law_and_friction_balance_on_a_rough_surface(work):
+    punch, _ = surface()
+    law, friction = ExponentialLaw(work, 0.02), 0.2
+    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
+    result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(True, law, friction))
+    assert (result.status == 0).all()
+    c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
+    f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
+    f3 = grid.signal(both.k33 * c3 - 1j * both.k13 * c1, punch.shape[1])
+    pull = law.traction(punch - result.displacement)
+    wall = result.pressure + pull
+    np.testing.assert_allclose(0.05 - f3 + pull, wall, atol=2e-8)
+    assert wall.min() > -1e-8
+    np.testing.assert_array_equal(wall > 1e-8, result.touching)
+    np.testing.assert_allclose(f1, result.tangential.traction, atol=2e-8)
+    assert (abs(f1) <= friction * wall + 2e-8).all()  # of the wall's pressure, not of what is left of it
+    assert abs(f1).max() > 0.1 * friction * wall.max()
+    assert (result.n_transforms == 4 * (result.n_iterations + 1)).all()  # as without the law

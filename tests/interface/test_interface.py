@@ -1,0 +1,206 @@
+"""The law of the gap: consistent derivatives, balance of forces, and both branches of an adhesive contact."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba import kernels
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.scene import InputError
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from support.kernel_twins import both
+from support.laws import nearly_flat, surface
+
+
+@pytest.mark.parametrize("work", [0.3, -0.3])
+def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
+    law, gap, h = ExponentialLaw(work, 0.2), np.linspace(-0.1, 1.0, 12), 1e-6
+    # the gap shrinks as the body moves towards the punch
+    np.testing.assert_allclose(law.traction(gap), (law.energy(gap + h) - law.energy(gap - h)) / (2 * h), rtol=1e-8)
+    np.testing.assert_allclose(law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), rtol=1e-8)
+    worst = law.stiffness(np.maximum(gap, 0.0)).max()
+    assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
+def test_the_kernel_is_the_law(kernel):
+    u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))
+    law, expected = ExponentialLaw(0.3, 0.7), ku.copy()
+    expected[[0, 2], :13] -= law.traction(punch - u)[[0, 2], :13]
+    kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
+    np.testing.assert_allclose(ku, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen", "fire"])
+@pytest.mark.parametrize(
+    "interface",
+    [
+        Interactions(True, ExponentialLaw(0.002, 0.01)),
+        Interactions(True, ExponentialLaw(-0.002, 0.01)),
+        Interactions(False, ExponentialLaw(-0.002, 0.01)),
+    ],
+    ids=["adhesive", "repulsive wall", "repulsive"],
+)
+def test_forces_balance_under_a_law(interface, solver):
+    punch, body = surface()
+    load = 0.05
+    result = equilibrate(punch, body, load, Options(solver), interface)
+    assert (result.status == 0).all()
+    restoring = grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
+    law = interface.normal_law.traction(punch - result.displacement)
+    wall = result.pressure + law
+    np.testing.assert_allclose(load - restoring + law - wall, 0.0, atol=2e-8)
+    assert (wall >= -1e-12).all()
+    np.testing.assert_allclose(result.pressure.mean(axis=1), load, atol=1e-8)
+    assert (result.touching == (wall > 1e-9)).all()
+    assert result.touching.any() == interface.hard_wall
+
+
+def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
+    punch, body = surface()
+    areas = [
+        equilibrate(punch, body, 0.05, Options("verlet"), Interactions(True, law)).touching.sum(axis=1)
+        for law in (ExponentialLaw(-0.002, 0.01), None, ExponentialLaw(0.002, 0.01))
+    ]
+    assert (areas[0] < areas[1]).all()
+    assert (areas[1] < areas[2]).all()
+
+
+def test_a_short_repulsion_is_a_hard_wall():
+    punch, body = surface(256)
+    hard = equilibrate(punch, body, 0.05, Options("verlet")).pressure
+    errors = []
+    for length in (1e-2, 1e-3):
+        soft = equilibrate(punch, body, 0.05, Options("verlet"), Interactions(False, ExponentialLaw(-length, length)))
+        assert (soft.status == 0).all()
+        errors.append(np.sqrt(((soft.pressure - hard) ** 2).mean()))
+    assert errors[1] < errors[0] / 2
+
+
+@pytest.mark.parametrize("step", [0.004, 0.001])
+def test_jump_in_and_pull_off_follow_the_closed_form(tmp_path, step):
+    """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
+    work, length = 0.2, 0.05
+    body = stiffness.uniform(0.3, 0.1)
+    assert work / length**2 > body
+    gap = length * np.log(work / (length**2 * body))
+    jump_in, pull_off = -(gap + length), -work / (length * body)
+    around = step * (np.arange(-4, 5) + 0.5)
+    down = np.concatenate([jump_in + around, [-0.05, 0.01]])
+    up = np.concatenate([[-0.1, -0.25], pull_off - around])
+    path = np.concatenate([down, up])
+    law = {"work_of_adhesion": work, "range": length}
+    result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
+    assert (result["status"] == 0).all()
+    touching = result["contact_area_fraction_counted"].values == 1.0
+    joined = path[: len(down)][touching[: len(down)]][0]
+    parted = path[len(down) :][~touching[len(down) :]][0]
+    assert jump_in - 1e-9 <= joined <= jump_in + step + 1e-9
+    assert pull_off - step - 1e-9 <= parted <= pull_off + 1e-9
+    held = touching & (path < 0)
+    np.testing.assert_allclose(result["mean_pressure"].values[held], body * path[held], atol=body * 2e-9)
+
+
+def test_weak_adhesion_has_one_branch(tmp_path):
+    law = {"work_of_adhesion": 0.02, "range": 0.05}
+    down = np.arange(-0.2, 0.02, 0.01)
+    path = np.concatenate([down, down[::-1]])
+    result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
+    forces = result["mean_pressure"].values
+    np.testing.assert_allclose(forces[: len(down)], forces[len(down) :][::-1], atol=1e-7 * abs(forces).max())
+
+
+SCENE = """\
+scene:
+  length: 1e-4
+  body: {youngs_modulus: 1e9, poissons_ratio: 0.3, aspect_ratio: 1}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
+  interface: {hard_wall: {}}
+  loading: {reduced_pressure: 0.05}
+discretisation: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
+numerics: {solver: auto}
+path: []
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 1e-8}}",
+            "5:74: scene.interface.exponential.range: given 1e-08; allowed: at least the grid spacing 3.91e-07",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{exponential: {work_of_adhesion: 0.1, range: 1e-6}}",
+            "5:14: scene.interface: given {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
+            "allowed: hard_wall, cohesive, or an exponential law that repels",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 0, range: 1e-6}}",
+            "5:62: scene.interface.exponential.work_of_adhesion: given 0; allowed: a number other than 0",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, "
+            "cohesive: {work_of_adhesion: 1, normal_length: 1, tangential_length: 1}, friction: {coefficient: 1}}",
+            "5:113: scene.interface.friction: given {'coefficient': 1}; allowed: one law of normal and tangential",
+        ),
+        (
+            "{hard_wall: {}}",
+            "{hard_wall: {}, friction: {coefficient: -1}}",
+            "5:54: scene.interface.friction.coefficient: given -1; allowed: a number above 0, or .inf for sticking",
+        ),
+        (
+            "solver: auto",
+            "solver: verlet, time_step: 1.01",
+            "8:39: numerics.time_step: given 1.01; allowed: a number from 1e-6 to 1, as more is above the "
+            "stability limit",
+        ),
+        (
+            "path: []",
+            "path: [{displacement: 1e-7}]",
+            "9:23: path[0].displacement: given 1e-07; allowed: what the loading prescribes, which is not displacement",
+        ),
+        (
+            "path: []",
+            "path: [{sliding: 1e-7}]",
+            "9:18: path[0].sliding: given 1e-07; allowed: nothing without friction or a cohesive law",
+        ),
+        (
+            "path: []",
+            "path: [{reduced_pressure: -0.1}]",
+            "9:27: path[0].reduced_pressure: given -0.1; allowed: a number from 1e-30 to 1e+30",
+        ),
+        (
+            "{reduced_pressure: 0.05}",
+            "{displacement: -1e-7}",
+            "6:27: scene.loading.displacement: given -1e-07; allowed: a finite number of at least 0, as nothing acts",
+        ),
+    ],
+)
+def test_laws_that_make_no_sense_are_refused_where_they_stand(tmp_path, old, new, message):
+    path = tmp_path / "scene.yaml"
+    assert SCENE.count(old) == 1
+    path.write_text(SCENE)
+    gfmd_numba.solve(path)
+    path.write_text(SCENE.replace(old, new))
+    with pytest.raises(InputError) as error:
+        gfmd_numba.solve(path)
+    assert str(error.value).startswith(f"{path}:{message}")
+
+
+@pytest.mark.parametrize("solver", ["conjugate_gradients", "active_set_newton"])
+@pytest.mark.parametrize("interface", ["exponential: {work_of_adhesion: 1, range: 1e-6}", "friction: {coefficient: 1}"])
+def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, solver):
+    path = tmp_path / "scene.yaml"
+    text = SCENE.replace("hard_wall: {}", f"hard_wall: {{}}, {interface}")
+    path.write_text(text.replace("solver: auto", f"solver: {solver}"))
+    with pytest.raises(InputError, match=f"numerics.solver: given '{solver}'; allowed: "):
+        gfmd_numba.solve(path)

@@ -1,0 +1,140 @@
+"""Kernels of the active-set Newton method against plain NumPy twins, compiled and as Python."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba import kernels
+from support.kernel_twins import both
+
+N, PADDED = 13, 16
+CONTACT = np.array([1, 1, 0, 0, 0, 0, 1, 0, 1, 1, 0, 0, 1, 0, 0, 0], dtype=bool)
+NODES = np.array([6, 8, 9, 12, 0, 1])  # begin behind the widest gap, nodes 2 to 5
+
+
+def listed(kernel, contact, n):
+    nodes = np.full(n, -1)
+    return nodes[: kernel(contact, n, nodes)].tolist()
+
+
+@pytest.mark.parametrize("kernel", both(kernels.contact_nodes))
+def test_contact_nodes_begin_behind_the_widest_gap(kernel):
+    assert listed(kernel, CONTACT, N) == NODES.tolist()
+    assert listed(kernel, np.roll(CONTACT[:N], -2), N) == [4, 6, 7, 10, 11, 12]  # the widest gap ends the period
+    assert listed(kernel, np.arange(5) == 3, 5) == [3]
+    assert listed(kernel, np.zeros(5, dtype=bool), 5) == []
+    assert listed(kernel, np.ones(5, dtype=bool), 5) == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("kernel", both(kernels.open_gap))
+def test_open_gap_is_its_plain_twin(kernel, rng):
+    sp, punch, gap = rng.normal(size=(3, PADDED))
+    expected = np.concatenate([(sp + punch)[:N], gap[N:]])
+    kernel(sp, punch, N, gap)
+    np.testing.assert_array_equal(gap, expected)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.closing_displacement))
+def test_closing_displacement_is_its_plain_twin(kernel, free_mean, rng):
+    gap, r = rng.normal(size=(2, PADDED))
+    kernel(gap, NODES, 6, r, free_mean)
+    expected = -gap[NODES]
+    np.testing.assert_allclose(r[:6], expected - expected.mean() if free_mean else expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.newton_error))
+def test_newton_error_is_its_plain_twin(kernel, free_mean, rng):
+    """The change keeps a prescribed load; uphill, or where all is closed to rounding, there is no error."""
+    z, p = rng.normal(size=(2, PADDED))
+    uniform = rng.random(6)
+    change = z[:6] - uniform * z[:6].sum() / uniform.sum() if free_mean else z[:6].copy()
+    r = change + 0.1 * rng.normal(size=6)
+    size = max(abs(change).max() / abs(p[NODES]).max(), abs(change).sum() / abs(p[NODES]).sum())
+    for sign, rounding, error in ((1, 0.0, size), (-1, 0.0, 0.0), (1, 10.0, 0.0)):
+        new = z.copy()
+        found = kernel(sign * r, new, uniform, p, NODES, 6, rounding, free_mean)
+        np.testing.assert_allclose(found, (sign * r @ change, error), rtol=1e-13)
+        np.testing.assert_allclose(new[:6], change, rtol=1e-13)
+
+
+@pytest.mark.parametrize("last", [0.0, 2.0])
+@pytest.mark.parametrize("kernel", both(kernels.newton_direction))
+def test_newton_direction_is_its_plain_twin(kernel, last, rng):
+    z = rng.normal(size=6)
+    t = rng.normal(size=PADDED)
+    t[:N][~CONTACT[:N]] = 0.0 if last else 7.0
+    expected = np.zeros(N)
+    expected[NODES] = z + (0.5 / last * t[NODES] if last else 0.0)
+    kernel(z, last, 0.5, NODES, 6, N, t)
+    np.testing.assert_allclose(t[:N], expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.newton_update))
+def test_newton_update_is_its_plain_twin(kernel, free_mean, rng):
+    p, gap, t, st, r = rng.normal(size=(5, PADDED))
+    t[:N][~CONTACT[:N]] = 0.0
+    step = 0.5 / (t[:N] @ st[:N])
+    expected_p, expected_gap = p[:N] + step * t[:N], gap[:N] + step * st[:N]
+    expected_r = r[:6] - step * st[NODES]
+    kernel(p, gap, t, st, 0.5, NODES, 6, N, r, free_mean)
+    np.testing.assert_allclose(p[:N], expected_p, rtol=1e-13)
+    np.testing.assert_allclose(gap[:N], expected_gap, rtol=1e-12)
+    np.testing.assert_allclose(r[:6], expected_r - expected_r.mean() if free_mean else expected_r, atol=1e-13)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.revise_contact))
+def test_revise_contact_is_its_plain_twin(kernel, free_mean, rng):
+    contact, p = CONTACT.copy(), np.where(CONTACT, 1.0 + rng.random(PADDED), 0.0)
+    p[8] = -0.1
+    gap = np.where(CONTACT, 0.3, 1.0)
+    gap[[3, 4]] = 0.3 - 1e-9, -0.2
+    changed = kernel(p, gap, contact, NODES, 6, N, 2.0, 1e-6, free_mean)
+    leaves, joins = [8], [4]
+    assert changed == 2
+    assert contact[:N].tolist() == [(CONTACT[j] or j in joins) and j not in leaves for j in range(N)]
+    assert p[8] == 0.0
+    if free_mean:
+        assert p[:N].mean() == pytest.approx(2.0)
+        assert gap[0] == pytest.approx(0.0)
+    else:
+        assert gap[0] == 0.3
+
+
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("solve", both(kernels.exponential_sum_solve))
+@pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
+def test_decays_are_those_of_dense_algebra(factor, solve, signed, rng):
+    """Also decays that grow, and differences of decays, as long as the sum is positive definite."""
+    n, count, terms = 40, 7, 3
+    nodes = np.array([31, 33, 34, 35, 2, 9, 10])
+    along = np.array([31, 33, 34, 35, 42, 49, 50])
+    rates, weights = np.array([1.5, 0.3, -0.1 if signed else 0.02]), np.array([0.7, 2.0, -1e-3 if signed else 3.0])
+    distance = abs(along[:, np.newaxis] - along)
+    dense = (weights * np.exp(-rates * distance[..., np.newaxis])).sum(axis=-1) + 0.5 * np.eye(count)
+    assert np.linalg.eigvalsh(dense).min() > 0.1
+    decay, lower = np.full((2, count, terms), np.nan)
+    diagonal, z, y, carried = np.empty(count), np.empty(count), rng.normal(size=count), np.empty((terms, terms))
+    factor(nodes, count, n, rates, weights, 0.5, 1e-3, decay, lower, diagonal, carried)
+    solve(y, count, weights, decay, lower, diagonal, z, carried[0])
+    np.testing.assert_allclose(z, np.linalg.solve(dense, y), rtol=1e-11)
+
+
+@pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
+def test_pivots_are_lifted_to_the_floor(factor):
+    diagonal = np.empty(3)
+    factor(
+        np.arange(3),
+        3,
+        9,
+        np.array([0.1]),
+        np.array([-1.0]),
+        0.5,
+        0.2,
+        *np.empty((2, 3, 1)),
+        diagonal,
+        np.empty((1, 1)),
+    )
+    assert diagonal.min() == 0.2

@@ -1,0 +1,30 @@
+"""The documentation's page of combinations is what the tables print."""
+
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from gfmd_numba.cli import main
+from gfmd_numba.contact.combinations import REFUSALS
+from gfmd_numba.contact.combinations_page import PHRASES, combinations_page
+from gfmd_numba.solvers.table import ABILITIES
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_committed_page_is_what_the_command_prints():
+    printed = CliRunner().invoke(main, ["schema", "combinations"])
+    assert printed.exit_code == 0
+    committed = (ROOT / "docs/combinations.md").read_text()
+    assert printed.output == committed, "run `gfmd schema combinations > docs/combinations.md`"
+
+
+def test_the_page_holds_every_refusal_and_has_a_phrase_for_every_feature():
+    page = combinations_page()
+    assert all(f"| {row.allowed} |" in page for row in REFUSALS)
+    features = {feature for row in REFUSALS for feature in (row.beside, row.refused)} | set(ABILITIES)
+    assert features - set(PHRASES) == set()
+
+
+def test_the_readme_links_the_page():
+    assert "docs/combinations.md" in (ROOT / "README.md").read_text()

@@ -1,0 +1,75 @@
+"""Every kind of file, altered at random, is read and solved, or refused with a reason, in bounded time and memory."""
+
+import os
+import re
+import subprocess
+import sys
+import warnings
+
+import pytest
+import yaml
+
+from gfmd_numba.scene import InputError
+from support import mutants
+
+MANY, FEW = 500, 60  # of each kind
+SECONDS, BYTES = 60, 10 * 2**30  # that one may take
+
+
+def tried(folder, kind, seed):
+    """What is said of a mutant, None if nothing; anything but an InputError is a failure."""
+    with warnings.catch_warnings(action="ignore"):
+        path = mutants.write_mutant(folder, kind, seed)
+        try:
+            mutants.use(kind, path)
+        except InputError as error:
+            return str(error)
+    return None
+
+
+@pytest.mark.parametrize("kind", mutants.TEXTS)
+def test_what_the_mutants_were_made_from_is_good(tmp_path, kind):
+    path = mutants.write_mutant(tmp_path, kind, 0)
+    for text in mutants.TEXTS[kind]:
+        path.write_text(text, encoding="utf-8")
+        assert isinstance(yaml.safe_load(text), dict)
+        mutants.use(kind, path)
+
+
+@pytest.mark.parametrize("kind", mutants.KINDS)
+def test_a_mutant_is_used_or_refused_with_a_reason(tmp_path, kind):
+    said = [tried(tmp_path, kind, seed) for seed in range(FEW)]
+    assert None in said  # some are good: more than the reading is tried
+    for message in filter(None, said):
+        assert all(re.search("given .*; allowed: ", line) for line in message.splitlines())
+        assert len(message) < 8500
+
+
+FOUND = [("scene", 1424)]  # a time step of 5e-324
+
+
+@pytest.mark.parametrize(("kind", "seed"), FOUND)
+def test_a_mutant_that_once_ended_otherwise_is_used_or_refused(tmp_path, kind, seed):
+    tried(tmp_path, kind, seed)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", mutants.KINDS)
+def test_many_mutants_are_used_or_refused_in_bounded_time_and_memory(tmp_path, kind):
+    """In a process of their own, which the bounds end."""
+    first = int.from_bytes(os.urandom(6), "big")
+    script = (
+        "import resource, signal, sys; from pathlib import Path; import test_mutants as t\n"
+        f"resource.setrlimit(resource.RLIMIT_AS, ({BYTES}, {BYTES}))\n"
+        f"for seed in range({first}, {first + MANY}):\n"
+        f"    print(seed, file=sys.stderr); signal.alarm({SECONDS}); t.tried(Path('.'), {kind!r}, seed)\n"
+    )
+    path = os.pathsep.join(sys.path)
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]

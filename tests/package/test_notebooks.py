@@ -1,0 +1,98 @@
+"""The notebooks beside the campaigns run on shrunk data; the committed ones are executed, small and name no machine."""
+
+import re
+import runpy
+from pathlib import Path
+
+import nbformat
+import pytest
+from click.testing import CliRunner
+from nbclient import NotebookClient
+
+from gfmd_numba.cli import main
+
+CAMPAIGNS = Path(__file__).parents[2] / "campaigns"
+
+QUICKSTART = (
+    (
+        "{reference: 90, eps_c: 30, eps_f: [360, 180, 45, 20], eps_t: [180, 45]}",
+        "{reference: 8, eps_c: 6, eps_f: [12, 10, 7, 6], eps_t: [10, 7]}",
+    ),
+    ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
+    ("[1/64, 1/256, 1/4096, 1/16384]", "[1/16, 1/32, 1/128, 1/256]"),
+    ("{eps_c: [3/2, 5/2], eps_f: [1/5, 2], eps_t: [1/2, 3/2]}", "{eps_c: 2, eps_f: 1, eps_t: 1}"),  # nothing to search
+)
+CHAPTER_4 = (
+    ("realisations: 30", "realisations: 4"),
+    ("eps_f: 1/1024, eps_t: 1/2}", "eps_f: 1/32, eps_t: 1/2}"),
+    ("[1/512, 1/1024, 1/2048, 1/4096]", "[1/16, 1/32, 1/64, 1/128]"),
+)
+ROUGH_BODIES = (("1 / 32", "1 / 8"),)
+# notebook: the file it is of, what is shrunk in it, and the commands its first cell names
+NOTEBOOKS = {
+    "01-first-campaign": ("quickstart.yaml", QUICKSTART, ("gfmd run quickstart.yaml",)),
+    "02-tfc-limit": (
+        "quickstart.yaml",
+        QUICKSTART,
+        (
+            "gfmd run quickstart.yaml",
+            "gfmd fit quickstart -o quickstart/fit.nc",
+            "gfmd fit quickstart --variable kappa_r -o quickstart/fit_r.nc",
+        ),
+    ),
+    "03-thesis-revisited": ("thesis-chapter4.yaml", CHAPTER_4, ("gfmd run thesis-chapter4.yaml",)),
+    "04-what-accuracy-costs": (
+        "quickstart.yaml",
+        QUICKSTART,
+        (
+            "gfmd run quickstart.yaml",
+            "gfmd accuracy quickstart.yaml -o quickstart/accuracy.nc --realisations 8",
+        ),
+    ),
+    "05-two-step-fields": ("two-step-fields.py", ROUGH_BODIES, ("python two-step-fields.py",)),
+}
+
+
+def test_every_notebook_is_tested():
+    assert sorted(NOTEBOOKS) == sorted(path.stem for path in CAMPAIGNS.glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_a_notebook_runs_on_shrunk_data(name, tmp_path, monkeypatch):
+    file, replacements, commands = NOTEBOOKS[name]
+    text = (CAMPAIGNS / file).read_text()
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / file).write_text(text)
+    notebook = nbformat.read(CAMPAIGNS / f"{name}.ipynb", as_version=4)
+    monkeypatch.chdir(tmp_path)
+    for command in commands:
+        assert command in notebook.cells[0].source
+        program, *arguments = command.split()
+        if program == "python":
+            runpy.run_path(arguments[0], run_name="__main__")
+            continue
+        result = CliRunner().invoke(main, [*arguments, "--workers", "0"] if "run" in arguments else arguments)
+        assert result.exit_code == 0, result.output
+    for folder in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
+        monkeypatch.setenv(folder, str(tmp_path / folder))
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    errors = [output for cell in notebook.cells for output in cell.get("outputs", []) if output.get("name") == "stderr"]
+    assert not errors
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_a_committed_notebook_is_executed_small_and_anonymous(name):
+    path = CAMPAIGNS / f"{name}.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
+    outputs = [output for cell in cells for output in cell.outputs]
+    assert not [output for output in outputs if output.output_type == "error" or output.get("name") == "stderr"]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    assert path.stat().st_size < 300_000
+    assert not re.search(r"/(home|root|tmp|Users|usr|work)/|[A-Z]:\\\\", path.read_text())
+    imported = re.findall(r"^(?:import|from) (\w+)", "\n".join(cell.source for cell in cells), flags=re.MULTILINE)
+    assert set(imported) <= {"matplotlib", "numpy", "xarray", "math"}

@@ -1,0 +1,99 @@
+"""What the functions of the package say of arguments of another kind than theirs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.run import run
+from gfmd_numba.scene import InputError
+from support.campaigns import campaign
+
+SCENE = {
+    "body": {"poissons_ratio": 0.3, "aspect_ratio": 1.0},
+    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+    "interface": {"hard_wall": {}},
+    "loading": {"reduced_pressure": 0.1},
+    "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 1},
+}
+WRONG = [np.zeros(64), None, 3, 0.5, [], ["scene.yaml"], b"scene.yaml", object(), {1, 2}, lambda: None]
+
+
+@pytest.mark.parametrize("given", WRONG, ids=lambda given: type(given).__name__)
+def test_what_is_neither_a_file_nor_a_mapping_is_no_scene(given):
+    with pytest.raises(InputError, match=r"scene: given .*; allowed: the path of a YAML file, or a mapping"):
+        gfmd_numba.solve(given)
+    with pytest.raises(InputError, match=r"surface: given .*; allowed: the path of a YAML file, or a mapping"):
+        gfmd_numba.make_surface(given)
+
+
+@pytest.mark.parametrize("given", [{}, {"scene": np.zeros(3)}, {1: 2}, {"body": None}, xr.Dataset({"x": 1}), {None: 0}])
+def test_a_mapping_of_something_else_is_no_scene(given):
+    for function in (gfmd_numba.solve, gfmd_numba.make_surface):
+        with pytest.raises(InputError, match="allowed: "):
+            function(given)
+
+
+@pytest.mark.parametrize("given", [*WRONG, {}], ids=lambda given: type(given).__name__)
+@pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
+def test_what_is_no_dataset_is_told_who_makes_one(function, given):
+    with pytest.raises(InputError, match=r"given .*; allowed: an xarray.Dataset, as gfmd_numba\.(open_campaign|solve)"):
+        function(given)
+
+
+@pytest.mark.parametrize("given", WRONG, ids=lambda given: type(given).__name__)
+def test_what_is_no_path_is_no_campaign(given):
+    with pytest.raises(InputError, match=r"path: given .*; allowed: a netCDF file, or the output directory"):
+        gfmd_numba.open_campaign(given)
+
+
+@pytest.mark.parametrize("z", ["deep", [[-0.1]], [-0.1, None], object(), np.array(["a"]), 1j, [-2.0], 0.1, np.nan])
+def test_heights_that_are_none_are_told(z):
+    contact = gfmd_numba.solve(SCENE)
+    with pytest.raises(InputError, match=r"z: given .*; allowed: "):
+        gfmd_numba.body_fields(contact, z)
+    with pytest.raises(InputError, match=r"body: given .*; allowed: 'body'"):
+        gfmd_numba.body_fields(contact, -0.1, z)
+
+
+@pytest.mark.parametrize("scene", ["", "{}", "[", "3", '{"scene": 1}'])
+def test_results_with_another_scene_are_told(scene):
+    contact = gfmd_numba.solve(SCENE).assign_attrs(scene=scene)
+    with pytest.raises(InputError, match="contact: given one whose scene is unreadable"):
+        gfmd_numba.body_fields(contact)
+
+
+def test_options_of_a_fit_are_checked(tmp_path):
+    dataset = gfmd_numba.open_campaign(run(campaign(tmp_path), tmp_path / "out", Workers(0))[0])
+    for options in (
+        {"variable": ["kappa"]},
+        {"variable": None},
+        {"exponents": 3},
+        {"exponents": ["shared"]},
+        {"fixed": 1.0},
+        {"fixed": {"eps_c": None}},
+        {"fixed": {1: 1.0}},
+        {"bootstrap": "many"},
+        {"bootstrap": -1},
+        {"seed": -1},
+    ):
+        with pytest.raises(ValueError, match=r"not |it has "):
+            gfmd_numba.fit_tfc(dataset, **options)
+    with pytest.raises(ValueError, match="given no campaign's results"):
+        gfmd_numba.fit_tfc(xr.Dataset())
+
+
+@pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
+def test_a_path_stands_for_the_results_in_it(tmp_path, function):
+    with pytest.raises(InputError, match=r"absent.nc: given a path that cannot be read"):
+        function(tmp_path / "absent.nc")
+    if function is gfmd_numba.fit_tfc:
+        path = tmp_path / "out"
+        results = gfmd_numba.run(campaign(tmp_path), path)
+    else:
+        path = tmp_path / "contact.nc"
+        results = gfmd_numba.solve(SCENE)
+        results.to_netcdf(path, engine="netcdf4")
+    of_path, of_dataset = (function(given).drop_vars("seconds", errors="ignore") for given in (path, results))
+    xr.testing.assert_allclose(of_path, of_dataset)

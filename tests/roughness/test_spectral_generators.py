@@ -1,0 +1,119 @@
+"""Surfaces from waves: their mean spectrum and autocorrelation, and the same surface on every grid."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness import spectral
+from gfmd_numba.roughness.amplitudes import waves
+from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
+from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded, SelfAffine
+
+PERIOD = 3.0
+MODELS = [
+    Exponential(1, 0.8, 0.2),
+    KCorrelation(1, 0.3, 0.2),
+    Mounded(KCorrelation(1, 0.7, 0.2), 0.6),
+    Exponential(2, 0.5, 0.3),
+    Mounded(Exponential(2, 0.8, 0.3), 0.6),
+    LengthAnisotropy(0.7, (0.2, 0.1)),
+    ScalingAnisotropy((0.9, 0.4), (0.2, 0.1)),
+]
+PLATEAU = [SelfAffine(d, 0.8, PERIOD / 30, PERIOD / 4, PERIOD) for d in (1, 2)]
+POWERS = {spectral.psd_power: MODELS + PLATEAU, spectral.filter_power: MODELS}
+CASES = [pytest.param(power, model, id=f"{power.__name__}-{model}") for power, some in POWERS.items() for model in some]
+
+
+@pytest.mark.parametrize(("power_of", "model"), CASES)
+def test_ensemble_has_the_spectrum_and_autocorrelation_of_theory(power_of, model):
+    """Over 200 realisations, within the sampling error, which is known: a wave's power is exponential."""
+    n, nx, largest = 200, 64, 31
+    power = power_of(model, nx, largest, PERIOD)
+    heights = spectral.surfaces(power, nx, largest, 5, range(n))
+    axes = tuple(range(1, heights.ndim))
+    measured = abs(np.fft.rfftn(heights, axes=axes, norm="forward")) ** 2
+    inside = power > 1e-12 * power.max()
+    score = (measured.mean(axis=0)[inside] / power[inside] - 1) * np.sqrt(n)
+    assert abs(score).max() < 5.5
+    assert score.std() == pytest.approx(1.0, abs=0.25)
+    assert abs(measured[:, ~inside]).max() < 1e-12 * power.max()
+    found = np.array([spectral.periodic_autocorrelation(m, nx) for m in measured])
+    error = found.std(axis=0, ddof=1) / np.sqrt(n)
+    score = (found.mean(axis=0) - spectral.periodic_autocorrelation(power, nx)) / error
+    assert abs(score).max() < 4.5
+    np.testing.assert_allclose(heights.mean(axis=axes), 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_filtered_surfaces_have_the_autocorrelation_asked_for(model):
+    """At every grid point, up to the mean that is left out; the density method differs by what lies beyond Nyquist."""
+    largest = 40
+    nx = 2 * largest + 1
+    exact = spectral.periodic_autocorrelation(spectral.filter_power(model, nx, largest, PERIOD), nx)
+    shift = np.fft.fftfreq(nx) * PERIOD
+    if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
+        asked = model.autocorrelation(shift[np.newaxis], shift[:, np.newaxis])
+    else:
+        asked = model.autocorrelation(abs(shift) if model.dimension == 1 else np.hypot(shift, shift[:, np.newaxis]))
+    np.testing.assert_allclose(exact - exact.mean(), asked - asked.mean(), atol=1e-10)
+
+
+@pytest.mark.parametrize(("power_of", "model"), CASES)
+def test_a_finer_grid_samples_the_same_surface(power_of, model):
+    coarse, fine = (spectral.surfaces(power_of(model, nx, 12, PERIOD), nx, 12, 5, range(3, 5)) for nx in (32, 128))
+    every = (slice(None),) + (slice(None, None, 4),) * (coarse.ndim - 1)
+    np.testing.assert_allclose(fine[every], coarse, atol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_more_waves_refine_the_same_surface(dimension):
+    shape = (32,) * dimension
+    few, many = waves(7, 3, shape, 5), waves(7, 3, shape, 15)
+    np.testing.assert_array_equal(many[few != 0], few[few != 0])
+    assert np.count_nonzero(few) == (5 if dimension == 1 else 5 + 5 * 10 + 5 * 1 + 5)
+
+
+@pytest.mark.parametrize("nx", [48, 49, 98])
+def test_the_wave_at_the_cut_off_is_kept_in_all_directions(nx):
+    power = spectral.psd_power(SelfAffine(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
+    assert power[0, 20] == power[20, 0] == power[-20, 0] > 0.0
+
+
+def test_waves_of_a_map_are_independent_and_belong_to_a_real_surface():
+    found = np.array([waves(1, i, (16, 16), 7) for i in range(4000)])
+    np.testing.assert_array_equal(found[:, 1:8, 0], found[:, :-8:-1, 0].conj())
+    free = np.concatenate([found[:, 1:8, 0], found[:, :, 1:8].reshape(4000, -1)], axis=1)
+    free = free[:, (free != 0).all(axis=0)]
+    assert free.shape[1] == 2 * 7 * 8
+    covariance = free.T @ free.conj() / 4000
+    assert abs(covariance - np.eye(112)).max() < 5 / np.sqrt(4000)
+    assert abs(free.T @ free / 4000).max() < 5 / np.sqrt(4000)
+
+
+class Broken:
+    dimension = 1
+
+    def __init__(self, at_two):
+        self.at_two = at_two
+
+    def psd(self, q):
+        return np.where(np.isclose(q, 4 * np.pi), self.at_two, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("spectrum", "largest", "message"),
+    [
+        (Broken(np.nan), 5, r"spectrum of nan at wave index \(2,\)"),
+        (Broken(np.inf), 5, r"spectrum of inf at wave index \(2,\)"),
+        (Broken(-1.0), 5, r"negative at wave index \(2,\)"),
+        (Broken(1.0), 16, "waves up to index 16 on 32 points, where 1 to 15 lie below Nyquist"),
+        (Broken(1.0), 0, "waves up to index 0"),
+    ],
+)
+def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
+    with pytest.raises(ValueError, match=message):
+        spectral.psd_power(spectrum, 32, largest)
+
+
+def test_a_period_too_short_for_the_correlation_is_refused():
+    with pytest.raises(ValueError, match="negative at wave index"):
+        spectral.filter_power(Exponential(1, 0.9, 1.0), 64, 31, 1.0)

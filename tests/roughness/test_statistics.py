@@ -1,0 +1,148 @@
+"""Statistics of surfaces against waves with closed forms, brute force and the theory of Gaussian surfaces."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness import correlation, distribution, spectral, statistics
+from gfmd_numba.roughness.spectra import Exponential, SelfAffine, nayak
+
+LENGTHS = (2.0, 5.0)
+
+
+def wave_map(ny=24, nx=32):
+    y, x = np.arange(ny)[:, np.newaxis] / ny * LENGTHS[0], np.arange(nx) / nx * LENGTHS[1]
+    q_y, q_x = 2 * np.pi * 3 / LENGTHS[0], 2 * np.pi * 2 / LENGTHS[1]
+    return 0.1 * np.cos(q_y * y + q_x * x) + 7.0, np.hypot(q_y, q_x)
+
+
+def test_a_wave_on_a_map_has_its_statistics_in_closed_form():
+    heights, q = wave_map()
+    w = 0.1 / np.sqrt(2)
+    assert statistics.rms_height(heights, LENGTHS) == pytest.approx(w)
+    assert statistics.rms_gradient(heights, LENGTHS) == pytest.approx(q * w)
+    assert statistics.rms_curvature(heights, LENGTHS) == pytest.approx(q**2 * w)
+    assert statistics.nayak(heights, LENGTHS) == pytest.approx(1.5)
+    assert distribution.kurtosis(heights, 2) == pytest.approx(1.5)
+    assert distribution.skewness(heights, 2) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_rms_height_of_a_map_is_its_standard_deviation():
+    heights = np.random.default_rng(0).normal(size=(3, 6, 8))
+    np.testing.assert_allclose(statistics.rms_height(heights, LENGTHS), heights.std(axis=(1, 2)))
+
+
+def test_typical_slope_is_the_angle():
+    x = np.arange(4096) / 4096 * 5.0
+    wave = 0.3 * np.sin(2 * np.pi * x / 5.0 * 4)
+    slope = 0.3 * 2 * np.pi / 5.0 * 4 * np.cos(2 * np.pi * x / 5.0 * 4)
+    assert statistics.typical_slope(wave, 5.0) == pytest.approx(np.sqrt((np.arctan(slope) ** 2).mean()))
+
+
+@pytest.mark.parametrize("shape", [(9,), (8,), (6, 8), (5, 7)])
+def test_autocorrelation_and_height_differences_are_those_of_brute_force(shape):
+    heights = np.random.default_rng(1).normal(size=(2, *shape))
+    lengths = LENGTHS[: len(shape)]
+    axes = tuple(range(1, len(shape) + 1))
+    centred = heights - heights.mean(axis=axes, keepdims=True)
+    found = correlation.autocorrelation(heights, lengths)
+    differences = correlation.height_height_correlation(heights, lengths)
+    for shift in np.ndindex(shape):
+        moved = np.roll(centred, [-s for s in shift], axis=axes)
+        exact = (centred * moved).mean(axis=axes) / (centred**2).mean(axis=axes)
+        np.testing.assert_allclose(found[(slice(None), *shift)], exact, atol=1e-12)
+        exact = ((centred - moved) ** 2).mean(axis=axes)
+        np.testing.assert_allclose(differences[(slice(None), *shift)], exact, atol=1e-12)
+
+
+def test_the_radial_mean_of_a_radial_function_is_the_function():
+    n, length = 64, 3.0
+    shift = np.fft.fftfreq(n) * length
+    distance, mean = correlation.radial_mean(np.hypot(shift[:, np.newaxis], shift), (length, length))
+    np.testing.assert_allclose(mean, distance)
+    assert distance[0] == 0.0
+    assert distance[-1] == pytest.approx(1.5, abs=0.03)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
+    nx, length, hurst = (4096, 3.0, 0.7) if dimension == 1 else (256, 3.0, 0.7)
+    largest = nx // 2 - 1
+    model = SelfAffine(dimension, hurst, length / (0.9 * largest), length / 4, length)
+    power = spectral.psd_power(model, nx, largest, length)
+    heights = 0.01 * spectral.surfaces(power, nx, largest, 4, range(6))
+    lengths = (length,) * dimension
+    q, density, waves = correlation.spectral_density(heights, lengths)
+    even = spectral.periodic_autocorrelation(np.sqrt(power), nx)  # a surface of exactly the mean power
+    _, expected, _ = correlation.spectral_density(0.01 * even, lengths)
+    inside = (q > 1.2 * 2 * np.pi / (length / 4)) & (q < 0.85 * 2 * np.pi / model.cut_on)
+    np.testing.assert_allclose(expected[inside], 1e-4 * model.psd(q[inside]), rtol=0.06)  # a bin averages a curve
+    score = (density[inside] / expected[inside] - 1) * np.sqrt(waves[inside])
+    assert inside.sum() > 10
+    assert abs(score).max() < 4.0
+    assert waves.sum() == pytest.approx(6 * ((nx**dimension - 1) / 2), rel=1e-12)
+    found, error = correlation.hurst_exponent(heights, 8 * np.pi / length, 2 * np.pi / model.cut_on, lengths)
+    assert abs(found - hurst) < 3.5 * error
+    assert error < 0.02
+
+
+def test_error_of_the_hurst_exponent_is_the_scatter():
+    model = SelfAffine(1, 0.5, 1 / 100, 1 / 2, 1.0)
+    heights = spectral.surfaces(spectral.psd_power(model, 256, 100), 256, 100, 9, range(400))
+    found = np.array([correlation.hurst_exponent(h, 4 * np.pi, 200 * np.pi) for h in heights])
+    assert found[:, 0].std() == pytest.approx(found[0, 1], rel=0.12)
+    assert found[:, 0].mean() == pytest.approx(0.5, abs=3.5 * found[0, 1] / 20)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_moments_of_surfaces_are_those_of_their_model(dimension):
+    """Period long against the roll-off: rms height, gradient, curvature and Nayak's parameter in closed form."""
+    largest = 100
+    model = SelfAffine(dimension, 0.6, 1 / largest, 1 / 20, 1.0)
+    nx = 256
+    heights = spectral.surfaces(
+        spectral.psd_power(model, nx, largest), nx, largest, 2, range(40 if dimension == 1 else 3)
+    )
+    lengths = (1.0,) * dimension
+    moments = []
+    for order in (0, 2, 4):
+        found = statistics.spectral_moment(heights, order, lengths).mean()
+        # a sum over whole wave numbers stands for the integral: ends of the range count in full
+        assert found == pytest.approx(model.moment(order), rel=0.05)
+        moments.append(model.moment(order))
+    assert statistics.nayak(heights, lengths).mean() == pytest.approx(nayak(tuple(moments), dimension), rel=0.08)
+
+
+def test_scaled_heights_have_the_rms_asked_for():
+    heights = np.random.default_rng(3).normal(size=(4, 6, 8)) + 2.0
+    by_height = statistics.scaled(heights, LENGTHS, rms_height=0.3)
+    np.testing.assert_allclose(statistics.rms_height(by_height, LENGTHS), 0.3)
+    np.testing.assert_allclose(by_height.mean(axis=(1, 2)), 0.0, atol=1e-15)
+    by_gradient = statistics.scaled(heights, LENGTHS, rms_gradient=0.3)
+    np.testing.assert_allclose(statistics.rms_gradient(by_gradient, LENGTHS), 0.3)
+    with pytest.raises(ValueError, match="flat"):
+        statistics.scaled(np.ones((1, 8)), (1.0,), rms_height=1.0)
+
+
+def test_the_gaussian_distance_is_that_of_the_distributions():
+    assert distribution.gaussian_distance(np.random.default_rng(0).normal(size=200_000)) < 0.004
+    wave = np.sin(2 * np.pi * np.arange(100_000) / 100_000)
+    h = np.linspace(-np.sqrt(2), np.sqrt(2), 10_001)
+    from scipy.stats import norm
+
+    exact = abs(0.5 + np.arcsin(h / np.sqrt(2)) / np.pi - norm.cdf(h)).max()
+    assert distribution.gaussian_distance(wave) == pytest.approx(exact, abs=1e-4)
+    with pytest.raises(ValueError, match="flat"):
+        distribution.gaussian_distance(np.ones(30))
+
+
+def test_gaussian_test_rejects_as_often_as_it_says():
+    """5 % of Gaussian surfaces, and surfaces with cut-off peaks always."""
+    n, nx, largest = 600, 4096, 2047
+    power = spectral.psd_power(Exponential(1, 0.5, 1 / 512), nx, largest)
+    heights = spectral.surfaces(power, nx, largest, 6, range(n))
+    rejected = (distribution.gaussian_p_value(heights, 4 * 8) < 0.05).mean()
+    assert rejected == pytest.approx(0.05, abs=3.5 * np.sqrt(0.05 * 0.95 / n))
+    worn = np.minimum(heights[:100], 0.3)
+    assert (distribution.gaussian_p_value(worn, 4 * 8) < 0.05).mean() > 0.9
+    with pytest.raises(ValueError, match="16 independent heights, not at least 20"):
+        distribution.gaussian_p_value(heights, 256)

@@ -1,0 +1,162 @@
+"""Scene files of a wrong form: keys, kinds of values, and text that is no plain YAML."""
+
+import pytest
+
+from gfmd_numba.scene import load_scene, read_document
+from support.faulty_files import SCENE, assert_complaint, complaint, load_checked
+
+FORMS = {
+    "unknown key": (
+        ("hurst: 0.8", "hurts: 0.8"),
+        "bad.yaml:3:3: scene.roughness.hurst: given nothing; allowed: a number from 0 to 1\n"
+        "bad.yaml:5:5: scene.roughness.hurts: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
+        "'points', 'cut_on', 'method', 'model', 'hurst', 'roll_off', 'plateau', 'anisotropy'; did you mean 'hurst'?",
+    ),
+    "key of another level": (
+        ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),
+        "bad.yaml:10:5: scene.loading.length: given an unknown key; allowed: one of 'reduced_pressure', "
+        "'displacement'; 'length' belongs to scene",
+    ),
+    "key of another method": (
+        ("method: psd", "method: psd\n    file: steel.npy"),
+        "bad.yaml:5:5: scene.roughness.file: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
+        "'points', 'cut_on', 'method', 'model', 'hurst', 'roll_off', 'plateau', 'anisotropy'; "
+        "'file' belongs to scene.roughness with method measured",
+    ),
+    "unknown key at the top": (
+        ("numerics: {", "numeric: {"),
+        "bad.yaml:10:1: numeric: given an unknown key; allowed: one of 'scene', "
+        "'numerics', 'discretisation', "
+        "'seed', 'realisation', 'path'; did you mean 'numerics'?",
+    ),
+    "unknown choice": (
+        ("solver: auto", "solver: verlett"),
+        "bad.yaml:10:20: numerics.solver: given 'verlett'; allowed: one of 'auto', 'active_set_newton', "
+        "'conjugate_gradients', 'verlet', 'gronbech_jensen', 'fire'; did you mean 'verlet'?",
+    ),
+    "unknown method": (
+        ("method: psd", "method: pds"),
+        "bad.yaml:4:13: scene.roughness.method: given 'pds'; allowed: one of 'fourier_filter', 'measured', "
+        "'midpoint_displacement', 'psd', 'successive_addition'; did you mean 'psd'?",
+    ),
+    "no method": (
+        ("method: psd\n    ", ""),
+        "bad.yaml:3:3: scene.roughness.method: given nothing; allowed: one of 'fourier_filter', 'measured', 'midp",
+    ),
+    "wrong type": (
+        ("hurst: 0.8", "hurst: [0.8, 0.9]"),
+        "bad.yaml:5:12: scene.roughness.hurst: given [0.8, 0.9]; allowed: a number from 0 to 1",
+    ),
+    "a number where a mapping belongs": (
+        ("{hard_wall: {}}", "3"),
+        "bad.yaml:7:14: scene.interface: given 3; allowed: a mapping of 'hard_wall'",
+    ),
+    "an empty value": (
+        ("{hard_wall: {}}", "{hard_wall: }"),
+        "bad.yaml:7:14: scene.interface: given {'hard_wall': None}; allowed: hard_wall, cohesive, or",
+    ),
+    "a truncated long value": (
+        ("solver: auto", "solver: " + 500 * "x"),
+        f"bad.yaml:10:20: numerics.solver: given '{27 * 'x'}...{28 * 'x'}'; allowed: one of",
+    ),
+    "quoted number": (
+        ("hurst: 0.8", "hurst: '0.8'"),
+        "bad.yaml:5:12: scene.roughness.hurst: given '0.8'; allowed: a number from 0 to "
+        "1; did you mean 0.8 without quotes?",
+    ),
+    "underscored number": (
+        ("{solver: auto}", "{max_iterations: 1_000}"),
+        "bad.yaml:10:28: numerics.max_iterations: given '1_000'; allowed: a whole number at least 1",
+    ),
+    "broken whole number": (
+        ("{solver: auto}", "{max_iterations: 1e3}"),
+        "bad.yaml:10:28: numerics.max_iterations: given 1000.0; allowed: a whole number at least 1",
+    ),
+    "no as text": (
+        ("hurst: 0.8", "hurst: no"),
+        "bad.yaml:5:12: scene.roughness.hurst: given 'no'; allowed: a number from 0 to 1",
+    ),
+    "boolean": (
+        ("hurst: 0.8", "hurst: true"),
+        "bad.yaml:5:12: scene.roughness.hurst: given true; allowed: a number from 0 to 1",
+    ),
+    "duplicate key": (
+        ("    hurst: 0.8\n", "    hurst: 0.8\n    hurst: 0.9\n"),
+        "bad.yaml:6:5: scene.roughness.hurst: given a second time (first on line 5); allowed: each key once",
+    ),
+    "alias": (
+        ("hurst: 0.8", "hurst: *other"),
+        "bad.yaml:5:12: given an anchor or alias; allowed: the value itself",
+    ),
+    "anchor": (
+        ("hurst: 0.8", "hurst: &other 0.8"),
+        "bad.yaml:5:12: given an anchor or alias; allowed: the value itself",
+    ),
+    "merge key": (
+        ("hurst: 0.8", "<<: {hurst: 0.8}"),
+        "bad.yaml:5:5: scene.roughness: given the key '<<'; allowed: keys that are text, no merge keys",
+    ),
+    "tag": (
+        ("hurst: 0.8", "hurst: !!python/object/apply:os.system [echo]"),
+        "bad.yaml:5:12: given the tag tag:yaml.org,2002:python/object/apply:os.system; allowed: a value without a tag",
+    ),
+    "number as a key": (
+        ("hurst: 0.8", "1: 0.8"),
+        "bad.yaml:5:5: scene.roughness: given the key 1; allowed: keys that are text",
+    ),
+    "key that is no word": (
+        ("hurst: 0.8", 'hurst: 0.8\n    "a\\nb": 1'),
+        "bad.yaml:6:5: scene.roughness['a\\nb']: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', ",
+    ),
+    "list as a key": (
+        ("hurst: 0.8", "[a]: 0.8"),
+        "bad.yaml:5:5: scene.roughness: given a list or mapping as a key; allowed: keys that are text",
+    ),
+    "second document": (
+        ("numerics:", "---\nnumerics:"),
+        "bad.yaml:10:1: given a second document; allowed: one document per file",
+    ),
+    "tab": (
+        ("    hurst: 0.8", "\thurst: 0.8"),
+        "bad.yaml:5:1: given a tab; allowed: spaces",
+    ),
+    "syntax": (
+        ("hurst: 0.8", "hurst: 0.8: 3"),
+        "bad.yaml:5:15: given text that is not YAML (mapping values are not allowed here); allowed: YAML 1.2",
+    ),
+    "unprintable character": (
+        ("hurst: 0.8", "hurst: \x07"),
+        "bad.yaml:5:12: given the character U+0007; allowed: printable text",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_wrong_form_is_refused_where_it_stands(tmp_path, name):
+    change, expected = FORMS[name]
+    message = assert_complaint(tmp_path, load_checked, SCENE, change, expected)
+    assert message.count("\n") == expected.count("\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "bad.yaml:1:1: given an empty file; allowed: a mapping"),
+        ("# nothing\n", "bad.yaml:1:1: given an empty file; allowed: a mapping"),
+        ("~\n", "bad.yaml:1:1: given an empty value; allowed: a mapping of 'scene', 'numerics', "),
+        ("\n- 1\n- 2\n", "bad.yaml:2:1: given [1, 2]; allowed: a mapping of 'scene', 'numerics', "),
+        ("a: " + 100_000 * "[", "bad.yaml:1:23: given deeper nesting; allowed: at most 20 levels"),
+        ("- " * 5000 + "1", "bad.yaml:1:41: given deeper nesting; allowed: at most 20 levels"),
+        ("a: &a [1]\nb: [*a, *a]\n", "bad.yaml:1:4: given an anchor or alias; allowed: the value itself"),
+        (b"scene:\n  a: \xff\n", "bad.yaml:2:6: given the byte 0xff; allowed: text in UTF-8"),
+        ("a: [1, 2\n", "bad.yaml:2:1: given text that is not YAML"),
+    ],
+)
+def test_text_that_is_no_plain_yaml_is_refused_at_its_first_fault(tmp_path, text, expected):
+    assert complaint(tmp_path, load_scene, text).startswith(expected)
+
+
+def test_an_alias_bomb_is_refused_at_its_first_anchor(tmp_path):
+    levels = [f"l{i}: &l{i} [{', '.join(9 * [f'*l{i - 1}'])}]" for i in range(1, 40)]
+    message = complaint(tmp_path, read_document, "\n".join(["l0: &l0 lol", *levels]))
+    assert message == "bad.yaml:1:5: given an anchor or alias; allowed: the value itself"

@@ -1,0 +1,173 @@
+"""Scene files whose values are out of range, or at odds with each other."""
+
+import psutil
+import pytest
+
+import gfmd_numba
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.scene import load_scene
+from support.faulty_files import CAMPAIGN, SCENE, WHOLE, assert_complaint, changed, complaint, load_checked
+
+VALUES = {
+    "nu above 1/2": (
+        ("poissons_ratio: 0.33", "poissons_ratio: 0.51"),
+        "bad.yaml:2:26: scene.body.poissons_ratio: given 0.51; allowed: a number above -1 and at most 0.5",
+    ),
+    "nu of -1": (
+        ("poissons_ratio: 0.33", "poissons_ratio: -1"),
+        "bad.yaml:2:26: scene.body.poissons_ratio: given -1; allowed: a number above -1 and at most 0.5",
+    ),
+    "no nu": (
+        ("poissons_ratio: 0.33, ", ""),
+        "bad.yaml:2:3: scene.body.poissons_ratio: given nothing; allowed: a number above -1 and at most 0.5",
+    ),
+    "aspect ratio of 0": (
+        ("aspect_ratio: .inf", "aspect_ratio: 0"),
+        "bad.yaml:2:46: scene.body.aspect_ratio: given 0; allowed: from 1e-12 to 1e30, or .inf for a half-space",
+    ),
+    "aspect ratio too large for a float": (
+        ("aspect_ratio: .inf", "aspect_ratio: 1e400"),
+        "bad.yaml:2:46: scene.body.aspect_ratio: given '1e400'; allowed: from 1e-12 to 1e30, or .inf for a half-space",
+    ),
+    "aspect ratio of nan": (
+        ("aspect_ratio: .inf", "aspect_ratio: .nan"),
+        "bad.yaml:2:46: scene.body.aspect_ratio: given nan; allowed: from 1e-12 to 1e30, or .inf for a half-space",
+    ),
+    "Young's modulus of 0": (
+        ("poissons_ratio: 0.33", "poissons_ratio: 0.33, youngs_modulus: 0"),
+        "bad.yaml:2:48: scene.body.youngs_modulus: given 0; allowed: a number from 1e-30 to 1e+30",
+    ),
+    "H above 1": (
+        ("hurst: 0.8", "hurst: 1.4"),
+        "bad.yaml:5:12: scene.roughness.hurst: given 1.4; allowed: a number from 0 to 1",
+    ),
+    "H below 0": (
+        ("hurst: 0.8", "hurst: -1/64"),
+        "bad.yaml:5:12: scene.roughness.hurst: given -0.015625; allowed: a number from 0 to 1",
+    ),
+    "H of nan": (
+        ("hurst: 0.8", "hurst: .nan"),
+        "bad.yaml:5:12: scene.roughness.hurst: given nan; allowed: a number from 0 to 1",
+    ),
+    "rms gradient of 0": (
+        ("rms_gradient: 0.01", "rms_gradient: 0"),
+        "bad.yaml:6:19: scene.roughness.rms_gradient: given 0; allowed: a number from 1e-30 to 1e+30",
+    ),
+    "negative rms gradient": (
+        ("rms_gradient: 0.01", "rms_gradient: -1e-3"),
+        "bad.yaml:6:19: scene.roughness.rms_gradient: given -0.001; allowed: a number from 1e-30 to 1e+30",
+    ),
+    "infinite rms gradient": (
+        ("rms_gradient: 0.01", "rms_gradient: .inf"),
+        "bad.yaml:6:19: scene.roughness.rms_gradient: given inf; allowed: a number from 1e-30 to 1e+30",
+    ),
+    "negative pressure": (
+        ("reduced_pressure: 0.007", "reduced_pressure: -0.007"),
+        "bad.yaml:9:23: scene.loading.reduced_pressure: given -0.007; allowed: a number from 1e-30 to 1e+30",
+    ),
+    "both loadings": (
+        ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    displacement: 0.1"),
+        "bad.yaml:9:5: scene.loading: given {'displacement': 0.1, 'reduced_pressure': 0.007}; "
+        "allowed: exactly one of reduced_pressure and displacement",
+    ),
+    "no loading": (
+        ("loading:\n    reduced_pressure: 0.007", "loading: {}"),
+        "bad.yaml:8:12: scene.loading: given {}; allowed: exactly one of reduced_pressure and displacement",
+    ),
+    "half-space under displacement": (
+        ("reduced_pressure: 0.007", "displacement: 0.1"),
+        "bad.yaml:2:46: scene.body.aspect_ratio: given inf; allowed: a finite aspect_ratio, or "
+        "loading.reduced_pressure in place of loading.displacement, as a half-space has no reference",
+    ),
+    "time step above the limit": (
+        ("{solver: auto}", "{time_step: 1.01}"),
+        "bad.yaml:10:23: numerics.time_step: given 1.01; allowed: a number from 1e-6 to 1, as more is above "
+        "the stability limit",
+    ),
+    "residual too large": (
+        ("{solver: auto}", "{residual: 1/10}"),
+        "bad.yaml:10:22: numerics.residual: given 0.1; allowed: a number above 0 and at most 0.01",
+    ),
+    "residual too small for single precision": (
+        ("{solver: auto}", "{precision: single, residual: 1e-4}"),
+        "bad.yaml:10:41: numerics.residual: given 0.0001; allowed: at least 0.001 in single precision",
+    ),
+    "residual by default too small for single precision": (
+        ("{solver: auto}", "{precision: single}"),
+        "bad.yaml:10:1: numerics.residual: given nothing; allowed: at least 0.001 in single precision",
+    ),
+    "damping too large": (
+        ("{solver: auto}", "{damping: 101}"),
+        "bad.yaml:10:21: numerics.damping: given 101; allowed: a number from 0 to 100",
+    ),
+    "negative seed": (
+        ("numerics:", "seed: -1\nnumerics:"),
+        "bad.yaml:10:7: seed: given -1; allowed: a whole number at least 0",
+    ),
+    "eps above 1": (
+        ("eps_c: 1/2", "eps_c: 3/2"),
+        "bad.yaml:11:25: discretisation.eps_c: given 1.5; allowed: a number above 0 and at most 1",
+    ),
+    "psd without discretisation": (
+        ("discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}\n", ""),
+        "bad.yaml:1:1: discretisation: given nothing; allowed: a mapping with eps_c, eps_f and eps_t, which "
+        "a random surface without points of its own needs",
+    ),
+    "k_l not whole": (
+        ("eps_t: 1/2", "eps_t: 2/5"),
+        f"bad.yaml:11:50: discretisation.eps_t: given 0.4; allowed: {WHOLE}eps_c = 0.5 and eps_f = 0.015625; "
+        "did you mean 1/3?",
+    ),
+    "k_s not whole": (
+        ("eps_f: 1/64", "eps_f: 0.3"),
+        f"bad.yaml:11:37: discretisation.eps_f: given 0.3; allowed: {WHOLE}eps_c = 0.5 and eps_t = 0.5; "
+        "did you mean 2/7?",
+    ),
+    "nx not whole": (
+        ("eps_c: 1/2", "eps_c: 0.3333"),
+        f"bad.yaml:11:25: discretisation.eps_c: given 0.3333; allowed: {WHOLE}eps_f = "
+        "0.015625 and eps_t = 0.5; "
+        "did you mean 1/3?",
+    ),
+    "nx below 4": (
+        ("eps_c: 1/2, eps_f: 1/64, eps_t: 1/2", "eps_c: 1, eps_f: 1, eps_t: 1"),
+        f"bad.yaml:11:25: discretisation.eps_c: given 1; allowed: {WHOLE}eps_f = 1 and eps_t = 1; did you mean 1/2?",
+    ),
+    "overflowing nx": (
+        ("eps_f: 1/64", "eps_f: 1e-320"),
+        "bad.yaml:11:37: discretisation.eps_f: given 1e-320; allowed: a grid that fits in ",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_a_wrong_value_is_refused_where_it_stands(tmp_path, name):
+    change, expected = VALUES[name]
+    message = assert_complaint(tmp_path, load_checked, SCENE, change, expected)
+    assert message.count("\n") == expected.count("\n")
+
+
+def test_verlet_is_refused_for_an_incompressible_body_under_displacement(tmp_path):
+    text = changed(SCENE, "0.33, aspect_ratio: .inf", "0.5, aspect_ratio: 1")
+    text = changed(changed(text, "reduced_pressure: 0.007", "displacement: 0.1"), "auto", "verlet")
+    assert complaint(tmp_path, gfmd_numba.solve, text).startswith(
+        "bad.yaml:10:20: numerics.solver: given 'verlet'; allowed: 'active_set_newton', 'conjugate_gradients' or "
+        "'auto' under loading.displacement at poissons_ratio 0.5"
+    )
+    (tmp_path / "good.yaml").write_text(changed(text, "poissons_ratio: 0.5", "poissons_ratio: 0.499"))
+    assert load_scene(tmp_path / "good.yaml")[0].scene.body.poissons_ratio == 0.499
+
+
+def test_a_grid_larger_than_the_memory_is_refused(tmp_path, monkeypatch):
+    class Memory:
+        total = 8e9
+
+    monkeypatch.setattr(psutil, "virtual_memory", Memory)
+    text = changed(SCENE, "eps_f: 1/64", "eps_f: 1/16777216")
+    assert complaint(tmp_path, load_scene, text) == (
+        "bad.yaml:11:37: discretisation.eps_f: given 5.960464477539063e-08; allowed: a "
+        "grid that fits in 8 GB of "
+        "memory, where nx = 1.34218e+08 needs 17.2 GB"
+    )
+    text = changed(CAMPAIGN, "eps_c: [1, 1/2]", "eps_c: [1, 1/2, 1/262144]")
+    assert complaint(tmp_path, load_campaign, text).startswith("bad.yaml:10:26: limits.eps_c[2]: given 3.8146")

@@ -1,0 +1,61 @@
+"""How a message names the place of a fault: in a file, a flat file, a mapping and a record."""
+
+import pytest
+
+from gfmd_numba.scene import InputError, SceneFile, load_scene
+from support.faulty_files import SCENE, changed, complaint
+
+FLAT = """\
+body: {poissons_ratio: 0.33}
+roughness: {method: psd, hurst: 1.4, rms_gradient: 0.01}
+interface: {hard_wall: {}}
+loading: {reduced_presure: 0.007}
+discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}
+"""
+
+
+def test_a_path_that_is_no_file_is_named(tmp_path):
+    with pytest.raises(InputError) as caught:
+        load_scene(tmp_path / "absent.yaml")
+    assert str(caught.value) == (
+        f"{tmp_path}/absent.yaml: given a path that cannot be read (No such file or directory); allowed: a YAML file"
+    )
+    with pytest.raises(InputError, match="Is a directory"):
+        load_scene(tmp_path)
+
+
+def test_flat_file_is_told_its_own_paths(tmp_path):
+    assert complaint(tmp_path, load_scene, FLAT) == (
+        "bad.yaml:2:33: roughness.hurst: given 1.4; allowed: a number from 0 to 1\n"
+        "bad.yaml:4:11: loading.reduced_presure: given an unknown key; allowed: one of 'reduced_pressure', "
+        "'displacement'; did you mean 'reduced_pressure'?"
+    )
+    assert (
+        complaint(tmp_path, load_scene, "roughnes: 1\n" + FLAT)
+        .splitlines()[-1]
+        .startswith("bad.yaml:1:1: roughnes: given an unknown key; allowed: one of 'body', 'roughness', ")
+    )
+    body = changed(FLAT, "body: {poissons_ratio: 0.33}\n", "")
+    assert complaint(tmp_path, load_scene, body).startswith("bad.yaml:1:1: body: given nothing; allowed: a mapping")
+
+
+def test_mapping_is_told_the_path_alone():
+    with pytest.raises(InputError) as caught:
+        load_scene({"body": {"poissons_ratio": "0.3"}})
+    assert str(caught.value).splitlines()[0] == (
+        "body.poissons_ratio: given '0.3'; allowed: a number above -1 and at most 0.5; did you mean 0.3 without quotes?"
+    )
+
+
+def test_a_number_as_a_key_of_a_mapping_is_refused():
+    with pytest.raises(InputError, match=r"body\[1\]: given an unknown key; allowed: one of 'youngs_modulus'"):
+        load_scene({"body": {"poissons_ratio": 0.3, 1: 2}})
+
+
+def test_record_is_checked_too(tmp_path):
+    path = tmp_path / "good.yaml"
+    path.write_text(SCENE)
+    good = load_scene(path)[0]
+    bad = SceneFile.model_validate({**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}})
+    with pytest.raises(InputError, match=r"^discretisation\.eps_t: given 0\.3; .*; did you mean 1/3\?$"):
+        load_scene(bad)

@@ -1,0 +1,142 @@
+"""Rough bodies that are steep, or cannot be pressed: what is doubted and what is refused."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gfmd_numba
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.cli import main
+from gfmd_numba.scene import InputError
+from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
+
+
+def test_steep_topographies_are_doubted():
+    with pytest.warns(UserWarning, match=r"rms gradient of 0\.05, above the 0\.03 .* expected to be off by .* L_x"):
+        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05)))
+    assert "above the 0.03" in contact.validity
+    with warnings.catch_warnings(action="error"):
+        assert gfmd_numba.solve(scene(body=rough(rms_gradient=0.03))).validity == ""
+        assert gfmd_numba.solve(scene(roughness=ROUGH | {"rms_gradient": 0.05})).status == 0
+
+
+def test_steep_bodies_that_just_touch_are_at_rest():
+    with pytest.warns(UserWarning, match=r"off by 0\.0e\+00 L_x"):
+        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))
+    assert contact.status == 0
+    assert not contact.displacement.any()
+
+
+def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
+    file = tmp_path / "two.yaml"
+    file.write_text(
+        """
+body: {youngs_modulus: 1, poissons_ratio: 0.3, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.05}}
+counter_body: {youngs_modulus: 2, poissons_ratio: 0.5, roughness: {method: psd, hurst: 0.5, rms_gradient: 0.01}}
+interface: {hard_wall: {}}
+loading: {reduced_pressure: 0.05}
+discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
+"""
+    )
+    solved = CliRunner().invoke(main, ["solve", str(file), "-o", str(tmp_path / "two.nc")])
+    assert solved.exit_code == 0, solved.output
+    assert "gfmd: a deformable surface has an rms gradient of 0.05" in solved.output
+    assert CliRunner().invoke(main, ["plot", str(tmp_path / "two.nc")]).exit_code == 0
+    asked = ["fields", str(tmp_path / "two.nc"), "--body", "counter_body", "-o", str(tmp_path / "fields.nc")]
+    assert CliRunner().invoke(main, asked).exit_code == 0
+    assert (tmp_path / "fields.png").exists()
+
+
+COUNTER = BODY | {"roughness": ROUGH}
+BAD = {
+    "all flat": (
+        {},
+        "scene.roughness: given nothing; allowed: a mapping with a method like 'psd' or 'measured', of the punch",
+    ),
+    "punch beside a counter body": (
+        {"counter_body": COUNTER, "roughness": ROUGH},
+        "scene.roughness: given {.*}; allowed: nothing beside a counter_body",
+    ),
+    "counter body without a modulus": (
+        {"counter_body": {"poissons_ratio": 0.3, "roughness": ROUGH}},
+        "scene.counter_body.youngs_modulus: given nothing; allowed: a number above 0 for both bodies",
+    ),
+    "bodies in different states": (
+        {"counter_body": COUNTER | {"state": "plane_stress"}},
+        "scene.counter_body.state: given 'plane_stress'; allowed: 'plane_strain', as that of the body",
+    ),
+    "friction": (
+        {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}},
+        "scene.interface.friction: given {.*}; allowed: nothing that drags",
+    ),
+    "stiffness scale": (
+        {"body": COUNTER | {"stiffness_scale": 2.0}},
+        "scene.body.stiffness_scale: given 2.0; allowed: 1 where a deformable body is rough",
+    ),
+    "prescribed tractions": (
+        {"body": COUNTER, "boundary": {"tangential_traction": 0.1}},
+        "scene.boundary: given {.*}; allowed: nothing where a deformable body is rough",
+    ),
+    "half-space under displacement control": (
+        {"body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
+        "scene.body.aspect_ratio: given inf; allowed: a finite aspect_ratio, .* no reference for displacement",
+    ),
+    "half-space as counter body under displacement control": (
+        {"counter_body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
+        "scene.counter_body.aspect_ratio: given inf; allowed: a finite aspect_ratio",
+    ),
+    "topography higher than the body": (
+        {"body": COUNTER | {"aspect_ratio": 1e-4}},
+        "scene.body.roughness: given a topography from -.* L_x; allowed: one within the height of the body",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bodies_that_cannot_be_pressed_are_refused(case):
+    changes, message = BAD[case]
+    given = scene(**changes)
+    if case == "all flat":
+        given.pop("discretisation", None)
+    with pytest.raises(InputError, match=message):
+        gfmd_numba.solve(given)
+
+
+def test_profiles_that_do_not_fit_are_refused(tmp_path):
+    heights = 1e-3 * np.cos(2 * np.pi * X)
+    body = BODY | {"roughness": measured(tmp_path, heights)}
+    with pytest.raises(InputError, match=r"scene.body.roughness: given 512 heights; allowed: as many .* 256"):
+        gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, heights[::2], "p.npy")))
+    with pytest.raises(InputError, match=r"heights that add up to nothing; allowed: surfaces that are not all flat"):
+        gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, -heights, "p.npy")))
+    with pytest.raises(InputError, match=r"body.roughness.file: given 'missing.npy'; allowed: an existing file"):
+        gfmd_numba.solve(scene(body=BODY | {"roughness": {"method": "measured", "file": "missing.npy"}}))
+
+
+def test_fields_of_a_body_that_is_not_there_are_refused():
+    contact = gfmd_numba.solve(scene(body=rough()))
+    with pytest.raises(InputError, match=r"body: given 'counter_body'; allowed: 'body'"):
+        gfmd_numba.body_fields(contact, body="counter_body")
+
+
+@pytest.mark.parametrize(
+    ("part", "key"), [({"body": COUNTER}, "body.roughness"), ({"body": BODY, "counter_body": BODY}, "counter_body")]
+)
+def test_campaigns_are_of_rigid_rough_punches(part, key, tmp_path):
+    campaign = {
+        "name": "c",
+        "seed": 1,
+        "realisations": 2,
+        "scene": part | {"roughness": ROUGH, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.01}},
+        "reference": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 0.5},
+    }
+    if "counter_body" in part:
+        del campaign["scene"]["roughness"]
+        campaign["scene"]["counter_body"] = COUNTER
+    file = tmp_path / "campaign.yaml"
+    file.write_text(json.dumps(campaign))  # which is YAML too
+    with pytest.raises(InputError, match=rf"scene\.({key}|roughness\.method): given .*; allowed: "):
+        load_campaign(file)

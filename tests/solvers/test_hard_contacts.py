@@ -1,0 +1,203 @@
+"""Cases a solver may trip over: single nodes, flat surfaces, thin and incompressible bodies, adhesion, long runs."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene import InputError
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+from support.contacts import press, scene_file
+
+X = np.arange(128) / 128
+WAVE = 0.01 * np.cos(2 * np.pi * X)
+SHAPES = {
+    "one wave": WAVE,
+    "two equal peaks": 0.01 * np.cos(4 * np.pi * X),
+    "vertical walls": np.where(abs(X - 0.5) < 0.1, 0.0, -1.0),
+    "every other node": np.arange(128) % 2 * 1.0,
+    "a single node": np.eye(1, 128, 7)[0],
+    "a spike": WAVE + 1e6 * np.eye(1, 128, 7)[0],
+    "white noise": self_affine.profiles(0.0, 1, 64, 128, 2, range(1))[0],
+    "nothing but Nyquist": (-1.0) ** np.arange(128),
+    "far from zero": WAVE + 1e4,
+    "four nodes": np.array([0.0, 1.0, 0.3, -1.0]),
+    "five nodes": np.array([0.0, 1.0, 0.3, -1.0, 0.2]),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
+    """At every pressure all solvers end with the same contact, which carries its load."""
+    np.save(tmp_path / "profile.npy", SHAPES[shape])
+    nx = len(SHAPES[shape])
+    for pressure in (1e-6, 1e-3, 0.05, 1.0, 100.0):
+        found = []
+        for solver in ("verlet", "conjugate_gradients", "active_set_newton"):
+            scene = scene_file(
+                roughness={"method": "measured", "file": str(tmp_path / "profile.npy")},
+                loading={"reduced_pressure": pressure},
+                body={"poissons_ratio": 0.33},
+            )
+            del scene["discretisation"]
+            found.append(gfmd_numba.solve(scene | {"numerics": {"solver": solver}}))
+        one, *others = found
+        assert [int(each["status"]) for each in found] == [Status.ok] * 3
+        gradient = float(one["rms_gradient"])
+        for each in found:
+            assert float(each["mean_pressure"]) == pytest.approx(pressure * gradient, rel=1e-7)
+            assert float(each["gap"].min()) == 0.0
+        for other in others:
+            np.testing.assert_array_equal(one["pressure"] > 0, other["pressure"] > 0)
+        if pressure == 100.0:
+            assert (one["pressure"].values > 0).all()
+            waves = np.pi * np.arange(nx // 2 + 1) * grid.coefficients(one["height"].values)
+            exact = pressure * gradient + grid.signal(waves, nx)
+            np.testing.assert_allclose(one["pressure"], exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("nx", [100, 256, 257])
+@pytest.mark.parametrize("height", [0.0, 0.1, 1 / 3, 1e-300, 1e30])
+def test_flat_on_flat_is_refused_whatever_rounding_makes_of_it(tmp_path, nx, height):
+    """The transform of 257 equal heights is not zero but for its mean; it used to be taken for roughness."""
+    np.save(tmp_path / "profile.npy", np.full(nx, height))
+    scene = scene_file(roughness={"method": "measured", "file": str(tmp_path / "profile.npy")})
+    del scene["discretisation"]
+    with pytest.raises(InputError, match="it is flat but for rounding"):
+        gfmd_numba.solve(scene)
+
+
+def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
+    scene = scene_file(roughness={"method": "measured", "file": str(tmp_path / "profile.npy")})
+    del scene["discretisation"]
+    kappas = []
+    for offset, scale in ((0.0, 1.0), (1e4, 1.0), (0.0, 1e-25), (0.0, 1e25)):
+        np.save(tmp_path / "profile.npy", scale * (WAVE + offset))
+        kappas.append(float(gfmd_numba.solve(scene)["kappa"]))
+    np.testing.assert_allclose(kappas, kappas[0], rtol=1e-9)
+    np.save(tmp_path / "profile.npy", WAVE + 1e12)
+    with pytest.raises(InputError, match=r"in heights of up to 1e\+12: it is flat but for rounding"):
+        gfmd_numba.solve(scene)
+
+
+@pytest.mark.parametrize("displacement", [0.002, 0.01, 1.0, 1e10, 1e30])
+def test_an_incompressible_body_needs_room(displacement):
+    """Pushed further than volume is left below the punch, it was said to be in full contact under any pressure."""
+    body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
+    with pytest.raises(InputError, match=r"scene.loading.displacement: given .*at most .*no more room"):
+        gfmd_numba.solve(scene_file(body=body, loading={"displacement": displacement}))
+    steps = {"path": [{"displacement": displacement}]}
+    with pytest.raises(InputError, match=r"path\[0\].displacement: given .*at most .*no more room"):
+        gfmd_numba.solve(scene_file(body=body, loading={"displacement": 1e-4}) | steps)
+
+
+def test_a_member_without_room_does_not_take_the_others_along():
+    heights = self_affine.profiles(0.8, 1, 16, 64, 2, range(4))
+    punch = heights.max(axis=1, keepdims=True) - heights
+    room = punch.mean(axis=1)
+    punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
+    body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
+    result = equilibrate(punch, body, None, Options("conjugate_gradients"))
+    assert result.status.tolist() == [Status.unstable, Status.ok, Status.unstable, Status.ok]
+    volume = result.displacement[1::2].mean(axis=1)
+    np.testing.assert_allclose(volume, 0.0, atol=1e-9 * np.ptp(punch))
+
+
+@pytest.mark.parametrize("nu", [-0.99, 0.0, 0.499999, 0.5])
+@pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e4, 1e30])
+def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
+    """The height of a very tall slab used to overflow where its effect was bounded."""
+    for pressure in (0.05, 100.0):
+        body = {"poissons_ratio": nu, "aspect_ratio": aspect_ratio}
+        result = gfmd_numba.solve(scene_file(body=body, loading={"reduced_pressure": pressure}))
+        assert int(result["status"]) == Status.ok
+        assert float(result["mean_pressure"]) == pytest.approx(pressure * 0.02, rel=1e-7)
+        stretch = aspect_ratio < 1e-3 or (aspect_ratio < 0.1 and nu > 0.4)  # so stiff that it hardly gives way
+        assert bool((result["pressure"].values > 0).all()) == (pressure == 100.0 and not stretch)
+
+
+def test_a_slab_without_a_height_is_refused():
+    """Stiffnesses beyond the range of numbers used to be left out: full contact, and certified."""
+    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: from 1e-12 to 1e30"):
+        gfmd_numba.solve(scene_file(body={"poissons_ratio": 0.5, "aspect_ratio": 1e-300}))
+
+
+def test_unloading_ends_where_loading_began():
+    body = {"poissons_ratio": 0.33, "aspect_ratio": 0.3}
+    steps = [{"displacement": d} for d in (2e-3, 5e-4, 0.0)]
+    path = gfmd_numba.solve(scene_file(body=body, loading={"displacement": 5e-4}) | {"path": steps})
+    assert (path["status"] == Status.ok).all()
+    down, up = path.isel(step=0), path.isel(step=2)
+    np.testing.assert_allclose(up["pressure"], down["pressure"], atol=1e-6 * float(down["pressure"].max()))
+    apart = path.isel(step=3)
+    assert float(apart["contact_area_fraction"]) == 0.0
+    assert not apart["pressure"].any()
+    assert np.isnan(apart["kappa"])
+
+
+def adhesive(work, length, scale=1.0, modulus=1.0, nx_over=1):
+    interface = {"hard_wall": {}, "exponential": {"work_of_adhesion": work * modulus * scale, "range": length * scale}}
+    scene = scene_file(scale, modulus * (1 - 0.33**2), interface=interface)
+    scene["scene"]["body"] = {"poissons_ratio": 0.33, "youngs_modulus": modulus * (1 - 0.33**2)}
+    scene["discretisation"] = {"eps_c": 0.25 / nx_over, "eps_f": 1 / 16, "eps_t": 0.5}
+    return scene
+
+
+@pytest.mark.parametrize(("scale", "modulus"), [(1e-9, 1e-3), (1e3, 1e15)])
+def test_adhesion_knows_no_unit(scale, modulus):
+    plain, other = gfmd_numba.solve(adhesive(1e-4, 0.02)), gfmd_numba.solve(adhesive(1e-4, 0.02, scale, modulus))
+    assert float(other["kappa"]) == pytest.approx(float(plain["kappa"]), rel=1e-12)
+    np.testing.assert_allclose(other["pressure"] / modulus, plain["pressure"], rtol=1e-7, atol=1e-9)
+
+
+def test_a_shorter_range_of_the_same_work_pulls_in_more():
+    """From a range far beyond the roughness, with no effect but a load, down to the grid spacing."""
+    found = [gfmd_numba.solve(adhesive(1e-4, length)) for length in (10.0, 0.1, 0.02, 1 / 256)]
+    assert all(int(each["status"]) == Status.ok for each in found)
+    area = [float(each["contact_area_fraction_counted"]) for each in found]
+    assert area == sorted(area)
+    assert area[0] < 0.2 < area[-1]
+    for each in found:
+        assert float(each["mean_pressure"]) == pytest.approx(0.05 * 0.02, rel=1e-6)
+    with pytest.raises(InputError, match=r"range: given .*at least the grid spacing"):
+        gfmd_numba.solve(adhesive(1e-4, 0.9 / 256))
+
+
+@pytest.mark.parametrize("damping", [0.0, 100.0])
+@pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen"])
+def test_a_badly_damped_run_is_right_or_says_that_it_is_not(damping, solver):
+    numerics = {"solver": solver, "damping": damping, "time_step": 1.0, "max_iterations": 20_000}
+    result = gfmd_numba.solve(scene_file() | {"numerics": numerics})
+    assert int(result["status"]) in (Status.ok, Status.not_converged)
+    if int(result["status"]) == Status.ok:
+        assert float(result["kappa"]) == pytest.approx(float(gfmd_numba.solve(scene_file())["kappa"]), rel=1e-9)
+    else:
+        assert np.isnan(result["kappa"])
+
+
+@pytest.mark.long
+def test_a_million_steps_do_not_move_the_state():
+    heights = self_affine.profiles(0.8, 1, 8, 32, 3, range(1))
+    punch, body = heights.max() - heights, stiffness.half_space(grid.wavenumbers(32))
+    early, late = (
+        equilibrate(punch, body, 0.05, Options("verlet", residual=1e-300, max_iterations=steps))
+        for steps in (10_000, 1_000_000)
+    )
+    np.testing.assert_array_equal(early.touching, late.touching)
+    # its mean is arbitrary in principle, but nothing moves it
+    np.testing.assert_allclose(late.displacement, early.displacement, rtol=0, atol=1e-12 * np.ptp(heights))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("nx", [2**20, 3**12])
+def test_a_million_nodes_are_solved(nx):
+    heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
+    result = press(heights, 0.05, "active_set_newton", residual=1e-7)
+    assert result.pressure.mean() == pytest.approx(0.05, rel=1e-6)
+    coarser = self_affine.profiles(0.8, 2, nx // 64, nx // (2 if nx % 2 == 0 else 3), 1, range(1))
+    coarse = press(coarser, 0.05, "active_set_newton", residual=1e-7)
+    assert result.touching.mean() == pytest.approx(coarse.touching.mean(), rel=0.1)

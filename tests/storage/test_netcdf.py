@@ -1,0 +1,48 @@
+"""Datasets written without a cluster are those that xarray writes."""
+
+import numpy as np
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.storage.atomic_file import netcdf
+from support.command_line import python
+from support.scenes import SCENE
+
+
+def written(dataset, file):
+    file.write_bytes(netcdf(dataset))
+    return file
+
+
+def assert_the_same(file, expected):
+    with xr.open_dataset(file) as one, xr.open_dataset(expected) as other:
+        xr.testing.assert_identical(one, other)
+        for name in one.variables:
+            ours, theirs = ({k: v for k, v in each[name].encoding.items() if k != "source"} for each in (one, other))
+            np.testing.assert_equal(ours, theirs)
+
+
+def test_a_contact_is_written_as_xarray_writes_it(tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    dataset = gfmd_numba.solve(tmp_path / "scene.yaml")
+    dataset.to_netcdf(tmp_path / "expected.nc", engine="netcdf4")
+    assert_the_same(written(dataset, tmp_path / "contact.nc"), tmp_path / "expected.nc")
+
+
+def test_text_flags_and_gaps_are_written_as_xarray_writes_them(tmp_path):
+    dataset = xr.Dataset(
+        {"kappa": (("case", "realisation"), [[1.0, np.nan], [2.0, 3.0]]), "status": ("case", np.int8([0, 2]))},
+        coords={"case_id": ("case", ["a", "bc"]), "reference": ("case", [True, False]), "realisation": [0, 1]},
+        attrs={"title": "κ", "seed": 7, "campaign": "name: x\nseed: 7\n"},
+    )
+    dataset["status"].attrs = {"flag_values": np.int8([0, 2]), "flag_meanings": "ok crashed"}
+    dataset.to_netcdf(tmp_path / "expected.nc", engine="netcdf4")
+    assert_the_same(written(dataset, tmp_path / "campaign.nc"), tmp_path / "expected.nc")
+
+
+def test_writing_starts_no_cluster(tmp_path):
+    script = (
+        "import sys, xarray; from gfmd_numba.storage.atomic_file import netcdf\n"
+        "netcdf(xarray.Dataset({'kappa': ('case', [1.0])})); print('distributed' in sys.modules)"
+    )
+    assert python(script) == "False\n"

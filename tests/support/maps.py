@@ -1,0 +1,35 @@
+"""Rough maps, and a punch of two dimensions pressed on a body."""
+
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+
+HALF_SPACE = ElasticBody(None, None)
+
+
+def body(shape, slab=None):
+    q = grid.magnitudes(shape)
+    return stiffness.half_space(q) if slab is None else stiffness.slab(q, *slab)
+
+
+def press(punch, load, solver="active_set_newton", slab=None):
+    found = equilibrate(punch, body(punch.shape[1:], slab), load, Options(solver))
+    assert (found.status == Status.ok).all()
+    return found
+
+
+def rough(nx, realisations=range(1), hurst=0.8, seed=3):
+    heights = self_affine.maps(hurst, 2, nx // 4, nx, seed, realisations)
+    return heights.max(axis=(1, 2), keepdims=True) - heights
+
+
+def problem(nx=64, load=0.03, cut_off=16, solver="active_set_newton"):
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, cut_off), nx, 7, dimension=2)
+    return Problem(surface, HALF_SPACE, Interactions(hard_wall=True), load, None, Options(solver))

@@ -1,0 +1,82 @@
+"""Made-up results of campaigns whose limit is known, with noise and failures."""
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.campaign.axes import AXES
+
+LEVELS = {
+    "eps_c": [1 / 2, 1 / 4, 1 / 8],
+    "eps_f": [1 / 256, 1 / 512, 1 / 1024, 1 / 2048, 1 / 4096],
+    "eps_t": [1, 1 / 2, 1 / 4, 1 / 8],
+}
+REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
+C = {"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.3}
+ALPHA = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
+TFC = {0.3: 3.0, 0.8: 2.0}
+
+
+def with_axes(dataset):
+    """Dataset whose coordinates have the attributes of the table of axes."""
+    described = dataset.copy()
+    for rank, axis in enumerate(AXES):
+        if axis.coordinate in described.coords:
+            described[axis.coordinate].attrs = {
+                "long_name": axis.long_name,
+                "units": "1",
+                "symbol": axis.symbol,
+                "label": axis.label,
+                "axis": "physics" if axis.forms_groups else "discretisation",
+                "rank": rank,
+            }
+    return described
+
+
+def campaign(hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisations=4):
+    """Noise-free one-at-a-time campaign; alpha may be given per Hurst exponent."""
+    rows = []
+    for hurst in hursts:
+        rows.append((hurst, "reference", REFERENCE))
+        for name, values in levels.items():
+            rows += [(hurst, name, REFERENCE | {name: eps}) for eps in values if eps != REFERENCE[name]]
+    constants = {"poissons_ratio": 0.33, "aspect_ratio": np.inf, "reduced_pressure": 0.007}
+    coords = {name: ("case", np.array([eps[name] for _, _, eps in rows])) for name in LEVELS}
+    coords |= {name: ("case", np.full(len(rows), value)) for name, value in constants.items()}
+    coords["rms_gradient_target"] = ("case", np.full(len(rows), 0.01))
+    coords["hurst"] = ("case", np.array([hurst for hurst, _, _ in rows]))
+    coords["limit"] = ("case", [limit for _, limit, _ in rows])
+    coords["is_reference"] = ("case", [limit == "reference" for _, limit, _ in rows])
+    coords["case_id"] = ("case", [f"case-{index}" for index in range(len(rows))])
+    of = alpha if 0.8 in alpha else dict.fromkeys(hursts, alpha)
+    means = [TFC[h] + sum(c * eps[n] ** of[h][n] for n, c in coefficients.items()) for h, _, eps in rows]
+    kappa = np.repeat(np.array(means)[:, None], realisations, axis=1)
+    dims = ("case", "realisation")
+    variables = {"kappa": (dims, kappa), "status": (dims, np.zeros(kappa.shape, np.int8))}
+    return with_axes(xr.Dataset(variables, coords))
+
+
+def noisy(dataset, rng, spread=0.2, own=0.01):
+    """Paired noise as in real contacts: variance falls with the number of asperities."""
+    n_cases, n = dataset["kappa"].shape
+    size = spread * (2048 * dataset["eps_t"] * dataset["eps_f"]).values[:, None] ** 0.35
+    surfaces = np.stack([dataset["eps_t"], dataset["eps_f"]], axis=-1)
+    _, surface = np.unique(surfaces, axis=0, return_inverse=True)
+    common, of_surface = rng.standard_normal((1, n)), rng.standard_normal((n_cases, n))[surface.ravel()]
+    noise = size * (0.8 * common + 0.6 * of_surface) + own * rng.standard_normal((n_cases, n))
+    return dataset.assign(kappa=dataset["kappa"] + noise)
+
+
+def fails(dataset, **where):
+    """Mark results as crashed, their values garbage."""
+    broken = dataset.copy(deep=True)
+    broken["kappa"][where] = 1e3
+    broken["status"][where] = 5
+    return broken
+
+
+def assert_refused(fit, *fragments):
+    assert (fit["fit_status"] == "refused").all()
+    for name in ("kappa_tfc", "kappa_tfc_error", "kappa_tfc_low", "C", "alpha", "correction", "rms_residual"):
+        assert np.isnan(fit[name]).all(), name
+    for fragment in fragments:
+        assert fragment in fit["message"].values[0]

@@ -8,9 +8,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
 from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
 from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataError, collect
-from gfmd_numba.analysis.tfc import exponent_range
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
@@ -144,42 +144,40 @@ def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
 
 
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
-    ranges = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
+    given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
     found = []
     for group in collect(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if len(values) < _FEWEST or not group.levels:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], ranges))
+        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
     return found
 
 
-def _ensemble(
-    group: Group, values: Array, level: NDArray[np.intp], ranges: Mapping[str, tuple[float, float]]
-) -> _Ensemble:
+def _ensemble(group: Group, values: Array, level: NDArray[np.intp], given: Given) -> _Ensemble:
     names = list(group.levels)
     log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
     block = whitened(values, log_ratio, np.arange(len(names)))
-    ends = np.array([ranges.get(name, (np.nan, np.nan)) for name in names])
-    alpha = best_fit([block], ends)
+    ranges = Ranges.of(names, given)
+    alpha = best_fit([block], ranges)
     beta = project([block], alpha)[2][0]
     powers = np.exp(log_ratio * alpha)
-    unsure = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    unsure = np.flatnonzero(~ranges.exact)
     covariance, n = covariance_of_levels(values), len(values)
     columns = np.column_stack([np.ones(len(powers)), powers])
     # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
     scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
-    width = ends[unsure, 1] - ends[unsure, 0]
     return _Ensemble(
-        covariance,
-        columns,
-        (log_ratio * powers)[:, unsure],
-        np.hypot(beta, np.sqrt(scatter))[1 + unsure],
-        1 + unsure,
-        np.nan_to_num(12.0 / width**2),  # of a uniform distribution
-        level,
-        float(beta[0]),
-        float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),  # levels' shares are chosen by it, too
+        covariance=covariance,
+        columns=columns,
+        slopes=(log_ratio * powers)[:, unsure],
+        corrections=np.hypot(beta, np.sqrt(scatter))[1 + unsure],
+        correction=1 + unsure,
+        known=np.nan_to_num(12.0 / ranges.width[unsure] ** 2),  # of a uniform distribution
+        level=level,
+        kappa=float(beta[0]),
+        # levels' shares are chosen by it, too
+        doubt=float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),
     )
 
 
@@ -278,11 +276,11 @@ def _described(choice: _Choice, counts: Array) -> Design:
         levels.setdefault(name, {})[eps] = int(count)
     used = counts > 0
     return Design(
-        int(counts[0]),
-        levels,
-        total,
-        sampling,
-        float(np.sqrt(relief["exponents"])),
-        float(counts[used] @ choice.price[used]),
-        max(relief, key=lambda name: relief[name]),
+        reference=int(counts[0]),
+        levels=levels,
+        error=total,
+        sampling=sampling,
+        exponents=float(np.sqrt(relief["exponents"])),
+        seconds=float(counts[used] @ choice.price[used]),
+        limiting=max(relief, key=lambda name: relief[name]),
     )

@@ -17,6 +17,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 from scipy.special import expit
 
+from gfmd_numba.analysis.exponents import Ranges
 from gfmd_numba.analysis.selection import Array
 
 BOUNDS = (0.1, 5.0)
@@ -149,35 +150,34 @@ def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[A
     return np.concatenate(residuals), np.concatenate(jacobians), coefficients
 
 
-def best_fit(blocks: Sequence[Block], ends: Array) -> Array:
+def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Array:
     """Return the exponents with the least sum of squares, the free ones searched from several starts.
 
-    `ends` (limit, 2) are those of the range of each exponent: equal, nan for a free one, or of a range, within which
-    an exponent is searched that is known to be in it, its middle the best guess.
+    An exponent known to lie in a range is searched within it, the middle its best guess.
     """
-    free = np.flatnonzero(np.isnan(ends[:, 0]))
+    free = ranges.free
     found = []
     for start in product(_STARTS, repeat=free.size):
-        trial = ends.mean(axis=1)
+        trial = ranges.middle
         trial[free] = start
-        found.append(search(blocks, trial, ends, trial))
+        found.append(search(blocks, trial, ranges, trial))
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Array, ends: Array, guess: Array) -> tuple[Array, float]:
-    """Return the exponents (those not exact start from alpha, stay between their ends) and the sum of squares.
+def search(blocks: Sequence[Block], alpha: Array, ranges: Ranges, guess: Array) -> tuple[Array, float]:
+    """Return the exponents (those not exact start from alpha, stay in their ranges) and the sum of squares.
 
     The distance of an exponent known to a range from its guess counts in the sum, over the range's variance: guesses
     drawn from the range, beside data drawn from the sample, give the distribution of the exponent (Bardsley, Solonen,
     Haario & Laine 2014).
     """
-    moving = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    moving = np.flatnonzero(~ranges.exact)
     if not moving.size:
         return alpha, 0.0
-    known = np.isfinite(ends[moving, 0])
-    low, high = np.where(known[:, np.newaxis], ends[moving], BOUNDS).T
+    known = np.isfinite(ranges.low[moving])
+    low, high = (np.where(known, *each) for each in zip((ranges.low[moving], ranges.high[moving]), BOUNDS, strict=True))
     span = np.log(high / low)
-    certainty = np.where(known, np.sqrt(12.0) / (high - low), 0.0)  # a uniform distribution's
+    certainty = ranges.certainty[moving]
 
     def exponents(position: Array) -> Array:
         trial = alpha.copy()

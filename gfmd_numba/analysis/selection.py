@@ -185,11 +185,20 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
             "the area is that of the grid, not of the surface; take a finer eps_c or a higher pressure"
         )
-    position = cases["_position"].values[kept]
-    seconds = float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan
-    left = _residual_error(cases, variable)[kept]
     return Group(
-        parameters, position, values, complete, asked, levels, reference, mean, error, n_excluded, left, seconds, notes
+        parameters=parameters,
+        cases=cases["_position"].values[kept],
+        values=values,
+        complete=complete,
+        asked=asked,
+        levels=levels,
+        reference=reference,
+        reference_mean=mean,
+        reference_error=error,
+        n_excluded=n_excluded,
+        residual_error=_residual_error(cases, variable)[kept],
+        seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
+        notes=notes,
     )
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from gfmd_numba.analysis.exponents import Ranges
 from gfmd_numba.analysis.least_squares import Block, project, search
-from gfmd_numba.analysis.selection import LIMITS, Array
+from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.arrays import Reals
 
 SOURCES = (*LIMITS, "sampling", "residual")
 _POINTS = 8  # of a quadrature over the range of an exponent, in which kappa_tfc is nearly linear
@@ -15,10 +16,10 @@ _POINTS = 8  # of a quadrature over the range of an exponent, in which kappa_tfc
 def error_budget(
     blocks: Sequence[Block],
     ranges: Ranges,
-    alpha: Array,
-    sampling: Array,
-    residuals: Sequence[Array],
-) -> Array:
+    alpha: Reals,
+    sampling: Reals,
+    residuals: Sequence[Reals],
+) -> Reals:
     """Return what each of `SOURCES` adds to the error of kappa_tfc (group, source), nan for limits not varied.
 
     A limit: the standard deviation as the guess of its exponent goes over its range, others in the middle of
@@ -43,12 +44,12 @@ def error_budget(
     return budget
 
 
-def limits(blocks: Sequence[Block], alpha: Array) -> list[float]:
+def limits(blocks: Sequence[Block], alpha: Reals) -> list[float]:
     """Return kappa_tfc of each block at given exponents."""
     return [float(beta[0]) for beta in project(blocks, alpha)[2]]
 
 
-def _weights(block: Block, ranges: Ranges, alpha: Array) -> Array:
+def _weights(block: Block, ranges: Ranges, alpha: Reals) -> Reals:
     """Return how much of each case's mean enters kappa_tfc, exponents that are searched for moving along."""
     powers = np.exp(block.log_ratio * alpha[block.limits])
     slopes = block.log_ratio * powers * project([block], alpha)[2][0][1:]

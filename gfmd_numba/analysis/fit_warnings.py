@@ -7,7 +7,8 @@ import numpy as np
 from gfmd_numba.analysis.estimates import Estimates
 from gfmd_numba.analysis.exponents import Given, Ranges
 from gfmd_numba.analysis.least_squares import BOUNDS, Block, project
-from gfmd_numba.analysis.selection import LIMITS, Array, Group, fractions
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions
+from gfmd_numba.arrays import Reals
 
 _PRESSED = 0.05  # of a range: the median of an exponent that the data do not know lies in its middle
 _STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
@@ -40,7 +41,7 @@ def doubtful(
     groups: Sequence[Group],
     blocks: Sequence[Block],
     ranges: Ranges,
-    alpha: Array,
+    alpha: Reals,
     low: Estimates,
     high: Estimates,
 ) -> dict[str, str]:
@@ -70,7 +71,7 @@ def doubtful(
     return doubt
 
 
-def pressed(ranges: Ranges, alpha: Array) -> list[str]:
+def pressed(ranges: Ranges, alpha: Reals) -> list[str]:
     """Return a line for each exponent (replicate, limit) that the data press against the low end of its range."""
     lines = []
     for name, low, high in zip(ranges.names, ranges.low, ranges.high, strict=True):

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from scipy.special import expit
 
 from gfmd_numba.analysis.exponents import Ranges
-from gfmd_numba.analysis.selection import Array
+from gfmd_numba.arrays import Reals
 
 BOUNDS = (0.1, 5.0)
 
@@ -30,13 +30,13 @@ _STARTS = (0.5, 2.0)
 class Block:
     """One group's whitened problem: minimise |whitener (means - [1, exp(log_ratio alpha)] beta)|."""
 
-    means: Array
-    whitener: Array
-    log_ratio: Array  # (case, varied limit)
+    means: Reals
+    whitener: Reals
+    log_ratio: Reals  # (case, varied limit)
     limits: NDArray[np.intp]  # index of each varied limit in the vector of exponents
 
 
-def whitened(values: Array, log_ratio: Array, limits: NDArray[np.intp]) -> Block:
+def whitened(values: Reals, log_ratio: Reals, limits: NDArray[np.intp]) -> Block:
     """Return the block of a group's values (realisation, case), nan where a case was not asked of a realisation."""
     means, covariance = best_means(values, covariance_of_one(values))
     lower = np.linalg.cholesky(covariance)
@@ -44,7 +44,7 @@ def whitened(values: Array, log_ratio: Array, limits: NDArray[np.intp]) -> Block
     return Block(means, whitener, log_ratio, limits)
 
 
-def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
+def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     """Return the least-variance means of the cases (Gauss-Markov) and their covariance.
 
     Realisations that only the cheaper cases have improve the dearer ones through the covariance of the two: for
@@ -65,7 +65,7 @@ def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
     return variance @ total, (variance + variance.T) / 2
 
 
-def covariance_of_one(values: Array) -> Array:
+def covariance_of_one(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation's values, nan where there are none.
 
     Complete, it is the shrunk one; with cases of few realisations among others of many, the tree.
@@ -77,12 +77,12 @@ def covariance_of_one(values: Array) -> Array:
     return _shrunk(centred) if present.all() else _tree(centred, present)
 
 
-def covariance_of_levels(values: Array) -> Array:
+def covariance_of_levels(values: Reals) -> Reals:
     """Return the covariance (case, case) of one of the complete realisations by which a ragged design is fitted."""
     return _tree(values - values.mean(axis=0), np.isfinite(values))
 
 
-def _shrunk(centred: Array) -> Array:
+def _shrunk(centred: Reals) -> Reals:
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)
     own = centred - centred.mean(axis=1, keepdims=True)
@@ -94,7 +94,7 @@ def _shrunk(centred: Array) -> Array:
     return np.asarray(weight * sample + (1 - weight) * (np.diag(residual) + between))
 
 
-def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
+def _tree(centred: Reals, present: NDArray[np.bool_]) -> Reals:
     """Return the covariance in which each case knows the others only through its closest one (Chow and Liu 1968).
 
     Slopes come from the realisations that two cases share, so that dear levels with few of them follow cheap ones.
@@ -119,7 +119,7 @@ def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
     return tree
 
 
-def _spanned(correlation: Array, counts: Array) -> tuple[list[int], list[int]]:
+def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
     """Return the cases, those of many realisations first, and the most correlated earlier one of all but the first."""
     order, closest = [int(counts.argmax())], []
     left = set(range(len(counts))) - set(order)
@@ -133,7 +133,7 @@ def _spanned(correlation: Array, counts: Array) -> tuple[list[int], list[int]]:
     return order, closest
 
 
-def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[Array]]:
+def project(blocks: Sequence[Block], alpha: Reals) -> tuple[Reals, Reals, list[Reals]]:
     """Return residuals, their derivative to alpha (Kaufman 1975) and each block's coefficients."""
     residuals, jacobians, coefficients = [], [], []
     for block in blocks:
@@ -150,7 +150,7 @@ def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[A
     return np.concatenate(residuals), np.concatenate(jacobians), coefficients
 
 
-def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Array:
+def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Reals:
     """Return the exponents with the least sum of squares, the free ones searched from several starts.
 
     An exponent known to lie in a range is searched within it, the middle its best guess.
@@ -164,7 +164,7 @@ def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Array:
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Array, ranges: Ranges, guess: Array) -> tuple[Array, float]:
+def search(blocks: Sequence[Block], alpha: Reals, ranges: Ranges, guess: Reals) -> tuple[Reals, float]:
     """Return the exponents (those not exact start from alpha, stay in their ranges) and the sum of squares.
 
     The distance of an exponent known to a range from its guess counts in the sum, over the range's variance: guesses
@@ -179,19 +179,19 @@ def search(blocks: Sequence[Block], alpha: Array, ranges: Ranges, guess: Array) 
     span = np.log(high / low)
     certainty = ranges.certainty[moving]
 
-    def exponents(position: Array) -> Array:
+    def exponents(position: Reals) -> Reals:
         trial = alpha.copy()
         trial[moving] = low * np.exp(span * expit(position.clip(-20, 20)))
         return trial
 
-    def residuals(position: Array) -> Array:
+    def residuals(position: Reals) -> Reals:
         trial = exponents(position)
         return np.concatenate([project(blocks, trial)[0], np.where(known, certainty * (trial - guess)[moving], 0.0)])
 
-    def jacobian(position: Array) -> Array:
+    def jacobian(position: Reals) -> Reals:
         trial = exponents(position)
         inside = expit(position.clip(-20, 20))
-        slope: Array = trial[moving] * span * inside * (1 - inside)
+        slope: Reals = trial[moving] * span * inside * (1 - inside)
         return np.concatenate([project(blocks, trial)[1][:, moving], np.diag(certainty)]) * slope
 
     fraction = (np.log(alpha[moving] / low) / span).clip(1e-3, 1 - 1e-3)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
@@ -29,15 +29,15 @@ class Group:
 
     parameters: dict[str, float]
     cases: NDArray[np.intp]  # where its cases stand in the dataset
-    values: Array  # (realisation, case)
+    values: Reals  # (realisation, case)
     complete: NDArray[np.bool_]  # realisations that are good in every case asked of them
     asked: NDArray[np.bool_]  # (realisation, case)
-    levels: dict[str, Array]  # of the limits that are varied
+    levels: dict[str, Reals]  # of the limits that are varied
     reference: dict[str, float]  # its discretisation
     reference_mean: float
     reference_error: float
     n_excluded: int
-    residual_error: Array  # of each case's mean by the solver's residual, nan if the dataset does not tell
+    residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
     notes: list[str]
 
@@ -51,7 +51,7 @@ class Group:
         """Number of cases."""
         return int(self.values.shape[1])
 
-    def log_ratio(self, limit: str) -> Array:
+    def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""
         return np.log(self.levels[limit] / self.reference[limit])
 
@@ -87,7 +87,7 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
 
 
-def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
+def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
     usable = good(cases, variable).values
     values = cases[variable].transpose("case", "realisation").values.astype(float)
@@ -108,7 +108,7 @@ def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]
         yield dict(zip(names, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
 
 
-def table(dataset: xr.Dataset, names: Sequence[str]) -> Array:
+def table(dataset: xr.Dataset, names: Sequence[str]) -> Reals:
     """Return the values (case, name) of parameters."""
     return np.stack([dataset[name].values.astype(float) for name in names], axis=-1)
 
@@ -118,7 +118,7 @@ def key(parameters: dict[str, float]) -> tuple[float, ...]:
     return tuple(nan if isnan(value) else value for value in parameters.values())
 
 
-def fractions(levels: Array) -> str:
+def fractions(levels: Reals) -> str:
     """Return levels from coarse to fine, written as fractions."""
     return ", ".join(str(Fraction(float(level)).limit_denominator(10**6)) for level in np.unique(levels)[::-1])
 
@@ -202,7 +202,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     )
 
 
-def _residual_error(cases: xr.Dataset, variable: str) -> Array:
+def _residual_error(cases: xr.Dataset, variable: str) -> Reals:
     """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
     if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
         return np.full(cases.sizes["case"], nan)

@@ -29,7 +29,8 @@ from gfmd_numba.analysis.fit_warnings import (
     shortage,
 )
 from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import LIMITS, Array, Group, collect, processor_time
+from gfmd_numba.analysis.selection import LIMITS, Group, collect, processor_time
+from gfmd_numba.arrays import Reals
 
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
 
@@ -144,14 +145,14 @@ def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
     return "\n".join([*reasons, advice(doubt)])
 
 
-def _block(group: Group, values: Array, names: Sequence[str]) -> Block:
+def _block(group: Group, values: Reals, names: Sequence[str]) -> Block:
     log_ratio = np.stack([group.log_ratio(name) for name in group.levels], axis=-1)
     return whitened(values, log_ratio, np.array([names.index(name) for name in group.levels]))
 
 
 def _bootstrap(
-    groups: Sequence[Group], ranges: Ranges, alpha: Array, number: int, seed: int
-) -> tuple[Estimates, Array]:
+    groups: Sequence[Group], ranges: Ranges, alpha: Reals, number: int, seed: int
+) -> tuple[Estimates, Reals]:
     """Return the estimates (replicate, group, ...) from realisations drawn for all groups alike, or nan.
 
     And those of kappa_tfc (replicate, group) where the guess of an exponent is always the middle of its range.
@@ -184,7 +185,7 @@ def _bootstrap(
     return estimates, kappa
 
 
-def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Array) -> Estimates:
+def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Reals) -> Estimates:
     """Return the parameters (group) at given exponents."""
     found = Estimates.unknown(len(groups))
     coefficients = project(blocks, alpha)[2]
@@ -198,7 +199,7 @@ def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Array) -
     return found
 
 
-def _misfit(group: Group, block: Block, alpha: Array) -> tuple[float, float]:
+def _misfit(group: Group, block: Block, alpha: Reals) -> tuple[float, float]:
     """Return the rms residual of a group's means, and their chi^2, nan of a single realisation."""
     residual, _, (beta,) = project([block], alpha)
     misfit = block.means - beta[0] - np.exp(block.log_ratio * alpha[block.limits]) @ beta[1:]

@@ -107,7 +107,7 @@ AXES = (
         "d",
         "$d$",
         PUNCH_DISPLACEMENT,
-        "height",
+        unit="height",
         coordinate_name="punch_displacement",
     ),
     Axis(
@@ -125,7 +125,7 @@ AXES = (
         "w",
         r"$\Delta\gamma$",
         "energy per area of the exponential law at zero gap, above 0 attractive",
-        "energy",
+        unit="energy",
     ),
     Axis(
         "interaction_range",
@@ -134,7 +134,7 @@ AXES = (
         "z_r",
         "$z_r$",
         "range of the exponential law",
-        "height",
+        unit="height",
     ),
     Axis("eps_c", EpsC, (), "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", forms_groups=False),
     Axis("eps_f", EpsF, (), "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", forms_groups=False),

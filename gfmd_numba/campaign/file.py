@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from math import inf, prod
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -109,6 +109,18 @@ class Fit(BaseModel):
     fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
 
 
+class Level(NamedTuple):
+    """A discretisation of a campaign, None if surfaces have points of their own, and how many surfaces it takes.
+
+    `locations` says where its values stand in the file, `limit` which of them differs from the reference.
+    """
+
+    discretisation: Discretisation | None
+    locations: dict[str, Location]
+    limit: str | None
+    realisations: int
+
+
 class Campaign(BaseModel):
     """Grid product of cases, each at the reference and along its limits, times realisations."""
 
@@ -142,10 +154,10 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._limit_values()))
 
-    def discretisations(self) -> Iterator[tuple[Discretisation | None, dict[str, Location], str | None, int]]:
-        """Each discretisation, where its values stand in the file, its limit or None, and its surfaces."""
+    def discretisations(self) -> Iterator[Level]:
+        """Each discretisation: the references, each followed by its limits' levels."""
         if self.reference is None:
-            yield None, {}, None, self.realisations.reference
+            yield Level(None, {}, None, self.realisations.reference)
             return
         choices: list[list[tuple[float, Location]]] = []
         for axis in DISCRETISATIONS:
@@ -158,11 +170,11 @@ class Campaign(BaseModel):
         for chosen in product(*choices):
             eps = {axis: value for axis, (value, _) in zip(DISCRETISATIONS, chosen, strict=True)}
             locations = {axis: location for axis, (_, location) in zip(DISCRETISATIONS, chosen, strict=True)}
-            yield Discretisation(**eps), locations, None, self.realisations.reference
+            yield Level(Discretisation(**eps), locations, None, self.realisations.reference)
             for axis, i, value in self._limit_values():
                 location: Location = ("limits", axis, i)
                 surfaces = self.realisations.of(axis, i)
-                yield Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
+                yield Level(Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces)
 
     def _limit_values(self) -> Iterator[tuple[str, int, float]]:
         for axis, values in self.limits:

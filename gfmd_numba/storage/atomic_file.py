@@ -70,7 +70,7 @@ def netcdf(dataset: xr.Dataset) -> memoryview:
 
     file = netCDF4.Dataset("in memory", "w", memory=1)
     try:
-        dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+        dataset.dump_to_store(NetCDF4DataStore(file))
     finally:
         content: memoryview = file.close()
     return content

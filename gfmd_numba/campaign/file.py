@@ -20,6 +20,7 @@ from gfmd_numba.scene.surfaces import Measured, misfit
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
+LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
 
 EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
 
@@ -145,7 +146,10 @@ class Campaign(BaseModel):
         None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
     )
     case_timeout: float | None = Field(
-        None, gt=0, description="Seconds after which a block of realisations of a case is given up; None: never"
+        None,
+        gt=0,
+        le=LONGEST_TIMEOUT,
+        description="Seconds after which a block of realisations of a case is given up, up to 30 days; None: never",
     )
 
     @property

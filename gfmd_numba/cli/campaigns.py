@@ -121,10 +121,10 @@ def _show_endings(dataset: xr.Dataset) -> None:
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
-    from gfmd_numba.storage.atomic_file import is_ours
+    from gfmd_numba.storage.mark import may_be_replaced
 
     try:
-        if picture.exists() and not is_ours(picture):
+        if not may_be_replaced(picture):
             click.echo(f"note     {picture} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
         else:
             draw(dataset, fitted, picture)

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
 from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
-from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, collect
+from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
 from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
@@ -147,7 +147,7 @@ def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
     given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
     found = []
-    for group in collect(pilot, variable, omit_nyquist=True):
+    for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if len(values) < _FEWEST or not group.levels:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")

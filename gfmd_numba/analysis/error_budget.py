@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gfmd_numba.analysis.exponents import Ranges
-from gfmd_numba.analysis.least_squares import Block, project, search
+from gfmd_numba.analysis.least_squares import WhitenedGroup, project, search
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 
@@ -14,7 +14,7 @@ _POINTS = 8  # of a quadrature over the range of an exponent, in which kappa_tfc
 
 
 def error_budget(
-    blocks: Sequence[Block],
+    blocks: Sequence[WhitenedGroup],
     ranges: Ranges,
     alpha: Reals,
     sampling: Reals,
@@ -44,12 +44,12 @@ def error_budget(
     return budget
 
 
-def limits(blocks: Sequence[Block], alpha: Reals) -> list[float]:
+def limits(blocks: Sequence[WhitenedGroup], alpha: Reals) -> list[float]:
     """Return kappa_tfc of each block at given exponents."""
     return [float(beta[0]) for beta in project(blocks, alpha)[2]]
 
 
-def _weights(block: Block, ranges: Ranges, alpha: Reals) -> Reals:
+def _weights(block: WhitenedGroup, ranges: Ranges, alpha: Reals) -> Reals:
     """Return how much of each case's mean enters kappa_tfc, exponents that are searched for moving along."""
     powers = np.exp(block.log_ratio * alpha[block.limits])
     slopes = block.log_ratio * powers * project([block], alpha)[2][0][1:]

@@ -6,7 +6,7 @@ import numpy as np
 
 from gfmd_numba.analysis.estimates import Estimates
 from gfmd_numba.analysis.exponents import Given, Ranges
-from gfmd_numba.analysis.least_squares import BOUNDS, Block, project
+from gfmd_numba.analysis.least_squares import BOUNDS, WhitenedGroup, project
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 
@@ -39,7 +39,7 @@ def shortage(groups: Sequence[Group], given: Given) -> str:
 
 def doubtful(
     groups: Sequence[Group],
-    blocks: Sequence[Block],
+    blocks: Sequence[WhitenedGroup],
     ranges: Ranges,
     alpha: Reals,
     low: Estimates,

@@ -27,7 +27,7 @@ _STARTS = (0.5, 2.0)
 
 
 @dataclass(frozen=True)
-class Block:
+class WhitenedGroup:
     """One group's whitened problem: minimise |whitener (means - [1, exp(log_ratio alpha)] beta)|."""
 
     means: Reals
@@ -36,12 +36,12 @@ class Block:
     limits: NDArray[np.intp]  # index of each varied limit in the vector of exponents
 
 
-def whitened(values: Reals, log_ratio: Reals, limits: NDArray[np.intp]) -> Block:
+def whitened(values: Reals, log_ratio: Reals, limits: NDArray[np.intp]) -> WhitenedGroup:
     """Return the block of a group's values (realisation, case), nan where a case was not asked of a realisation."""
     means, covariance = best_means(values, covariance_of_one(values))
     lower = np.linalg.cholesky(covariance)
     whitener = solve_triangular(lower, np.eye(len(lower)), lower=True)
-    return Block(means, whitener, log_ratio, limits)
+    return WhitenedGroup(means, whitener, log_ratio, limits)
 
 
 def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
@@ -133,7 +133,7 @@ def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
     return order, closest
 
 
-def project(blocks: Sequence[Block], alpha: Reals) -> tuple[Reals, Reals, list[Reals]]:
+def project(blocks: Sequence[WhitenedGroup], alpha: Reals) -> tuple[Reals, Reals, list[Reals]]:
     """Return residuals, their derivative to alpha (Kaufman 1975) and each block's coefficients."""
     residuals, jacobians, coefficients = [], [], []
     for block in blocks:
@@ -150,7 +150,7 @@ def project(blocks: Sequence[Block], alpha: Reals) -> tuple[Reals, Reals, list[R
     return np.concatenate(residuals), np.concatenate(jacobians), coefficients
 
 
-def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Reals:
+def best_fit(blocks: Sequence[WhitenedGroup], ranges: Ranges) -> Reals:
     """Return the exponents with the least sum of squares, the free ones searched from several starts.
 
     An exponent known to lie in a range is searched within it, the middle its best guess.
@@ -164,7 +164,7 @@ def best_fit(blocks: Sequence[Block], ranges: Ranges) -> Reals:
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Reals, ranges: Ranges, guess: Reals) -> tuple[Reals, float]:
+def search(blocks: Sequence[WhitenedGroup], alpha: Reals, ranges: Ranges, guess: Reals) -> tuple[Reals, float]:
     """Return the exponents (those not exact start from alpha, stay in their ranges) and the sum of squares.
 
     The distance of an exponent known to a range from its guess counts in the sum, over the range's variance: guesses

@@ -123,7 +123,7 @@ def fractions(levels: Reals) -> str:
     return ", ".join(str(Fraction(float(level)).limit_denominator(10**6)) for level in np.unique(levels)[::-1])
 
 
-def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
+def groups_to_fit(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
     """Return the groups, cases that mostly failed left out; UnusableDataError without such a variable."""
     usable = good(dataset, variable)
     dataset = dataset.assign({variable: dataset[variable].where(usable)})

@@ -28,8 +28,8 @@ from gfmd_numba.analysis.fit_warnings import (
     realisations,
     shortage,
 )
-from gfmd_numba.analysis.least_squares import Block, best_fit, project, search, whitened
-from gfmd_numba.analysis.selection import LIMITS, Group, collect, processor_time
+from gfmd_numba.analysis.least_squares import WhitenedGroup, best_fit, project, search, whitened
+from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, processor_time
 from gfmd_numba.arrays import Reals
 
 MODEL = "kappa = kappa_tfc + sum_i C_i eps_i^alpha_i, i in (c, f, t)  [thesis (4.3)]"
@@ -64,7 +64,7 @@ def fit_tfc(
     if type(bootstrap) is not int or bootstrap < 0 or type(seed) is not int or seed < 0:
         raise ValueError(f"bootstrap and seed are whole numbers of at least 0, not {bootstrap!r} and {seed!r}")
     given = {limit: exponent_range(limit, value) for limit, value in (fixed or {}).items()}
-    members = collect(dataset, variable, omit_nyquist)
+    members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
         fits = [fit for family in families for fit in _fit_family(family, given, bootstrap, seed)]
@@ -145,7 +145,7 @@ def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
     return "\n".join([*reasons, advice(doubt)])
 
 
-def _block(group: Group, values: Reals, names: Sequence[str]) -> Block:
+def _block(group: Group, values: Reals, names: Sequence[str]) -> WhitenedGroup:
     log_ratio = np.stack([group.log_ratio(name) for name in group.levels], axis=-1)
     return whitened(values, log_ratio, np.array([names.index(name) for name in group.levels]))
 
@@ -185,7 +185,7 @@ def _bootstrap(
     return estimates, kappa
 
 
-def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Reals) -> Estimates:
+def _estimates(groups: Sequence[Group], blocks: Sequence[WhitenedGroup], alpha: Reals) -> Estimates:
     """Return the parameters (group) at given exponents."""
     found = Estimates.unknown(len(groups))
     coefficients = project(blocks, alpha)[2]
@@ -199,7 +199,7 @@ def _estimates(groups: Sequence[Group], blocks: Sequence[Block], alpha: Reals) -
     return found
 
 
-def _misfit(group: Group, block: Block, alpha: Reals) -> tuple[float, float]:
+def _misfit(group: Group, block: WhitenedGroup, alpha: Reals) -> tuple[float, float]:
     """Return the rms residual of a group's means, and their chi^2, nan of a single realisation."""
     residual, _, (beta,) = project([block], alpha)
     misfit = block.means - beta[0] - np.exp(block.log_ratio * alpha[block.limits]) @ beta[1:]

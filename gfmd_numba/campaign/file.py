@@ -110,7 +110,7 @@ class Fit(BaseModel):
     fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
 
 
-class Level(NamedTuple):
+class PlacedDiscretisation(NamedTuple):
     """A discretisation of a campaign, None if surfaces have points of their own, and how many surfaces it takes.
 
     `locations` says where its values stand in the file, `limit` which of them differs from the reference.
@@ -158,10 +158,10 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._limit_values()))
 
-    def discretisations(self) -> Iterator[Level]:
+    def discretisations(self) -> Iterator[PlacedDiscretisation]:
         """Each discretisation: the references, each followed by its limits' levels."""
         if self.reference is None:
-            yield Level(None, {}, None, self.realisations.reference)
+            yield PlacedDiscretisation(None, {}, None, self.realisations.reference)
             return
         choices: list[list[tuple[float, Location]]] = []
         for axis in DISCRETISATIONS:
@@ -174,11 +174,13 @@ class Campaign(BaseModel):
         for chosen in product(*choices):
             eps = {axis: value for axis, (value, _) in zip(DISCRETISATIONS, chosen, strict=True)}
             locations = {axis: location for axis, (_, location) in zip(DISCRETISATIONS, chosen, strict=True)}
-            yield Level(Discretisation(**eps), locations, None, self.realisations.reference)
+            yield PlacedDiscretisation(Discretisation(**eps), locations, None, self.realisations.reference)
             for axis, i, value in self._limit_values():
                 location: Location = ("limits", axis, i)
                 surfaces = self.realisations.of(axis, i)
-                yield Level(Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces)
+                yield PlacedDiscretisation(
+                    Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
+                )
 
     def _limit_values(self) -> Iterator[tuple[str, int, float]]:
         for axis, values in self.limits:

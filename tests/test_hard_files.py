@@ -17,7 +17,8 @@ from test_campaign import campaign
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.file import Values, load_campaign
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.campaign.grid import Values
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.status import progress

@@ -3,17 +3,18 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from math import inf, prod
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from math import prod
+from typing import Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.grid import Grid, Values, check_grid, values_of, varied_scenes
+from gfmd_numba.campaign.grid import Grid, check_grid, values_of, varied_scenes
+from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
 from gfmd_numba.campaign.source import Source, campaign_document, written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.surfaces import Measured, misfit
@@ -21,84 +22,6 @@ from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
-
-EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
-
-
-def _exponent(given: Any) -> float | tuple[float, float]:
-    ends = given if isinstance(given, list | tuple) else (given, given)
-    numbers = len(ends) == 2 and all(type(end) in (int, float) for end in ends)
-    if not numbers or not 0 < ends[0] <= ends[1] < inf:
-        raise ValueError(EXPONENT)
-    return (float(ends[0]), float(ends[1])) if isinstance(given, list | tuple) else float(given)
-
-
-# checked before the union of types, which would tell every fault twice
-Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), WithJsonSchema({"allowed": EXPONENT})]
-
-
-Count = Annotated[int, Field(ge=1, le=1_000_000, description="Random surfaces per case")]
-COUNT = "a whole number from 1 to 1000000, or a mapping of such with the key reference and any of eps_c, eps_f, eps_t"
-COUNTS = "a whole number from 1 to 1000000, or a list of such, one for each level of the limit (0: left out)"
-
-
-def _counts(given: Any) -> int | tuple[int, ...]:
-    listed = isinstance(given, list | tuple)
-    numbers = given if listed else [given]
-    if not numbers or not all(type(n) is int and (0 if listed else 1) <= n <= 1_000_000 for n in numbers):
-        raise ValueError(COUNTS)
-    return tuple(numbers) if listed else int(given)
-
-
-Counts = Annotated[int | tuple[int, ...], BeforeValidator(_counts), WithJsonSchema({"allowed": COUNTS})]
-
-
-class Realisations(BaseModel):
-    """Random surfaces of each case, by its limit or level; a limit left out has as many as the reference."""
-
-    model_config = RECORD
-    reference: Count = Field(description="Random surfaces of each case at the reference")
-    eps_c: Counts | None = Field(None, description="Random surfaces of each case of the continuum limit")
-    eps_f: Counts | None = Field(None, description="Random surfaces of each case of the fractal limit")
-    eps_t: Counts | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
-
-    def of(self, limit: str, level: int) -> int:
-        """Number for the cases at a level of a limit, counted as the campaign lists them."""
-        given: int | tuple[int, ...] | None = getattr(self, limit)
-        return given[level] if isinstance(given, tuple) else given or self.reference
-
-
-def _realisations(given: Any) -> Any:
-    if isinstance(given, dict | Realisations):
-        return given
-    if type(given) is not int or not 1 <= given <= 1_000_000:
-        raise ValueError(COUNT)
-    return {"reference": given}
-
-
-_Realisations = Annotated[
-    Realisations,
-    BeforeValidator(_realisations),
-    WithJsonSchema(Realisations.model_json_schema() | {"type": ["integer", "object"], "allowed": COUNT}),
-]
-
-
-class Limits(BaseModel):
-    """Discretisations (dimensionless) taken one at a time around the reference."""
-
-    model_config = RECORD
-    eps_c: Values[EpsC] | None = Field(None, description="Continuum limit (dimensionless)")
-    eps_f: Values[EpsF] | None = Field(None, description="Fractal limit (dimensionless)")
-    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic limit (dimensionless)")
-
-
-class FixedExponents(BaseModel):
-    """Exponents (dimensionless) that the fit does not search: a value, or the range it lies in."""
-
-    model_config = RECORD
-    eps_c: Exponent | None = Field(None, description="Exponent of eps_c or its range (dimensionless)")
-    eps_f: Exponent | None = Field(None, description="Exponent of eps_f or its range (dimensionless)")
-    eps_t: Exponent | None = Field(None, description="Exponent of eps_t or its range (dimensionless)")
 
 
 class Fit(BaseModel):
@@ -133,7 +56,7 @@ class Campaign(BaseModel):
         json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
     )
     seed: Seed
-    realisations: _Realisations = Field(description="Random surfaces of each case, a number or one for each limit")
+    realisations: NumberOfSurfaces = Field(description="Random surfaces of each case, a number or one for each limit")
     scene: Scene = Field(description="What is in contact")
     reference: Discretisation | None = Field(
         None, description="Discretisation around which the limits are taken; None: surfaces have points of their own"

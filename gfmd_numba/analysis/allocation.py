@@ -8,9 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
 from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
-from gfmd_numba.analysis.selection import LIMITS, Array, Group, UnusableDataError, collect
-from gfmd_numba.analysis.tfc import exponent_range
+from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
@@ -42,12 +43,12 @@ class Design:
 class _Ensemble:
     """What a pilot says of one group."""
 
-    covariance: Array  # (case, case) of one realisation
-    columns: Array  # (case, parameter) of the fit at known exponents
-    slopes: Array  # (case, exponent) of those that are not known, for a correction of 1
-    corrections: Array  # (exponent) size of the correction of each
+    covariance: Reals  # (case, case) of one realisation
+    columns: Reals  # (case, parameter) of the fit at known exponents
+    slopes: Reals  # (case, exponent) of those that are not known, for a correction of 1
+    corrections: Reals  # (exponent) size of the correction of each
     correction: NDArray[np.intp]  # (exponent) parameter that is the correction
-    known: Array  # (exponent) what is known of each before the campaign: 1 / variance
+    known: Reals  # (exponent) what is known of each before the campaign: 1 / variance
     level: NDArray[np.intp]  # (case)
     kappa: float
     doubt: float  # factor on variances
@@ -59,9 +60,9 @@ class _Choice:
 
     ensembles: list[_Ensemble]
     levels: list[Level]
-    price: Array
+    price: Reals
 
-    def error(self, counts: Array) -> float:
+    def error(self, counts: Reals) -> float:
         """Relative error of the group that has the largest."""
         return max(_errors(ensemble, counts)[0] for ensemble in self.ensembles)
 
@@ -144,46 +145,44 @@ def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
 
 
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
-    ranges = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
+    given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
     found = []
-    for group in collect(pilot, variable, omit_nyquist=True):
+    for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if len(values) < _FEWEST or not group.levels:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], ranges))
+        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
     return found
 
 
-def _ensemble(
-    group: Group, values: Array, level: NDArray[np.intp], ranges: Mapping[str, tuple[float, float]]
-) -> _Ensemble:
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> _Ensemble:
     names = list(group.levels)
     log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
     block = whitened(values, log_ratio, np.arange(len(names)))
-    ends = np.array([ranges.get(name, (np.nan, np.nan)) for name in names])
-    alpha = best_fit([block], ends)
+    ranges = Ranges.of(names, given)
+    alpha = best_fit([block], ranges)
     beta = project([block], alpha)[2][0]
     powers = np.exp(log_ratio * alpha)
-    unsure = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    unsure = np.flatnonzero(~ranges.exact)
     covariance, n = covariance_of_levels(values), len(values)
     columns = np.column_stack([np.ones(len(powers)), powers])
     # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
     scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
-    width = ends[unsure, 1] - ends[unsure, 0]
     return _Ensemble(
-        covariance,
-        columns,
-        (log_ratio * powers)[:, unsure],
-        np.hypot(beta, np.sqrt(scatter))[1 + unsure],
-        1 + unsure,
-        np.nan_to_num(12.0 / width**2),  # of a uniform distribution
-        level,
-        float(beta[0]),
-        float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),  # levels' shares are chosen by it, too
+        covariance=covariance,
+        columns=columns,
+        slopes=(log_ratio * powers)[:, unsure],
+        corrections=np.hypot(beta, np.sqrt(scatter))[1 + unsure],
+        correction=1 + unsure,
+        known=np.nan_to_num(12.0 / ranges.width[unsure] ** 2),  # of a uniform distribution
+        level=level,
+        kappa=float(beta[0]),
+        # levels' shares are chosen by it, too
+        doubt=float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),
     )
 
 
-def _counts(choice: _Choice, shares: Array, budget: float) -> Array:
+def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
     """Return the realisations of each level in the proportion of `shares`, none fewer than the fewest, for a budget."""
     used = shares > 0
     price = choice.price[used]
@@ -201,7 +200,7 @@ def _counts(choice: _Choice, shares: Array, budget: float) -> Array:
     return counts
 
 
-def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
+def _errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
     """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
     asked = counts[ensemble.level]
     information = np.zeros_like(ensemble.covariance)
@@ -226,7 +225,7 @@ def _errors(ensemble: _Ensemble, counts: Array) -> tuple[float, float]:
     return float(error), float(of_surfaces)
 
 
-def _enough(choice: _Choice, shares: Array, target: float) -> float:
+def _enough(choice: _Choice, shares: Reals, target: float) -> float:
     """Return the least budget by which shares meet a target."""
     high = _FEWEST * float(choice.price[shares > 0].sum())
     while choice.error(_counts(choice, shares, high)) > target:
@@ -238,7 +237,7 @@ def _enough(choice: _Choice, shares: Array, target: float) -> float:
     return float(high)
 
 
-def _best_shares(choice: _Choice, shares: Array, budget: float) -> Array:
+def _best_shares(choice: _Choice, shares: Reals, budget: float) -> Reals:
     """Return the shares of the levels with the least error for a budget, level after level, the dearest first."""
     least, better = choice.error(_counts(choice, shares, budget)), True
     while better:
@@ -257,14 +256,14 @@ def _best_shares(choice: _Choice, shares: Array, budget: float) -> Array:
     return shares
 
 
-def _may_go(choice: _Choice, shares: Array, level: int) -> bool:
+def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
     """Whether a limit keeps two levels beside the reference, which an exponent needs, without this one."""
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
     return limit != "reference" and (shares[level] == 0 or len(left) > 2)
 
 
-def _described(choice: _Choice, counts: Array) -> Design:
+def _described(choice: _Choice, counts: Reals) -> Design:
     worst = max(choice.ensembles, key=lambda ensemble: _errors(ensemble, counts)[0])
     total, sampling = _errors(worst, counts)
     names = np.array([name for name, _ in choice.levels])
@@ -278,11 +277,11 @@ def _described(choice: _Choice, counts: Array) -> Design:
         levels.setdefault(name, {})[eps] = int(count)
     used = counts > 0
     return Design(
-        int(counts[0]),
-        levels,
-        total,
-        sampling,
-        float(np.sqrt(relief["exponents"])),
-        float(counts[used] @ choice.price[used]),
-        max(relief, key=lambda name: relief[name]),
+        reference=int(counts[0]),
+        levels=levels,
+        error=total,
+        sampling=sampling,
+        exponents=float(np.sqrt(relief["exponents"])),
+        seconds=float(counts[used] @ choice.price[used]),
+        limiting=max(relief, key=lambda name: relief[name]),
     )

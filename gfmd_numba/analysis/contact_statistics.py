@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE
 from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.arrays import Reals
 from gfmd_numba.theory import persson
-
-Reals = npt.NDArray[np.float64]
 
 _BINS = 60
 

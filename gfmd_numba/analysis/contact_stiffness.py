@@ -4,12 +4,9 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.selection import UnusableDataError, axes, good, table
-
-Reals = npt.NDArray[np.float64]
 
 _NEEDED = {"mean_pressure", "mean_gap", "status"}
 _LOAD = "reduced_pressure"

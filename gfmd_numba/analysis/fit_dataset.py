@@ -1,12 +1,13 @@
 """The fit of a campaign as a dataset: the table of what it holds, and how each of it is called."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis.error_budget import SOURCES
+from gfmd_numba.analysis.estimates import Estimates, GroupFit
 from gfmd_numba.analysis.selection import LIMITS, Group, axes
 
 _OF_THE_VARIABLE = "unit of the variable that is fitted"
@@ -43,23 +44,22 @@ _UNITS_AND_NAMES = {
 }
 
 
-def fit_dataset(
-    dataset: xr.Dataset, variable: str, groups: Sequence[Group], rows: Sequence[Mapping[str, Any]]
-) -> xr.Dataset:
+def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fits: Sequence[GroupFit]) -> xr.Dataset:
     """Dataset of a fit over `group`, `limit` and `source`, whose groups' parameters keep their attributes."""
-    estimate = np.array([row["estimate"] for row in rows]).reshape(len(rows), -1)
-    error = np.array([row["error"] for row in rows]).reshape(len(rows), -1)
+    estimate = Estimates(np.array([fit.estimate.table for fit in fits]))
+    error = Estimates(np.array([fit.error.table for fit in fits]))
     variables: dict[str, Any] = {
-        "kappa_tfc": ("group", estimate[:, 0]),
-        "kappa_tfc_error": ("group", error[:, 0]),
+        "kappa_tfc": ("group", estimate.kappa_tfc),
+        "kappa_tfc_error": ("group", error.kappa_tfc),
     }
     for name in ("kappa_tfc_low", "kappa_tfc_high"):
-        variables[name] = ("group", [row[name] for row in rows])
-    for first, name in ((4, "C"), (7, "alpha"), (1, "correction")):
-        variables[name] = (("group", "limit"), estimate[:, first : first + 3])
-        variables[f"{name}_error"] = (("group", "limit"), error[:, first : first + 3])
-    for name in ("rms_residual", "chi2", "fit_status", "message"):
-        variables[name] = ("group", [row[name] for row in rows])
+        variables[name] = ("group", [getattr(fit, name) for fit in fits])
+    for name, parameter in (("C", "coefficient"), ("alpha", "exponent"), ("correction", "correction")):
+        variables[name] = (("group", "limit"), getattr(estimate, parameter))
+        variables[f"{name}_error"] = (("group", "limit"), getattr(error, parameter))
+    for name in ("rms_residual", "chi2", "message"):
+        variables[name] = ("group", [getattr(fit, name) for fit in fits])
+    variables["fit_status"] = ("group", [fit.status for fit in fits])
     variables["reference"] = ("group", [group.reference_mean for group in groups])
     variables["reference_error"] = ("group", [group.reference_error for group in groups])
     levels = np.array([list(group.reference.values()) for group in groups]).reshape(len(groups), -1)
@@ -67,7 +67,7 @@ def fit_dataset(
     variables["n_cases"] = ("group", [group.n_cases for group in groups])
     variables["n_realisations"] = ("group", [group.n_realisations for group in groups])
     variables["n_excluded"] = ("group", [group.n_excluded for group in groups])
-    budget = np.array([row["budget"] for row in rows]).reshape(len(rows), -1)
+    budget = np.array([fit.budget for fit in fits]).reshape(len(fits), -1)
     variables["error_budget"] = (("group", "source"), budget)
     variables["seconds"] = ("group", [group.seconds for group in groups])
     parameters = {

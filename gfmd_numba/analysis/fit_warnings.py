@@ -1,12 +1,14 @@
 """What may be wrong with a fit of (4.3): data that cannot tell its parameters, exponents at an end, another law."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gfmd_numba.analysis.least_squares import BOUNDS, Block, project
-from gfmd_numba.analysis.selection import LIMITS, Array, Group, fractions
+from gfmd_numba.analysis.estimates import Estimates
+from gfmd_numba.analysis.exponents import Given, Ranges
+from gfmd_numba.analysis.least_squares import BOUNDS, WhitenedGroup, project
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions
+from gfmd_numba.arrays import Reals
 
 _PRESSED = 0.05  # of a range: the median of an exponent that the data do not know lies in its middle
 _STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
@@ -26,25 +28,25 @@ def inseparable(group: Group) -> str:
     return ""
 
 
-def shortage(groups: Sequence[Group], ranges: Mapping[str, tuple[float, float]]) -> str:
+def shortage(groups: Sequence[Group], given: Given) -> str:
     """Return which free exponent has fewer than three levels in every group, or nothing."""
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
-        if levels is not None and len(levels) < 3 and name not in ranges:
+        if levels is not None and len(levels) < 3 and name not in given:
             return f"exponent of {name} needs three levels, has two ({fractions(levels)})\n{advice([name])}"
     return ""
 
 
 def doubtful(
     groups: Sequence[Group],
-    blocks: Sequence[Block],
-    names: Sequence[str],
-    free: NDArray[np.intp],
-    alpha: Array,
-    low: Array,
-    high: Array,
+    blocks: Sequence[WhitenedGroup],
+    ranges: Ranges,
+    alpha: Reals,
+    low: Estimates,
+    high: Estimates,
 ) -> dict[str, str]:
-    """Return the free exponents that the data do not identify, and why."""
+    """Return the free exponents that the data do not identify, by the ends (group) of their 90 % intervals, and why."""
+    names, free = ranges.names, ranges.free
     if not free.size:
         return {}
     jacobian = project(blocks, alpha)[1][:, free]
@@ -56,7 +58,7 @@ def doubtful(
     for index in free:
         column = LIMITS.index(names[index])
         owner = next(i for i, group in enumerate(groups) if names[index] in group.levels)
-        ends = np.array([low[owner, column], high[owner, column]])
+        ends = np.array([low.exponent[owner, column], high.exponent[owner, column]])
         if np.isnan(ends).any():
             ends[:] = alpha[index]
             found = f"of {alpha[index]:.3g}"
@@ -69,10 +71,10 @@ def doubtful(
     return doubt
 
 
-def pressed(names: Sequence[str], ends: Array, alpha: Array) -> list[str]:
+def pressed(ranges: Ranges, alpha: Reals) -> list[str]:
     """Return a line for each exponent (replicate, limit) that the data press against the low end of its range."""
     lines = []
-    for name, (low, high) in zip(names, ends, strict=True):
+    for name, low, high in zip(ranges.names, ranges.low, ranges.high, strict=True):
         found = np.median(alpha[:, LIMITS.index(name)])
         if low < high and found < low + _PRESSED * (high - low):
             lines.append(

@@ -17,7 +17,8 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 from scipy.special import expit
 
-from gfmd_numba.analysis.selection import Array
+from gfmd_numba.analysis.exponents import Ranges
+from gfmd_numba.arrays import Reals
 
 BOUNDS = (0.1, 5.0)
 
@@ -26,24 +27,24 @@ _STARTS = (0.5, 2.0)
 
 
 @dataclass(frozen=True)
-class Block:
+class WhitenedGroup:
     """One group's whitened problem: minimise |whitener (means - [1, exp(log_ratio alpha)] beta)|."""
 
-    means: Array
-    whitener: Array
-    log_ratio: Array  # (case, varied limit)
+    means: Reals
+    whitener: Reals
+    log_ratio: Reals  # (case, varied limit)
     limits: NDArray[np.intp]  # index of each varied limit in the vector of exponents
 
 
-def whitened(values: Array, log_ratio: Array, limits: NDArray[np.intp]) -> Block:
+def whitened(values: Reals, log_ratio: Reals, limits: NDArray[np.intp]) -> WhitenedGroup:
     """Return the block of a group's values (realisation, case), nan where a case was not asked of a realisation."""
     means, covariance = best_means(values, covariance_of_one(values))
     lower = np.linalg.cholesky(covariance)
     whitener = solve_triangular(lower, np.eye(len(lower)), lower=True)
-    return Block(means, whitener, log_ratio, limits)
+    return WhitenedGroup(means, whitener, log_ratio, limits)
 
 
-def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
+def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     """Return the least-variance means of the cases (Gauss-Markov) and their covariance.
 
     Realisations that only the cheaper cases have improve the dearer ones through the covariance of the two: for
@@ -64,7 +65,7 @@ def best_means(values: Array, covariance: Array) -> tuple[Array, Array]:
     return variance @ total, (variance + variance.T) / 2
 
 
-def covariance_of_one(values: Array) -> Array:
+def covariance_of_one(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation's values, nan where there are none.
 
     Complete, it is the shrunk one; with cases of few realisations among others of many, the tree.
@@ -76,12 +77,12 @@ def covariance_of_one(values: Array) -> Array:
     return _shrunk(centred) if present.all() else _tree(centred, present)
 
 
-def covariance_of_levels(values: Array) -> Array:
+def covariance_of_levels(values: Reals) -> Reals:
     """Return the covariance (case, case) of one of the complete realisations by which a ragged design is fitted."""
     return _tree(values - values.mean(axis=0), np.isfinite(values))
 
 
-def _shrunk(centred: Array) -> Array:
+def _shrunk(centred: Reals) -> Reals:
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)
     own = centred - centred.mean(axis=1, keepdims=True)
@@ -93,7 +94,7 @@ def _shrunk(centred: Array) -> Array:
     return np.asarray(weight * sample + (1 - weight) * (np.diag(residual) + between))
 
 
-def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
+def _tree(centred: Reals, present: NDArray[np.bool_]) -> Reals:
     """Return the covariance in which each case knows the others only through its closest one (Chow and Liu 1968).
 
     Slopes come from the realisations that two cases share, so that dear levels with few of them follow cheap ones.
@@ -118,7 +119,7 @@ def _tree(centred: Array, present: NDArray[np.bool_]) -> Array:
     return tree
 
 
-def _spanned(correlation: Array, counts: Array) -> tuple[list[int], list[int]]:
+def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
     """Return the cases, those of many realisations first, and the most correlated earlier one of all but the first."""
     order, closest = [int(counts.argmax())], []
     left = set(range(len(counts))) - set(order)
@@ -132,7 +133,7 @@ def _spanned(correlation: Array, counts: Array) -> tuple[list[int], list[int]]:
     return order, closest
 
 
-def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[Array]]:
+def project(blocks: Sequence[WhitenedGroup], alpha: Reals) -> tuple[Reals, Reals, list[Reals]]:
     """Return residuals, their derivative to alpha (Kaufman 1975) and each block's coefficients."""
     residuals, jacobians, coefficients = [], [], []
     for block in blocks:
@@ -149,49 +150,48 @@ def project(blocks: Sequence[Block], alpha: Array) -> tuple[Array, Array, list[A
     return np.concatenate(residuals), np.concatenate(jacobians), coefficients
 
 
-def best_fit(blocks: Sequence[Block], ends: Array) -> Array:
+def best_fit(blocks: Sequence[WhitenedGroup], ranges: Ranges) -> Reals:
     """Return the exponents with the least sum of squares, the free ones searched from several starts.
 
-    `ends` (limit, 2) are those of the range of each exponent: equal, nan for a free one, or of a range, within which
-    an exponent is searched that is known to be in it, its middle the best guess.
+    An exponent known to lie in a range is searched within it, the middle its best guess.
     """
-    free = np.flatnonzero(np.isnan(ends[:, 0]))
+    free = ranges.free
     found = []
     for start in product(_STARTS, repeat=free.size):
-        trial = ends.mean(axis=1)
+        trial = ranges.middle
         trial[free] = start
-        found.append(search(blocks, trial, ends, trial))
+        found.append(search(blocks, trial, ranges, trial))
     return min(found, key=lambda each: each[1])[0]
 
 
-def search(blocks: Sequence[Block], alpha: Array, ends: Array, guess: Array) -> tuple[Array, float]:
-    """Return the exponents (those not exact start from alpha, stay between their ends) and the sum of squares.
+def search(blocks: Sequence[WhitenedGroup], alpha: Reals, ranges: Ranges, guess: Reals) -> tuple[Reals, float]:
+    """Return the exponents (those not exact start from alpha, stay in their ranges) and the sum of squares.
 
     The distance of an exponent known to a range from its guess counts in the sum, over the range's variance: guesses
     drawn from the range, beside data drawn from the sample, give the distribution of the exponent (Bardsley, Solonen,
     Haario & Laine 2014).
     """
-    moving = np.flatnonzero(~(ends[:, 0] == ends[:, 1]))
+    moving = np.flatnonzero(~ranges.exact)
     if not moving.size:
         return alpha, 0.0
-    known = np.isfinite(ends[moving, 0])
-    low, high = np.where(known[:, np.newaxis], ends[moving], BOUNDS).T
+    known = np.isfinite(ranges.low[moving])
+    low, high = (np.where(known, *each) for each in zip((ranges.low[moving], ranges.high[moving]), BOUNDS, strict=True))
     span = np.log(high / low)
-    certainty = np.where(known, np.sqrt(12.0) / (high - low), 0.0)  # a uniform distribution's
+    certainty = ranges.certainty[moving]
 
-    def exponents(position: Array) -> Array:
+    def exponents(position: Reals) -> Reals:
         trial = alpha.copy()
         trial[moving] = low * np.exp(span * expit(position.clip(-20, 20)))
         return trial
 
-    def residuals(position: Array) -> Array:
+    def residuals(position: Reals) -> Reals:
         trial = exponents(position)
         return np.concatenate([project(blocks, trial)[0], np.where(known, certainty * (trial - guess)[moving], 0.0)])
 
-    def jacobian(position: Array) -> Array:
+    def jacobian(position: Reals) -> Reals:
         trial = exponents(position)
         inside = expit(position.clip(-20, 20))
-        slope: Array = trial[moving] * span * inside * (1 - inside)
+        slope: Reals = trial[moving] * span * inside * (1 - inside)
         return np.concatenate([project(blocks, trial)[1][:, moving], np.diag(certainty)]) * slope
 
     fraction = (np.log(alpha[moving] / low) / span).clip(1e-3, 1 - 1e-3)

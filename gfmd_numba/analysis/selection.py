@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
@@ -29,15 +29,15 @@ class Group:
 
     parameters: dict[str, float]
     cases: NDArray[np.intp]  # where its cases stand in the dataset
-    values: Array  # (realisation, case)
+    values: Reals  # (realisation, case)
     complete: NDArray[np.bool_]  # realisations that are good in every case asked of them
     asked: NDArray[np.bool_]  # (realisation, case)
-    levels: dict[str, Array]  # of the limits that are varied
+    levels: dict[str, Reals]  # of the limits that are varied
     reference: dict[str, float]  # its discretisation
     reference_mean: float
     reference_error: float
     n_excluded: int
-    residual_error: Array  # of each case's mean by the solver's residual, nan if the dataset does not tell
+    residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
     notes: list[str]
 
@@ -51,7 +51,7 @@ class Group:
         """Number of cases."""
         return int(self.values.shape[1])
 
-    def log_ratio(self, limit: str) -> Array:
+    def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""
         return np.log(self.levels[limit] / self.reference[limit])
 
@@ -87,7 +87,7 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
 
 
-def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Array, Array]:
+def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
     usable = good(cases, variable).values
     values = cases[variable].transpose("case", "realisation").values.astype(float)
@@ -108,7 +108,7 @@ def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]
         yield dict(zip(names, physics[indices[0]].tolist(), strict=True)), dataset.isel(case=indices)
 
 
-def table(dataset: xr.Dataset, names: Sequence[str]) -> Array:
+def table(dataset: xr.Dataset, names: Sequence[str]) -> Reals:
     """Return the values (case, name) of parameters."""
     return np.stack([dataset[name].values.astype(float) for name in names], axis=-1)
 
@@ -118,12 +118,12 @@ def key(parameters: dict[str, float]) -> tuple[float, ...]:
     return tuple(nan if isnan(value) else value for value in parameters.values())
 
 
-def fractions(levels: Array) -> str:
+def fractions(levels: Reals) -> str:
     """Return levels from coarse to fine, written as fractions."""
     return ", ".join(str(Fraction(float(level)).limit_denominator(10**6)) for level in np.unique(levels)[::-1])
 
 
-def collect(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
+def groups_to_fit(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
     """Return the groups, cases that mostly failed left out; UnusableDataError without such a variable."""
     usable = good(dataset, variable)
     dataset = dataset.assign({variable: dataset[variable].where(usable)})
@@ -185,15 +185,24 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
             "the area is that of the grid, not of the surface; take a finer eps_c or a higher pressure"
         )
-    position = cases["_position"].values[kept]
-    seconds = float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan
-    left = _residual_error(cases, variable)[kept]
     return Group(
-        parameters, position, values, complete, asked, levels, reference, mean, error, n_excluded, left, seconds, notes
+        parameters=parameters,
+        cases=cases["_position"].values[kept],
+        values=values,
+        complete=complete,
+        asked=asked,
+        levels=levels,
+        reference=reference,
+        reference_mean=mean,
+        reference_error=error,
+        n_excluded=n_excluded,
+        residual_error=_residual_error(cases, variable)[kept],
+        seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
+        notes=notes,
     )
 
 
-def _residual_error(cases: xr.Dataset, variable: str) -> Array:
+def _residual_error(cases: xr.Dataset, variable: str) -> Reals:
     """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
     if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
         return np.full(cases.sizes["case"], nan)

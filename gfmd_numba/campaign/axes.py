@@ -40,7 +40,7 @@ class Axis:
     `place` is empty for a discretisation, which stands beside the scene. `symbol` heads a column on the terminal,
     `label` is its TeX. `unit` is a kind of unit, as a scene's units are named by. Cases that differ in an axis that
     `forms_groups` are different physics, and never enter one fit. `coordinate_name` is its name in the dataset where
-    that is not its key.
+    that is not its key. `limit` is the name of the limit in which a discretisation goes to 0.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Axis:
     unit: str = "1"
     forms_groups: bool = True
     coordinate_name: str = ""
+    limit: str = ""
 
     @property
     def coordinate(self) -> str:
@@ -107,7 +108,7 @@ AXES = (
         "d",
         "$d$",
         PUNCH_DISPLACEMENT,
-        "height",
+        unit="height",
         coordinate_name="punch_displacement",
     ),
     Axis(
@@ -125,7 +126,7 @@ AXES = (
         "w",
         r"$\Delta\gamma$",
         "energy per area of the exponential law at zero gap, above 0 attractive",
-        "energy",
+        unit="energy",
     ),
     Axis(
         "interaction_range",
@@ -134,11 +135,38 @@ AXES = (
         "z_r",
         "$z_r$",
         "range of the exponential law",
-        "height",
+        unit="height",
     ),
-    Axis("eps_c", EpsC, (), "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", forms_groups=False),
-    Axis("eps_f", EpsF, (), "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", forms_groups=False),
-    Axis("eps_t", EpsT, (), "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", forms_groups=False),
+    Axis(
+        "eps_c",
+        EpsC,
+        (),
+        "eps_c",
+        r"$\varepsilon_c$",
+        "continuum discretisation 2 k_s/nx",
+        forms_groups=False,
+        limit="continuum",
+    ),
+    Axis(
+        "eps_f",
+        EpsF,
+        (),
+        "eps_f",
+        r"$\varepsilon_f$",
+        "fractal discretisation k_l/k_s",
+        forms_groups=False,
+        limit="fractal",
+    ),
+    Axis(
+        "eps_t",
+        EpsT,
+        (),
+        "eps_t",
+        r"$\varepsilon_t$",
+        "thermodynamic discretisation 1/k_l",
+        forms_groups=False,
+        limit="thermodynamic",
+    ),
 )
 OF_THE_SCENE = tuple(axis for axis in AXES if axis.place)
 DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.place)

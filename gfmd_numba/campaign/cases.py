@@ -52,15 +52,23 @@ def expand(campaign: Campaign) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits."""
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
-    discretisations = [(d, limit or "reference", surfaces) for d, _, limit, surfaces in campaign.discretisations()]
+    levels = list(campaign.discretisations())
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
-        for discretisation, limit, realisations in discretisations:
-            surface, rms_gradient = _surface(scene, discretisation, campaign.seed)
+        for level in levels:
+            surface, rms_gradient = _surface(scene, level.discretisation, campaign.seed)
             problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
-            own = discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx)
-            cases.append(Case(scene, own, limit, realisations, problem, effects, rms_gradient))
+            case = Case(
+                scene=scene,
+                discretisation=level.discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx),
+                limit=level.limit or "reference",
+                realisations=level.realisations,
+                problem=problem,
+                effects=effects,
+                rms_gradient=rms_gradient,
+            )
+            cases.append(case)
     return cases
 
 

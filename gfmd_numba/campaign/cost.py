@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import psutil
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
 from gfmd_numba.campaign.run_times import remember, remembered
@@ -17,7 +18,6 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface
 
-Reals = npt.NDArray[np.float64]
 Told = Callable[[float], None]  # of the share of something long that is done
 
 _SAMPLES, _MOST_REALISATIONS = 2**17, 16  # nodes solved at a time in the pilot, as far as they are contacts

@@ -18,7 +18,8 @@ from gfmd_numba.campaign.collection import Measures, in_file_units
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
 from gfmd_numba.campaign.execution import compile_kernels
-from gfmd_numba.campaign.file import Campaign, Realisations, load_campaign
+from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.limits import Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values

@@ -3,102 +3,26 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from math import inf, prod
-from typing import Annotated, Any, Literal, Self
+from math import prod
+from typing import Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.grid import Grid, Values, check_grid, values_of, varied_scenes
+from gfmd_numba.campaign.grid import Grid, check_grid, values_of, varied_scenes
+from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of
 from gfmd_numba.scene.surfaces import Measured, misfit
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
-
-EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
-
-
-def _exponent(given: Any) -> float | tuple[float, float]:
-    ends = given if isinstance(given, list | tuple) else (given, given)
-    numbers = len(ends) == 2 and all(type(end) in (int, float) for end in ends)
-    if not numbers or not 0 < ends[0] <= ends[1] < inf:
-        raise ValueError(EXPONENT)
-    return (float(ends[0]), float(ends[1])) if isinstance(given, list | tuple) else float(given)
-
-
-# checked before the union of types, which would tell every fault twice
-Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), WithJsonSchema({"allowed": EXPONENT})]
-
-
-Count = Annotated[int, Field(ge=1, le=1_000_000, description="Random surfaces per case")]
-COUNT = "a whole number from 1 to 1000000, or a mapping of such with the key reference and any of eps_c, eps_f, eps_t"
-COUNTS = "a whole number from 1 to 1000000, or a list of such, one for each level of the limit (0: left out)"
-
-
-def _counts(given: Any) -> int | tuple[int, ...]:
-    listed = isinstance(given, list | tuple)
-    numbers = given if listed else [given]
-    if not numbers or not all(type(n) is int and (0 if listed else 1) <= n <= 1_000_000 for n in numbers):
-        raise ValueError(COUNTS)
-    return tuple(numbers) if listed else int(given)
-
-
-Counts = Annotated[int | tuple[int, ...], BeforeValidator(_counts), WithJsonSchema({"allowed": COUNTS})]
-
-
-class Realisations(BaseModel):
-    """Random surfaces of each case, by its limit or level; a limit left out has as many as the reference."""
-
-    model_config = RECORD
-    reference: Count = Field(description="Random surfaces of each case at the reference")
-    eps_c: Counts | None = Field(None, description="Random surfaces of each case of the continuum limit")
-    eps_f: Counts | None = Field(None, description="Random surfaces of each case of the fractal limit")
-    eps_t: Counts | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
-
-    def of(self, limit: str, level: int) -> int:
-        """Number for the cases at a level of a limit, counted as the campaign lists them."""
-        given: int | tuple[int, ...] | None = getattr(self, limit)
-        return given[level] if isinstance(given, tuple) else given or self.reference
-
-
-def _realisations(given: Any) -> Any:
-    if isinstance(given, dict | Realisations):
-        return given
-    if type(given) is not int or not 1 <= given <= 1_000_000:
-        raise ValueError(COUNT)
-    return {"reference": given}
-
-
-_Realisations = Annotated[
-    Realisations,
-    BeforeValidator(_realisations),
-    WithJsonSchema(Realisations.model_json_schema() | {"type": ["integer", "object"], "allowed": COUNT}),
-]
-
-
-class Limits(BaseModel):
-    """Discretisations (dimensionless) taken one at a time around the reference."""
-
-    model_config = RECORD
-    eps_c: Values[EpsC] | None = Field(None, description="Continuum limit (dimensionless)")
-    eps_f: Values[EpsF] | None = Field(None, description="Fractal limit (dimensionless)")
-    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic limit (dimensionless)")
-
-
-class FixedExponents(BaseModel):
-    """Exponents (dimensionless) that the fit does not search: a value, or the range it lies in."""
-
-    model_config = RECORD
-    eps_c: Exponent | None = Field(None, description="Exponent of eps_c or its range (dimensionless)")
-    eps_f: Exponent | None = Field(None, description="Exponent of eps_f or its range (dimensionless)")
-    eps_t: Exponent | None = Field(None, description="Exponent of eps_t or its range (dimensionless)")
+LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
 
 
 class Fit(BaseModel):
@@ -108,6 +32,18 @@ class Fit(BaseModel):
     variable: Literal["kappa", "kappa_counted", "kappa_r"] = Field("kappa", description="What is fitted")
     exponents: Literal["shared", "free"] = Field("shared", description="One set for all groups, or one for each")
     fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
+
+
+class PlacedDiscretisation(NamedTuple):
+    """A discretisation of a campaign, None if surfaces have points of their own, and how many surfaces it takes.
+
+    `locations` says where its values stand in the file, `limit` which of them differs from the reference.
+    """
+
+    discretisation: Discretisation | None
+    locations: dict[str, Location]
+    limit: str | None
+    realisations: int
 
 
 class Campaign(BaseModel):
@@ -121,7 +57,7 @@ class Campaign(BaseModel):
         json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
     )
     seed: Seed
-    realisations: _Realisations = Field(description="Random surfaces of each case, a number or one for each limit")
+    realisations: NumberOfSurfaces = Field(description="Random surfaces of each case, a number or one for each limit")
     scene: Scene = Field(description="What is in contact")
     reference: Discretisation | None = Field(
         None, description="Discretisation around which the limits are taken; None: surfaces have points of their own"
@@ -134,7 +70,10 @@ class Campaign(BaseModel):
         None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
     )
     case_timeout: float | None = Field(
-        None, gt=0, description="Seconds after which a block of realisations of a case is given up; None: never"
+        None,
+        gt=0,
+        le=LONGEST_TIMEOUT,
+        description="Seconds after which a block of realisations of a case is given up, up to 30 days; None: never",
     )
 
     @property
@@ -143,10 +82,10 @@ class Campaign(BaseModel):
         grid = prod(len(values) for _, values in self.grid if values is not None)
         return grid * (1 + sum(1 for _ in self._limit_values()))
 
-    def discretisations(self) -> Iterator[tuple[Discretisation | None, dict[str, Location], str | None, int]]:
-        """Each discretisation, where its values stand in the file, its limit or None, and its surfaces."""
+    def discretisations(self) -> Iterator[PlacedDiscretisation]:
+        """Each discretisation: the references, each followed by its limits' levels."""
         if self.reference is None:
-            yield None, {}, None, self.realisations.reference
+            yield PlacedDiscretisation(None, {}, None, self.realisations.reference)
             return
         choices: list[list[tuple[float, Location]]] = []
         for axis in DISCRETISATIONS:
@@ -159,11 +98,13 @@ class Campaign(BaseModel):
         for chosen in product(*choices):
             eps = {axis: value for axis, (value, _) in zip(DISCRETISATIONS, chosen, strict=True)}
             locations = {axis: location for axis, (_, location) in zip(DISCRETISATIONS, chosen, strict=True)}
-            yield Discretisation(**eps), locations, None, self.realisations.reference
+            yield PlacedDiscretisation(Discretisation(**eps), locations, None, self.realisations.reference)
             for axis, i, value in self._limit_values():
                 location: Location = ("limits", axis, i)
                 surfaces = self.realisations.of(axis, i)
-                yield Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
+                yield PlacedDiscretisation(
+                    Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
+                )
 
     def _limit_values(self) -> Iterator[tuple[str, int, float]]:
         for axis, values in self.limits:

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.roughness.generators import RandomSurface
-
-Reals = npt.NDArray[np.float64]
 
 SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
 _CALLS = 4e4  # what is done once for each contact, in units of n log2(n)

@@ -49,9 +49,11 @@ def progress(directory: Path) -> Progress:
     """Progress of the campaign in a directory, by the names of its files; raises InputError."""
     planned = campaign_in(directory)
     blocks = planned.blocks_in(directory)
-    done, failed, left, recent, total_recent = 0, {}, 0.0, 0.0, 0
     begun = (directory / MARK).stat().st_mtime
-    retry = {}
+    done = 0
+    left = recent = 0.0  # work to do, and work done since the run began
+    failed: dict[str, Failure] = {}
+    retry: dict[str, str] = {}
     for block in blocks:
         try:
             written = shard_path(directory, block).stat().st_mtime
@@ -66,13 +68,20 @@ def progress(directory: Path) -> Progress:
         done += 1
         if written >= begun:
             recent += _work(block)
-            total_recent += 1
     seconds_left = None
     if left == 0.0:
         seconds_left = 0.0
-    elif total_recent:
+    elif recent > 0.0:
         seconds_left = left * max(0.0, time.time() - begun) / recent
-    return Progress(planned.campaign.name, at_work(directory), len(blocks), done, failed, seconds_left, retry)
+    return Progress(
+        campaign=planned.campaign.name,
+        running=at_work(directory),
+        blocks=len(blocks),
+        done=done,
+        failed=failed,
+        seconds_left=seconds_left,
+        retry=retry,
+    )
 
 
 def verify(directory: Path) -> Verdict:

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.plan import Plan
@@ -20,8 +20,6 @@ from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL
 from gfmd_numba.solvers.table import able
-
-Values = npt.NDArray[np.float64]
 
 _RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 _TIGHT = 1e-10
@@ -103,7 +101,7 @@ def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
             yield _point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
 
 
-def _precision(problem: Problem, exact: Values) -> Iterator[Point]:
+def _precision(problem: Problem, exact: Reals) -> Iterator[Point]:
     """Single precision beside double, as far down as its certificate goes."""
     for solver in ("active_set_newton", "verlet"):
         for precision in ("double", "single"):
@@ -127,7 +125,7 @@ def _discretisation(case: Case, axis: str, seed: int, realisations: int) -> Iter
     finest = levels[-1][1][best]
     for label, variable in estimators.items():
         for level, values in levels if variable != best else levels[:-1]:
-            yield _point(axis, label, level, values, finest, variable, of_means=True)
+            yield _point(axis, label, level, values, finest, variable=variable, of_means=True)
 
 
 def _sampling(problem: Problem, most: int) -> Iterator[Point]:
@@ -137,7 +135,15 @@ def _sampling(problem: Problem, most: int) -> Iterator[Point]:
     n = 4
     while n <= most:
         error = float(np.nanstd(kappa, ddof=1) / np.sqrt(n) / np.nanmean(kappa))
-        yield Point("surfaces", "reference discretisation", n, error, n * seconds, np.nan, 0)
+        yield Point(
+            study="surfaces",
+            curve="reference discretisation",
+            setting=n,
+            error=error,
+            seconds=n * seconds,
+            transforms=np.nan,
+            failed=0,
+        )
         n *= 4
 
 
@@ -153,7 +159,7 @@ def _effects(problem: Problem, realisations: int) -> Iterator[Point]:
         yield _point("effects", "half-space for a slab", aspect_ratio, half_space, slab["kappa"], of_means=True)
 
 
-def _run(problem: Problem, realisations: int, **settings: Any) -> dict[str, Values]:
+def _run(problem: Problem, realisations: int, **settings: Any) -> dict[str, Reals]:
     if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
         settings = {"time_step": None, "damping": None} | settings  # the other solver's own
     changed = replace(problem, numerics=replace(problem.numerics, **settings))
@@ -167,8 +173,9 @@ def _point(
     study: str,
     curve: str,
     setting: float,
-    values: dict[str, Values],
-    exact: Values,
+    values: dict[str, Reals],
+    exact: Reals,
+    *,
     variable: str = "kappa",
     of_means: bool = False,
 ) -> Point:
@@ -178,6 +185,12 @@ def _point(
     error = np.nan
     if good.any():
         error = float(abs(difference[good].mean()) if of_means else np.sqrt((difference[good] ** 2).mean()))
-    transforms = float(values["n_transforms"].mean())
-    failed = int((values["status"] != 0).sum())
-    return Point(study, curve, float(setting), error, float(values["seconds"]), transforms, failed)
+    return Point(
+        study=study,
+        curve=curve,
+        setting=float(setting),
+        error=error,
+        seconds=float(values["seconds"]),
+        transforms=float(values["n_transforms"].mean()),
+        failed=int((values["status"] != 0).sum()),
+    )

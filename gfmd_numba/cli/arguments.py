@@ -85,32 +85,40 @@ budget_option = click.option("--budget", callback=_budget_given, metavar="TIME",
 
 
 def check_output(output: Path, *inputs: Path) -> None:
-    """Raise InputError unless a file can be written that is none of the inputs."""
+    """Raise InputError unless a file can be written that is none of the inputs and nobody else's."""
     import os
 
+    from gfmd_numba.storage.mark import may_be_replaced
     from gfmd_numba.text.input_error import InputError
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
             raise InputError(f"--output: given {output}, which is an input; allowed: another file")
     if output.exists() and not output.is_file():
-        raise InputError(f"--output: given {output}, which is no regular file; allowed: a new file, or one to replace")
+        raise InputError(
+            f"--output: given {output}, which is no regular file; allowed: a new file, or one that gfmd wrote"
+        )
     if not output.parent.is_dir():
         raise InputError(f"--output: given {output}; allowed: a file in an existing folder, unlike {output.parent}")
     folder = Path(os.path.realpath(output)).parent  # in which a temporary file is written first
     if not os.access(folder, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
         raise InputError(f"--output: given {output}, which may not be written; allowed: a file that may be")
+    if not may_be_replaced(output):
+        raise InputError(
+            f"--output: given {output}, which gfmd did not write; allowed: a new file, or one that gfmd wrote "
+            "(move the file away, or choose another name)"
+        )
 
 
 def picture_beside(output: Path) -> Path:
     """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    from gfmd_numba.storage.atomic_file import is_ours
+    from gfmd_numba.storage.mark import may_be_replaced
     from gfmd_numba.text.input_error import InputError
 
     picture = output.with_suffix(".png")
     if picture == output:
         raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
-    if picture.exists() and not is_ours(picture):
+    if not may_be_replaced(picture):
         raise InputError(
             f"{picture}: given a file that gfmd did not write, where its picture would go; "
             "allowed: no such file (move it, or choose another --output)"

@@ -6,10 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import label
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.edges import EDGE_BIAS, contact_length, perimeter_bias
 from gfmd_numba.contact.solution import Contact
-
-Reals = npt.NDArray[np.float64]
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_area import (
     contact_area_fraction,
     contact_area_fraction_counted,
@@ -21,8 +22,6 @@ from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
-
-Reals = npt.NDArray[np.float64]
 
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
 

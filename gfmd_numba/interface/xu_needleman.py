@@ -9,9 +9,9 @@ import numpy.typing as npt
 from scipy.special import lambertw
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.interface_records import Cohesive
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 

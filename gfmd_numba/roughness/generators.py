@@ -5,15 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import recursive, self_affine, spectral, statistics
 from gfmd_numba.roughness.anisotropy import Anisotropic
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import Model, SelfAffine
 
-Reals = npt.NDArray[np.float64]
 Shape = tuple[int, ...]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.iteration import Batch
@@ -14,7 +15,6 @@ from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.preconditioners.far_field import FarField
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 # others take more transforms, but not many: chosen for half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8

@@ -7,16 +7,14 @@ import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory.damping import critical_damping, stability_limit
-
-Reals = npt.NDArray[np.float64]
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
 

@@ -4,11 +4,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 

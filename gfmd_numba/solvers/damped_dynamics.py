@@ -6,13 +6,13 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.integrators import Fire, gronbech_jensen, position_verlet
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 

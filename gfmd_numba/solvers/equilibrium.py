@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -19,7 +20,6 @@ from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import SOLVERS
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow

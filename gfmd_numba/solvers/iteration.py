@@ -6,12 +6,12 @@ from typing import Protocol, Self
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 HARD_WALL = Interactions(hard_wall=True)

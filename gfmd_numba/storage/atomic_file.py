@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
+from gfmd_numba.storage import mark
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_MARK = {"Software": "gfmd-numba"}
 TEMPORARY = r".*\.[0-9a-f]{32}\.tmp"  # names of what a kill may leave behind
 
 
@@ -62,31 +63,26 @@ def write_dataset(path: Path, dataset: xr.Dataset) -> None:
 def netcdf(dataset: xr.Dataset) -> memoryview:
     """Content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
 
-    It is made in memory, as the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would import
-    all of dask.distributed, to ask whether a cluster is going to write the file.
+    Its attribute `software` says that gfmd wrote it. It is made in memory, as the netCDF library does not say why a
+    disk refused it. `Dataset.to_netcdf` would import all of dask.distributed, to ask whether a cluster is going to
+    write the file.
     """
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
     file = netCDF4.Dataset("in memory", "w", memory=1)
     try:
-        dataset.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+        dataset.assign_attrs(mark.IN_DATASETS).dump_to_store(NetCDF4DataStore(file))
     finally:
         content: memoryview = file.close()
     return content
 
 
 def write_picture(path: Path, figure: Figure, dpi: int) -> None:
-    """Write a picture of the kind that its suffix names as `replace` does; a .png says that it is ours."""
+    """Write a picture of the kind that its suffix names as `replace` does."""
     content, kind = io.BytesIO(), path.suffix.removeprefix(".").lower()
-    figure.savefig(content, format=kind, dpi=dpi, metadata=_MARK if kind == "png" else None)
+    figure.savefig(content, format=kind, dpi=dpi, metadata=mark.in_picture(kind))
     replace(path, content.getvalue())
-
-
-def is_ours(picture: Path) -> bool:
-    """Whether `write_picture` wrote a .png file, and nobody has edited it since."""
-    with open(picture, "rb") as file:
-        return b"Software\0gfmd-numba" in file.read(1000)
 
 
 _BINARY = getattr(os, "O_BINARY", 0)  # on Windows

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
 from gfmd_numba.analysis.plots.looks import Key, Look, Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
@@ -24,6 +23,7 @@ from gfmd_numba.analysis.selection import (
     key,
     select_limit,
 )
+from gfmd_numba.arrays import Reals
 
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
@@ -117,7 +117,7 @@ def _draw_limit(
     axis.set(title=title, xlabel=label)
 
 
-def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: NDArray[np.float64], look: Look) -> None:
+def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: Reals, look: Look) -> None:
     if limit == "eps_c" and _omits_nyquist(fit):
         levels = levels[~at_nyquist(levels)]
     eps = np.geomspace(levels.max() * 1.1, levels.min() / 1.25, 100)

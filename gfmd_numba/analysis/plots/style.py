@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+
+from gfmd_numba.arrays import Reals
 
 # Okabe and Ito: told apart with any colour vision
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -32,7 +33,7 @@ def with_unit(text: str, variable: xr.DataArray) -> str:
     return text if unit == "1" else f"{text} ({unit})"
 
 
-def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[NDArray[np.float64], str]:
+def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]:
     """Values in the SI prefix that suits them, and their label; `natural` stands for the unit 1."""
     factor, unit = prefix(variable, natural)
     return factor * variable.values, f"{text} ({unit})"

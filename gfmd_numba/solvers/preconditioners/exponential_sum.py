@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave

@@ -3,11 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.preconditioners.near_field import NearField
 
-Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
 
 _BLOCK = 8  # nodes along each side of a block, whose sum is all that is far away felt of it

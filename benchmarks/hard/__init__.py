@@ -1,0 +1,1 @@
+"""Parts of the table of hard cases, by subject."""

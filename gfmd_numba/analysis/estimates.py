@@ -1,0 +1,61 @@
+"""What a fit of thesis (4.3) finds: the parameters it estimates, and all that is said of one group."""
+
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+
+from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.arrays import Reals
+
+_CORRECTION, _COEFFICIENT, _EXPONENT = (slice(1 + i * len(LIMITS), 1 + (i + 1) * len(LIMITS)) for i in range(3))
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """The parameters (..., parameter) of fits, or their errors; nan for those of limits that do not enter.
+
+    Its properties are views: writing to them changes the table.
+    """
+
+    table: Reals
+
+    @classmethod
+    def unknown(cls, *shape: int) -> Self:
+        """Return parameters (*shape, parameter) that are all nan."""
+        return cls(np.full((*shape, 1 + 3 * len(LIMITS)), np.nan))
+
+    @property
+    def kappa_tfc(self) -> Reals:
+        """Values (...) in the limit."""
+        return self.table[..., 0]
+
+    @property
+    def correction(self) -> Reals:
+        """Values C eps^alpha (..., limit) at the reference discretisation."""
+        return self.table[..., _CORRECTION]
+
+    @property
+    def coefficient(self) -> Reals:
+        """Coefficients C (..., limit)."""
+        return self.table[..., _COEFFICIENT]
+
+    @property
+    def exponent(self) -> Reals:
+        """Exponents alpha (..., limit)."""
+        return self.table[..., _EXPONENT]
+
+
+@dataclass(frozen=True)
+class GroupFit:
+    """What a fit says of one group: `budget` is the error of kappa_tfc (source); nan where the fit is refused."""
+
+    status: Literal["ok", "refused"]
+    message: str
+    estimate: Estimates
+    error: Estimates
+    kappa_tfc_low: float
+    kappa_tfc_high: float
+    budget: Reals
+    rms_residual: float
+    chi2: float

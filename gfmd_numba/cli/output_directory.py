@@ -1,0 +1,81 @@
+"""Commands on the output directory of a campaign: how far it is, what it holds, and whether that is sound."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from gfmd_numba.cli.group import SOME_FAILED, main
+from gfmd_numba.cli.sentences import say, say_command
+from gfmd_numba.cli.tables import duration
+from gfmd_numba.text.printable import printable
+
+_directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
+
+
+@main.command()
+@_directory
+@click.option("--json", "as_json", is_flag=True, help="For programs")
+@click.option("--watch", is_flag=True, help="Look again every two seconds until it has ended")
+def status(directory: Path, as_json: bool, watch: bool) -> None:
+    """Say how far the campaign is whose output DIRECTORY this is."""
+    import json
+    import time
+    from dataclasses import asdict
+
+    from gfmd_numba.campaign.status import progress
+
+    while True:
+        now = progress(directory)
+        if as_json:
+            click.echo(json.dumps(asdict(now)))
+        else:
+            left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
+            state = "running" if now.running else "finished" if now.done == now.blocks else "not running"
+            failed = f", {len(now.failed)} failed" if now.failed else ""
+            say("", f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}", width=0)
+        if not watch or not now.running:
+            break
+        time.sleep(2.0)
+    if not as_json:
+        for block, failure in now.failed.items():
+            say(failure.status, f"{block}: {failure.reason}", width=10)
+            say_command(now.retry[block], width=10)
+
+
+@main.command()
+@_directory
+def collect(directory: Path) -> None:
+    """Write what is finished in an output DIRECTORY to its netCDF file, also during a run."""
+    from gfmd_numba.campaign.collection import collect as collect_campaign
+    from gfmd_numba.campaign.status import campaign_in
+
+    click.echo(f"results  {printable(collect_campaign(campaign_in(directory), directory))}")
+
+
+@main.command()
+@_directory
+def verify(directory: Path) -> None:
+    """Check every shard in an output DIRECTORY, and its netCDF file, against their digests."""
+    from gfmd_numba.campaign.collection import is_altered
+    from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.campaign.status import campaign_in
+    from gfmd_numba.campaign.status import verify as verify_shards
+
+    verdict = verify_shards(directory)
+    click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} not there")
+    for name in verdict.damaged:
+        say("damaged", f"{name}: `gfmd run` computes it again")
+    for name in verdict.foreign:
+        say("foreign", f"{name}: of no case of this campaign; it is not used")
+    planned = campaign_in(directory)
+    file = directory / f"{planned.campaign.name}.nc"
+    altered = False
+    if file.exists():
+        altered = is_altered(read_results(file), planned)
+        state = "differs from its digest: `gfmd collect` writes it again" if altered else "sound"
+        say("results", f"{file} {state}")
+    if verdict.damaged or altered:
+        sys.exit(SOME_FAILED)

@@ -14,7 +14,8 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}

@@ -16,7 +16,7 @@ from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.scene_file import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
-from gfmd_numba.scene.surfaces import Measured, misfit
+from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
@@ -190,7 +190,7 @@ class Campaign(BaseModel):
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
         for place, surface in self.scene.surfaces.items():
-            wrong = misfit(surface, self.scene.length or 1.0)
+            wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         return self
@@ -234,7 +234,7 @@ def _check_own_waves(
     surface = campaign.scene.roughness
     assert surface is not None  # the combinations' promise
     for anisotropy, location in anisotropies:
-        wrong = misfit(surface.model_copy(update={"anisotropy": anisotropy}), campaign.scene.length or 1.0)
+        wrong = surface.model_copy(update={"anisotropy": anisotropy}).misfit(campaign.scene.length or 1.0)
         if wrong is not None:
             raise document.error(location, anisotropy, wrong[1])
     for scene, place in ranges:

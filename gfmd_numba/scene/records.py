@@ -26,7 +26,7 @@ from gfmd_numba.scene.quantities import (
     TimeStep,
     broken_rule,
 )
-from gfmd_numba.scene.surfaces import Surface, misfit
+from gfmd_numba.scene.surfaces import Surface
 
 
 class Body(BaseModel):
@@ -253,7 +253,7 @@ class SceneFile(BaseModel):
         if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
             raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
         for place, surface in rough.items():
-            wrong = misfit(surface, self.scene.length or 1.0)
+            wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         for i, step in enumerate(self.path):

@@ -135,11 +135,6 @@ class Discretisation(BaseModel):
         """Number of grid points over the period, 2/(eps_t eps_f eps_c)."""
         return round(self.waves["eps_c"])
 
-    @classmethod
-    def of_waves(cls, longest: float, shortest: float, nx: int) -> "Discretisation":
-        """What the wave indices of a surface with lengths of its own amount to; they need not be whole."""
-        return cls.model_construct(eps_c=2 * shortest / nx, eps_f=longest / shortest, eps_t=1 / longest)
-
     @property
     def misfit(self) -> str | None:
         """First discretisation whose waves are not whole, eps_c for fewer than 4 grid points, or None."""

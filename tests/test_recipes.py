@@ -17,16 +17,17 @@ PACKAGE = Path(gfmd_numba.__file__).parent
 
 @dataclass(frozen=True)
 class Recipe:
-    """A new file, and what goes into one old file: each text before the anchor that follows it there."""
+    """A new file, if any, and what goes into one old file: each text before the anchor that follows it there."""
 
-    new_file: str
+    new_file: str | None
     text: str
     old_file: str
     insertions: tuple[tuple[str, str], ...]
 
     def follow(self, package):
-        assert not (package / self.new_file).exists()
-        (package / self.new_file).write_text(self.text)
+        if self.new_file is not None:
+            assert not (package / self.new_file).exists()
+            (package / self.new_file).write_text(self.text)
         old = (package / self.old_file).read_text()
         for insertion, anchor in self.insertions:
             assert old.count(anchor) == 1, anchor
@@ -171,12 +172,16 @@ FILES = {
 
 @pytest.fixture
 def gfmd(tmp_path):
-    """The command of a copy of the package, in which every recipe was followed."""
+    return command_after((LAW, SOLVER, OBSERVABLE), FILES, tmp_path)
+
+
+def command_after(recipes, files, tmp_path):
+    """The command of a copy of the package, in which every recipe was followed, beside some files."""
     package = tmp_path / "copy" / "gfmd_numba"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    for recipe in (LAW, SOLVER, OBSERVABLE):
+    for recipe in recipes:
         recipe.follow(package)
-    for name, text in FILES.items():
+    for name, text in files.items():
         (tmp_path / name).write_text(text)
 
     def command(*arguments):

@@ -166,6 +166,18 @@ def test_a_length_that_makes_no_surface_is_one_message(tmp_path, scale):
     assert "method fourier_filter, correlation_length 5; allowed: a usable surface, not a spectrum that is neg" in said
 
 
+@pytest.mark.parametrize("scale", [{"rms_height": 1e-3}, {"rms_gradient": 0.01}])
+def test_a_length_at_which_no_wave_is_left_is_refused_everywhere(scale):
+    smooth = {"method": "psd", "model": "exponential", "hurst": 1.0, "correlation_length": 20.0, "points": 32} | scale
+    allowed = "a usable surface, not a spectrum that is zero at all waves that fit the period"
+    with pytest.raises(InputError, match=allowed):
+        plan(campaign(smooth | {"correlation_length": 0.1}, {"correlation_length": [0.1, 20.0]}))
+    with pytest.raises(InputError, match=allowed):
+        gfmd_numba.solve({"scene": campaign(smooth)["scene"]})
+    with pytest.raises(InputError, match=allowed):
+        gfmd_numba.make_surface({"surface": smooth})
+
+
 def test_surfaces_with_a_grid_of_their_own_have_no_eps(tmp_path):
     tiny = MODEL | {"correlation_length": 1e-20}  # whose eps_f would be 1e19
     results = gfmd_numba.run(campaign(tiny, {"hurst": [0.5, 0.8]}), tmp_path / "out", workers=0)

@@ -71,10 +71,7 @@ def _surface(
     """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
     try:
         scene = campaign.scene.model_copy(update={"roughness": roughness})
-        surface, rms_gradient = random_surface(scene, discretisation, campaign.seed)
-        if discretisation is None:  # of lengths of its own, which may not go with the period
-            surface.generator.power(surface.shape)
-        return surface, rms_gradient
+        return random_surface(scene, discretisation, campaign.seed)
     except ValueError as error:
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]

@@ -12,13 +12,22 @@ def random_surface(
 ) -> RandomSurface:
     """Ensemble of a record, whose lengths are in the unit of `period`.
 
-    Grid and wavelengths that the record leaves open are those of the discretisation.
+    Grid and wavelengths that the record leaves open are those of the discretisation. Raises ValueError for lengths that
+    do not go with the period.
     """
     nx = discretisation.nx if record.points is None and discretisation is not None else record.points
     assert nx is not None  # the records' promise
     make: Maker = resolve_name(record.implementation)
-    generator = make(record, discretisation, period, dimension, nx)
-    return RandomSurface(generator, nx, seed, dimension, by_height=record.rms_height is not None)
+    surface = RandomSurface(
+        make(record, discretisation, period, dimension, nx),
+        nx,
+        seed,
+        dimension,
+        by_height=record.rms_height is not None,
+    )
+    if record.points is not None and not surface.by_height:  # where it is, the rms gradient below asks for the power
+        surface.generator.power(surface.shape)
+    return surface
 
 
 def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float:

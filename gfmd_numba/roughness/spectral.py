@@ -18,7 +18,8 @@ _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken f
 def psd_power(spectrum: Spectrum | anisotropy.Model, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
-    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere.
+    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere, or
+    zero everywhere.
     """
     index = grid.wave_indices((nx,) * spectrum.dimension)
     size = np.sqrt(sum(k**2 for k in index))
@@ -86,6 +87,8 @@ def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
     if not np.isfinite(power).all():
         where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
         raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")
+    if power.max() < np.finfo(np.float64).tiny:
+        raise ValueError("a spectrum that is zero at all waves that fit the period")
     if power.min() < -_ROUNDING * power.max():
         where = tuple(int(i) for i in np.unravel_index(power.argmin(), power.shape))
         raise ValueError(f"a spectrum that is negative at wave index {where}")

@@ -126,6 +126,12 @@ def test_lengths_are_in_metres_beside_a_period_in_metres(tmp_path):
         ),
         (MODEL, {"cut_on": [2]}, "grid.cut_on[0]: given 2; allowed: a wavelength so short that"),
         (MODEL, {"rms_gradient": [0.1]}, "grid.rms_gradient[0]: given 0.1; allowed: exactly one of rms_height and"),
+        (MODEL, {"rms_gradient": [0.1], "cut_on": [0.2]}, "grid.rms_gradient[0]: given 0.1; allowed: exactly one of"),
+        (
+            POWER_LAW,
+            {"roll_off": [0.1], "hurst": [0.5]},
+            "grid.roll_off[0]: given 0.1; allowed: a value for which cut_",
+        ),
         (MODEL, {"hurst": [0.0]}, "grid.hurst[0]: given 0"),
         (MODEL, {"correlation_length": [0]}, "grid.correlation_length[0]: given 0; allowed: a number from 1e-30"),
         (POWER_LAW, {"correlation_length": [1]}, "allowed: nothing, as scene.roughness with model self_affine has no "),

@@ -1,12 +1,12 @@
 """The grid of a campaign: values of the axes taken as a full product, each checked as the scene itself is."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, with_values
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, Place, with_values
 from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule
@@ -73,18 +73,27 @@ def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None
     """
     axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
     for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
-        values = {axis.place[-1]: value for axis, (_, value) in zip(axes, chosen, strict=True)}
-        surface = with_values(scene, {("roughness", key): value for key, value in values.items()}).roughness
-        assert surface is not None  # the combinations' promise
-        fault = _fault(surface) or surface.misfit(scene.length or 1.0)
+        values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+        fault = _surface_fault(scene, values)
         if fault is None:
             continue
-        key, allowed = fault
-        at = list(values).index(key) if key in values else len(values) - 1
-        if key not in values and getattr(surface, key, None) is not None:
-            allowed = f"a value for which {key} is {allowed}"
+        place: Place = ("roughness", fault[0])
+        allowed = fault[1]
+        if place not in values:
+            if getattr(scene.roughness, fault[0], None) is not None:
+                allowed = f"a value for which {fault[0]} is {allowed}"
+            to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
+            place = next(to_blame, axes[-1].place)
+        at = list(values).index(place)
         location = ("grid", axes[at].name, chosen[at][0])
         raise document.error(location, document.value(location), allowed)
+
+
+def _surface_fault(scene: Scene, values: Mapping[Place, float]) -> tuple[str, str] | None:
+    """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
+    surface = with_values(scene, values).roughness
+    assert surface is not None  # the combinations' promise
+    return _fault(surface) or surface.misfit(scene.length or 1.0)
 
 
 def _fault(record: BaseModel) -> tuple[str, str] | None:

@@ -149,7 +149,9 @@ def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Seq
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
-        if len(values) < _FEWEST or not group.levels:
+        if not group.levels:
+            raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
+        if len(values) < _FEWEST:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
         found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
     return found

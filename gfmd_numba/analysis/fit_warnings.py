@@ -17,6 +17,8 @@ WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it
 
 def inseparable(group: Group) -> str:
     """Return why the group's cases cannot determine its coefficients at any exponent, or nothing."""
+    if np.isnan(list(group.reference.values())).all():
+        return "surfaces have grids and lengths of their own: no discretisation is varied, so there is no limit to fit"
     if not group.levels:
         return "no discretisation is varied over two or more good levels: add levels to the campaign"
     if not group.complete.any():

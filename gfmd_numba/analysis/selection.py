@@ -33,7 +33,7 @@ class Group:
     complete: NDArray[np.bool_]  # realisations that are good in every case asked of them
     asked: NDArray[np.bool_]  # (realisation, case)
     levels: dict[str, Reals]  # of the limits that are varied
-    reference: dict[str, float]  # its discretisation
+    reference: dict[str, float]  # its discretisation, nan where surfaces have grids of their own
     reference_mean: float
     reference_error: float
     n_excluded: int
@@ -65,10 +65,15 @@ def axes(dataset: xr.Dataset, kind: str = "physics") -> tuple[str, ...]:
     return tuple(map(str, sorted(found, key=lambda name: int(dataset[name].attrs.get("rank", len(found))))))
 
 
+def discretisations(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return the discretisations that a dataset has: none if its surfaces have grids and lengths of their own."""
+    return tuple(name for name in LIMITS if name in dataset.variables)
+
+
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
-    lacking = {*LIMITS, "case_id", "is_reference"} - set(map(str, dataset.variables))
-    if not {"case", "realisation"} <= set(dataset.dims) or lacking:
+    lacking = {"case_id", "is_reference"} - set(map(str, dataset.variables))
+    if not {"case", "realisation"} <= set(dataset.dims) or lacking or 0 < len(discretisations(dataset)) < len(LIMITS):
         raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
     if not axes(dataset):
         raise UnusableDataError(
@@ -151,7 +156,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     notes = []
     if omit_nyquist and at_nyquist(reference["eps_c"]):
         notes.append("eps_c = 1 is fitted as well, as the reference stands there: roughness at Nyquist is not resolved")
-    elif omit_nyquist:
+    elif omit_nyquist and discretisations(cases):
         cases = cases.isel(case=~at_nyquist(cases["eps_c"].values))
     values = cases[variable].transpose("realisation", "case").values.astype(float)
     present = np.isfinite(values)
@@ -171,7 +176,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         dropped = some.sum() - complete.sum()
         notes.append(f"{dropped} of {some.sum()} realisations dropped, not good in every case")
     levels = {}
-    for name in LIMITS:
+    for name in discretisations(cases):
         level = cases[name].values.astype(float)[kept]
         if np.unique(level).size > 1:
             levels[name] = level
@@ -181,9 +186,10 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     nodes, fewest = _nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
     if nodes < fewest:
         stretches = "stretches" if dimension == 1 else "patches"
+        finer = "a finer eps_c" if discretisations(cases) else "more points"
         notes.append(
             f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
-            "the area is that of the grid, not of the surface; take a finer eps_c or a higher pressure"
+            f"the area is that of the grid, not of the surface; take {finer} or a higher pressure"
         )
     return Group(
         parameters=parameters,
@@ -243,7 +249,7 @@ def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def _named(case: xr.Dataset) -> str:
-    return ", ".join(f"{name} = {fractions(case[name].values)}" for name in LIMITS)
+    return ", ".join(f"{name} = {fractions(case[name].values)}" for name in discretisations(case)) or "the only case"
 
 
 def at_nyquist(eps_c: Any) -> Any:
@@ -252,7 +258,12 @@ def at_nyquist(eps_c: Any) -> Any:
 
 
 def reference_levels(group: xr.Dataset) -> dict[str, float]:
-    """Return the discretisation of a group's finest reference case, or the finest levels present if it has none."""
+    """Return the discretisation of a group's finest reference case, or the finest levels present if it has none.
+
+    It is nan where surfaces have grids of their own.
+    """
+    if not discretisations(group):
+        return dict.fromkeys(LIMITS, nan)
     levels = {name: group[name].values.astype(float) for name in LIMITS}
     marked = np.flatnonzero(group["is_reference"].values)
     if not marked.size:
@@ -263,7 +274,9 @@ def reference_levels(group: xr.Dataset) -> dict[str, float]:
 
 def _at(group: xr.Dataset, levels: dict[str, float], variable: str) -> tuple[float, float]:
     """Return mean and standard error of a group's case at a discretisation, nan if there is none."""
-    there = np.all([np.isclose(group[name], level, rtol=1e-9) for name, level in levels.items()], axis=0)
+    there = np.ones(group.sizes["case"], dtype=bool)
+    for name in discretisations(group):
+        there &= np.isclose(group[name], levels[name], rtol=1e-9)
     if not there.any():
         return nan, nan
     mean, error = ensemble_mean(group.isel(case=there), variable)

@@ -29,6 +29,7 @@ from gfmd_numba.scene.quantities import (
     Signed,
     Size,
 )
+from gfmd_numba.scene.surfaces import Length, PositiveHurst
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
 
@@ -59,12 +60,17 @@ class Axis:
         """Name of its coordinate in the dataset."""
         return self.coordinate_name or self.name
 
+    @property
+    def of_surface(self) -> bool:
+        """Whether it varies the rough surface."""
+        return self.place[:1] == ("roughness",)
+
     @cached_property
     def _found(self) -> Callable[[Any], Any]:
         return attrgetter(".".join(self.place or (self.name,)))
 
-    def value(self, scene: Scene, discretisation: Discretisation) -> float | None:
-        """Value of a case; None if the scene has no such parameter."""
+    def value(self, scene: Scene, discretisation: Discretisation | None) -> float | None:
+        """Value of a case; None if it has no such parameter, or no discretisation."""
         try:
             found: float | None = self._found(scene if self.place else discretisation)
         except AttributeError:
@@ -100,6 +106,55 @@ AXES = (
         "gamma",
         r"$\gamma$",
         "correlation length of a map, y over x",
+    ),
+    Axis("hurst_x", PositiveHurst, ("roughness", "hurst_x"), "H_x", "$H_x$", "Hurst exponent along x"),
+    Axis("hurst_y", PositiveHurst, ("roughness", "hurst_y"), "H_y", "$H_y$", "Hurst exponent along y"),
+    Axis("rms_height", Size, ("roughness", "rms_height"), "h", r"$\bar{h}$", "rms height asked for", "height"),
+    Axis(
+        "roll_off",
+        Length,
+        ("roughness", "roll_off"),
+        "lambda_l",
+        r"$\lambda_l$",
+        "longest wavelength of the power law",
+        "height",
+    ),
+    Axis("cut_on", Length, ("roughness", "cut_on"), "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
+    Axis(
+        "correlation_length",
+        Length,
+        ("roughness", "correlation_length"),
+        "xi",
+        r"$\xi$",
+        "correlation length",
+        "height",
+    ),
+    Axis(
+        "correlation_length_x",
+        Length,
+        ("roughness", "correlation_length_x"),
+        "xi_x",
+        r"$\xi_x$",
+        "correlation length along x",
+        "height",
+    ),
+    Axis(
+        "correlation_length_y",
+        Length,
+        ("roughness", "correlation_length_y"),
+        "xi_y",
+        r"$\xi_y$",
+        "correlation length along y",
+        "height",
+    ),
+    Axis(
+        "mound_separation",
+        Length,
+        ("roughness", "mound_separation"),
+        "lambda_m",
+        r"$\lambda_m$",
+        "mean distance of mounds",
+        "height",
     ),
     Axis(
         "displacement",
@@ -172,7 +227,7 @@ OF_THE_SCENE = tuple(axis for axis in AXES if axis.place)
 DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.place)
 
 
-def present(scene: Scene, discretisation: Discretisation) -> tuple[Axis, ...]:
+def present(scene: Scene, discretisation: Discretisation | None) -> tuple[Axis, ...]:
     """Axes that a case has a value on, as have all cases of its campaign."""
     return tuple(axis for axis in AXES if axis.value(scene, discretisation) is not None)
 

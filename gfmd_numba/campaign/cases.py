@@ -3,6 +3,7 @@
 from bisect import bisect
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from itertools import product
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
@@ -10,7 +11,7 @@ from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, InputError, Scene
+from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
 from gfmd_numba.scene.checks import ARRAYS_PER_REALISATION
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
@@ -21,12 +22,12 @@ Range = tuple[int, int]  # first realisation, and the one after the last
 class Case:
     """One ensemble: a scene at one discretisation, its realisations, and the dimensionless problem it reduces to.
 
-    `limit` names the discretisation that differs from the reference, or is "reference". `rms_gradient` is the g that
-    is asked of the surfaces.
+    `discretisation` is None where the surface has points and lengths of its own. `limit` names the discretisation that
+    differs from the reference, or is "reference". `rms_gradient` is the g that is asked of the surfaces.
     """
 
     scene: Scene
-    discretisation: Discretisation
+    discretisation: Discretisation | None
     limit: str
     realisations: int
     problem: Problem
@@ -53,15 +54,16 @@ def expand(campaign: Campaign) -> list[Case]:
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
     levels = list(campaign.discretisations())
+    surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
         for level in levels:
-            surface, rms_gradient = _surface(scene, level.discretisation, campaign.seed)
+            surface, rms_gradient = surface_of(scene.roughness, level.discretisation)
             problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
             case = Case(
                 scene=scene,
-                discretisation=level.discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx),
+                discretisation=level.discretisation,
                 limit=level.limit or "reference",
                 realisations=level.realisations,
                 problem=problem,
@@ -72,12 +74,17 @@ def expand(campaign: Campaign) -> list[Case]:
     return cases
 
 
-def _surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> tuple[RandomSurface, float]:
+def _surface(
+    campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
+) -> tuple[RandomSurface, float]:
+    """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
     try:
-        return random_surface(scene, discretisation, seed)
+        scene = campaign.scene.model_copy(update={"roughness": roughness})
+        return random_surface(scene, discretisation, campaign.seed)
     except ValueError as error:
-        assert scene.roughness is not None  # a campaign's promise
-        given = f"method {scene.roughness.method}"
+        varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
+        values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
+        given = f"method {roughness.method}{''.join(values)}"
         raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
 
 

@@ -30,7 +30,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     for axis in present(cases[0].scene, cases[0].discretisation):
         columns[axis.coordinate] = [axis.value(case.scene, case.discretisation) for case in cases]
     return columns | {
-        "nx": [case.discretisation.nx for case in cases],
+        "nx": [case.problem.surface.nx for case in cases],
         "dimension": [case.scene.dimension for case in cases],
     }
 

@@ -218,9 +218,9 @@ def _in_all_groups(planned: Plan, cases: list[Case], seconds: dict[str, float]) 
     return found
 
 
-def _seconds_of_levels(cases: list[Case], each: dict[str, float]) -> dict[Discretisation, float]:
+def _seconds_of_levels(cases: list[Case], each: dict[str, float]) -> dict[Discretisation | None, float]:
     """Seconds of a realisation of all distinct problems at each discretisation."""
-    levels: dict[Discretisation, set[str]] = {}
+    levels: dict[Discretisation | None, set[str]] = {}
     for case in cases:
         levels.setdefault(case.discretisation, set()).add(case.problem.identity)
     return {level: sum(each[identity] for identity in identities) for level, identities in levels.items()}

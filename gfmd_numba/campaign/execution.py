@@ -19,7 +19,8 @@ from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.text.input_error import brief
 

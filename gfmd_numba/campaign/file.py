@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, Self
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.grid import Grid, check_grid, values_of, varied_scenes
+from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
@@ -18,7 +18,7 @@ from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of
-from gfmd_numba.scene.surfaces import Measured, misfit
+from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
@@ -121,6 +121,8 @@ class Campaign(BaseModel):
         if not needed and not measured and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         for axis in DISCRETISATIONS:
+            if self.reference is None and getattr(self.fit.fixed, axis) is not None:
+                raise broken_rule(("fit", "fixed", axis), "nothing, as the surface has points and lengths of its own")
             if self.reference is None and (getattr(self.limits, axis) or getattr(self.grid, axis)):
                 where = "limits" if getattr(self.limits, axis) else "grid"
                 raise broken_rule((where, axis), "nothing, as the surface has points and lengths of its own")
@@ -132,7 +134,7 @@ class Campaign(BaseModel):
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
         for place, surface in self.scene.surfaces.items():
-            wrong = misfit(surface, self.scene.length or 1.0)
+            wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         return self
@@ -154,36 +156,20 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
+    check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
     check_surfaces(document, campaign.scene)
+    assert campaign.scene.roughness is not None  # the combinations' promise
     for discretisation, locations, limit, _ in campaign.discretisations():
-        if discretisation is None:
-            _check_own_waves(document, campaign, anisotropies, ranges)
-            break
-        for anisotropy, location in anisotropies:
-            check_anisotropy_fits(document, anisotropy, location, discretisation)
-        check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
+        if discretisation is not None:
+            for anisotropy, location in anisotropies:
+                check_anisotropy_fits(document, anisotropy, location, discretisation)
+            check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
+        nx = campaign.scene.roughness.points if discretisation is None else discretisation.nx
+        assert nx is not None  # the records' promise
         for scene, place in ranges:
-            check_range(document, scene, discretisation.nx, place)
+            check_range(document, scene, nx, place)
     return campaign, document
-
-
-def _check_own_waves(
-    document: Document,
-    campaign: Campaign,
-    anisotropies: list[tuple[float, Location]],
-    ranges: list[tuple[Scene, Location | None]],
-) -> None:
-    """Raise InputError for what a grid varies and a surface with points of its own cannot have."""
-    surface = campaign.scene.roughness
-    assert surface is not None  # the combinations' promise
-    for anisotropy, location in anisotropies:
-        wrong = misfit(surface.model_copy(update={"anisotropy": anisotropy}), campaign.scene.length or 1.0)
-        if wrong is not None:
-            raise document.error(location, anisotropy, wrong[1])
-    for scene, place in ranges:
-        if surface.points is not None:
-            check_range(document, scene, surface.points, place)
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:

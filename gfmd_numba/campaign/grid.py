@@ -1,12 +1,13 @@
 """The grid of a campaign: values of the axes taken as a full product, each checked as the scene itself is."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, with_values
-from gfmd_numba.scene import Document, Scene
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, Place, with_values
+from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 
@@ -60,13 +61,51 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
         at = ("grid", axis.name)
         if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
             raise document.error(at, document.value(at), lack)
-    for _, location, varied in varied_scenes(scene, grid):
-        try:
-            Scene.model_validate(varied.model_dump())
-        except ValidationError as error:
-            fault = error.errors(include_url=False)[0]
-            allowed = fault.get("ctx", {}).get("allowed", fault["msg"])
-            raise document.error(location, document.value(location), allowed) from None
+    for axis, location, varied in varied_scenes(scene, grid):
+        if not axis.of_surface and (fault := _fault(varied)):
+            raise document.error(location, document.value(location), fault[1])
+
+
+def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
+    """Raise InputError for values of a grid that, taken together, make no surface or one that does not fit its period.
+
+    What the grid varies stands in no case as the scene has it, so that each value is checked beside the grid's others.
+    """
+    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
+    for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
+        values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+        fault = _surface_fault(scene, values)
+        if fault is None:
+            continue
+        place: Place = ("roughness", fault[0])
+        allowed = fault[1]
+        if place not in values:
+            if getattr(scene.roughness, fault[0], None) is not None:
+                allowed = f"a value for which {fault[0]} is {allowed}"
+            to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
+            place = next(to_blame, axes[-1].place)
+        at = list(values).index(place)
+        location = ("grid", axes[at].name, chosen[at][0])
+        raise document.error(location, document.value(location), allowed)
+
+
+def _surface_fault(scene: Scene, values: Mapping[Place, float]) -> tuple[str, str] | None:
+    """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
+    surface = with_values(scene, values).roughness
+    assert surface is not None  # the combinations' promise
+    return _fault(surface) or surface.misfit(scene.length or 1.0)
+
+
+def _fault(record: BaseModel) -> tuple[str, str] | None:
+    """Key of the first value that breaks a rule of its record, or nothing for several, and what is allowed; or None."""
+    try:
+        type(record).model_validate(record.model_dump())
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        context = fault.get("ctx", {})
+        location = (*fault["loc"], *context.get("location", ()))
+        return str(location[-1]) if location else "", context.get("allowed", fault["msg"])
+    return None
 
 
 def _lack(scene: Scene, axis: Axis) -> str:
@@ -75,8 +114,10 @@ def _lack(scene: Scene, axis: Axis) -> str:
     for name in axis.place[:-1]:
         record = getattr(record, name, None)
     *parts, key = axis.place
+    home = ".".join(("scene", *parts))
+    if isinstance(record, Random) and key not in type(record).model_fields:
+        return f"nothing, as {home} with {record.named_by} {getattr(record, record.named_by)} has no {key}"
     if key not in getattr(type(record), "model_fields", ()):
-        home = ".".join(("scene", *parts))
         return f"nothing without {home}.{key}: add `{key}` to {home}, in place of which the values are taken"
     if record is scene.loading and getattr(record, key) is None:
         return f"nothing, as the loading is a {next(name for name, value in scene.loading if value is not None)}"

@@ -18,7 +18,7 @@ from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.scene import SINGLE_RESIDUAL
+from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
 from gfmd_numba.solvers.table import able
 
 _RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
@@ -69,8 +69,9 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
-    for axis in DISCRETISATIONS:
-        yield from _discretisation(case, axis, planned.campaign.seed, realisations)
+    if case.discretisation is not None:
+        for axis in DISCRETISATIONS:
+            yield from _discretisation(case, case.discretisation, axis, planned.campaign.seed, realisations)
     yield from _sampling(case.problem, 16 * realisations)
     yield from _effects(case.problem, realisations)
 
@@ -111,12 +112,12 @@ def _precision(problem: Problem, exact: Reals) -> Iterator[Point]:
                 yield _point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
 
 
-def _discretisation(case: Case, axis: str, seed: int, realisations: int) -> Iterator[Point]:
+def _discretisation(case: Case, at: Discretisation, axis: str, seed: int, realisations: int) -> Iterator[Point]:
     """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""
-    reference = getattr(case.discretisation, axis)
+    reference = getattr(at, axis)
     levels = []
     for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
-        discretisation = case.discretisation.model_copy(update={axis: reference * factor})
+        discretisation = at.model_copy(update={axis: reference * factor})
         if reference * factor <= 1.0 and discretisation.misfit is None and discretisation.nx <= _MOST_NODES:
             surface = random_surface(case.scene, discretisation, seed)[0]
             levels.append((reference * factor, _run(replace(case.problem, surface=surface), realisations)))

@@ -12,7 +12,7 @@ from gfmd_numba.cli.sentences import say
 if TYPE_CHECKING:
     import xarray as xr
 
-_UNUSED_BY_KAPPA = "rms_gradient_target"  # shown only if it varies
+_UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
 _MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 
@@ -55,7 +55,7 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
     from gfmd_numba.analysis import ensemble_mean
 
     shown = dataset.isel(case=slice(_MOST_ROWS))
-    parameters = _shown_parameters(dataset) | {limit: limit for limit in LIMITS}
+    parameters = _shown_parameters(dataset) | {limit: limit for limit in LIMITS if limit in dataset.coords}
     means = {variable: _with_errors(*ensemble_mean(shown, variable))}
     print_table(f"{variable}, mean of the realisations (one standard error)", _cells(shown, parameters), means)
     if dataset.sizes["case"] > _MOST_ROWS:
@@ -93,11 +93,11 @@ def _parameters(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
-    """Return heading and name of each parameter; the gradient only if it differs, as kappa does not know it."""
+    """Return heading and name of each parameter; the roughness's scale only if it varies, as kappa does not know it."""
     return {
         heading: name
         for heading, name in _parameters(dataset).items()
-        if name != _UNUSED_BY_KAPPA or len(set(dataset[name].values.tolist())) > 1
+        if name not in _UNUSED_BY_KAPPA or len(set(dataset[name].values.tolist())) > 1
     }
 
 

@@ -56,7 +56,7 @@ PHRASES = {
     "half-space": "a half-space",
     "loaded body": "a body loaded without a punch",
     "measured punch": "a measured punch",
-    "model of maps": "a model of two directions (`length_anisotropy`, `scaling_anisotropy`)",
+    "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
     "path": "a loading path",
     "plane stress": "plane stress",

@@ -9,7 +9,7 @@ from gfmd_numba.contact.combinations import REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.records import Step
-from gfmd_numba.scene.surfaces import OF_MAPS
+from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
 from gfmd_numba.text.input_error import brief
@@ -141,8 +141,8 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     if getattr(scene.roughness, "anisotropy", None) is not None:
         yield "anisotropy", ("scene", "roughness", "anisotropy")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, OF_MAPS):
-            yield "model of maps", ("scene", *place, "model")
+        if isinstance(surface, Random) and surface.of_maps:
+            yield "model of maps", ("scene", *place, surface.named_by)
     if scene.counter_body is not None:
         yield "counter_body", ("scene", "counter_body")
     if scene.body.roughness is not None:

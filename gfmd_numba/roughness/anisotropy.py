@@ -4,6 +4,7 @@ The thesis prints both spectra 2 pi times too large for its own (3.14), and leav
 """
 
 from dataclasses import dataclass
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from scipy.special import gamma
@@ -12,10 +13,27 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.spectra import matern
 
 
+class Model(Protocol):
+    """Model of a map whose two directions differ."""
+
+    @property
+    def isotropic(self) -> Literal[False]: ...  # noqa: D102
+    @property
+    def dimension(self) -> int: ...  # noqa: D102
+    @property
+    def hurst(self) -> float: ...  # noqa: D102
+    @property
+    def correlation_length(self) -> float: ...  # noqa: D102
+    def psd(self, q_x: Reals, q_y: Reals) -> Reals: ...  # noqa: D102
+    def autocorrelation(self, x: Reals, y: Reals) -> Reals: ...  # noqa: D102
+
+
 @dataclass(frozen=True)
 class LengthAnisotropy:
     """One Hurst exponent, two correlation lengths (x, y) (3.15); raises ValueError for values out of range."""
 
+    isotropic: ClassVar[Literal[False]] = False
+    dimension: ClassVar[int] = 2
     hurst: float
     correlation_lengths: tuple[float, float]
 
@@ -42,6 +60,8 @@ class LengthAnisotropy:
 class ScalingAnisotropy:
     """Hurst exponent and correlation length of each direction (x, y) (3.16); ValueError for values out of range."""
 
+    isotropic: ClassVar[Literal[False]] = False
+    dimension: ClassVar[int] = 2
     hursts: tuple[float, float]
     correlation_lengths: tuple[float, float]
 
@@ -73,9 +93,6 @@ class ScalingAnisotropy:
             for shift, length, hurst in zip((x, y), self.correlation_lengths, self.hursts, strict=True)
         )
         return np.asarray(first * second)
-
-
-Anisotropic = LengthAnisotropy | ScalingAnisotropy
 
 
 def _check(lengths: tuple[float, float], hursts: tuple[float, ...]) -> None:

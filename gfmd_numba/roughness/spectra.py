@@ -5,7 +5,7 @@ period L has the mean power <|h~(q)|^2> = w^2 C(q) (2 pi / L)^d. The height-heig
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from scipy.special import gammaln, hyp2f1, j0, kv
@@ -19,6 +19,8 @@ _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
 class Spectrum(Protocol):
     """Model of an isotropic surface in one or two dimensions."""
 
+    @property
+    def isotropic(self) -> Literal[True]: ...  # noqa: D102
     @property
     def dimension(self) -> int: ...  # noqa: D102
     @property
@@ -41,6 +43,7 @@ class SelfAffine:
     Lengths in the unit of the period; the plateau ends at `longest`. Raises ValueError for lengths out of order.
     """
 
+    isotropic: ClassVar[Literal[True]] = True
     dimension: int
     hurst: float
     cut_on: float
@@ -83,6 +86,7 @@ class SelfAffine:
 class Exponential:
     """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9), 0 < H <= 1."""
 
+    isotropic: ClassVar[Literal[True]] = True
     dimension: int
     hurst: float
     correlation_length: float
@@ -113,6 +117,7 @@ class Exponential:
 class KCorrelation:
     """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14), 0 < H <= 1."""
 
+    isotropic: ClassVar[Literal[True]] = True
     dimension: int
     hurst: float
     correlation_length: float
@@ -144,6 +149,7 @@ class Mounded:
     Raises ValueError unless the correlation length is at most the separation.
     """
 
+    isotropic: ClassVar[Literal[True]] = True
     model: Exponential | KCorrelation
     separation: float
 

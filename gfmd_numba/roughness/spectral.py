@@ -8,47 +8,48 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
+from gfmd_numba.roughness import anisotropy
 from gfmd_numba.roughness.amplitudes import waves
-from gfmd_numba.roughness.anisotropy import Anisotropic, LengthAnisotropy, ScalingAnisotropy
 from gfmd_numba.roughness.spectra import Model, Spectrum
 
 _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
 
 
-def psd_power(spectrum: Spectrum | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def psd_power(spectrum: Spectrum | anisotropy.Model, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
-    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere.
+    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere, or
+    zero everywhere.
     """
-    index = grid.wave_indices((nx,) * _dimension(spectrum))
+    index = grid.wave_indices((nx,) * spectrum.dimension)
     size = np.sqrt(sum(k**2 for k in index))
     kept = (size > 0) & (size <= largest_index)
     step = 2.0 * np.pi / period
-    if isinstance(spectrum, LengthAnisotropy | ScalingAnisotropy):
-        q_y, q_x = (np.broadcast_to(step * k, kept.shape)[kept] for k in index)
-        density = spectrum.psd(q_x, q_y)
-    else:
+    if spectrum.isotropic:
         q, place = np.unique(step * size[kept], return_inverse=True)
         density = spectrum.psd(q)[place]
+    else:
+        q_y, q_x = (np.broadcast_to(step * k, kept.shape)[kept] for k in index)
+        density = spectrum.psd(q_x, q_y)
     power = np.zeros(kept.shape)
     power[kept] = density * step ** len(index)
     return _usable(power, largest_index, nx)
 
 
-def filter_power(model: Model | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def filter_power(model: Model | anisotropy.Model, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2, laid out like that of `psd_power`, of the Fourier filtering method.
 
     It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves.
     (3.26) filters with the transform itself, whose surfaces have the autocorrelation R * R; R takes its square root.
     Raises ValueError like `psd_power`, where the period is too short for the correlation.
     """
-    dimension, points = _dimension(model), 2 * largest_index + 1
+    dimension, points = model.dimension, 2 * largest_index + 1
     nearest = grid.shifts(points, period)  # on the periodic surface, where the origin has images
-    if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
-        correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
-    else:
+    if model.isotropic:
         distance = abs(nearest) if dimension == 1 else np.hypot(nearest, nearest[:, np.newaxis])
         correlation = model.autocorrelation(distance)
+    else:
+        correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
     found = grid.coefficients(correlation, dimension).real
     found[(0,) * dimension] = 0.0
     power = np.zeros([nx] * (dimension - 1) + [nx // 2 + 1])
@@ -78,10 +79,6 @@ def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
     return grid.signal(power, *(nx,) * power.ndim)
 
 
-def _dimension(spectrum: Spectrum | Anisotropic) -> int:
-    return 2 if isinstance(spectrum, LengthAnisotropy | ScalingAnisotropy) else spectrum.dimension
-
-
 def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
     if not 1 <= largest_index < nx / 2:
         raise ValueError(
@@ -90,6 +87,8 @@ def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
     if not np.isfinite(power).all():
         where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
         raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")
+    if power.max() < np.finfo(np.float64).tiny:
+        raise ValueError("a spectrum that is zero at all waves that fit the period")
     if power.min() < -_ROUNDING * power.max():
         where = tuple(int(i) for i in np.unravel_index(power.argmin(), power.shape))
         raise ValueError(f"a spectrum that is negative at wave index {where}")

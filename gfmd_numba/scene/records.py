@@ -26,7 +26,7 @@ from gfmd_numba.scene.quantities import (
     TimeStep,
     broken_rule,
 )
-from gfmd_numba.scene.surfaces import Surface, misfit
+from gfmd_numba.scene.surfaces import Surface
 
 
 class Body(BaseModel):
@@ -134,11 +134,6 @@ class Discretisation(BaseModel):
     def nx(self) -> int:
         """Number of grid points over the period, 2/(eps_t eps_f eps_c)."""
         return round(self.waves["eps_c"])
-
-    @classmethod
-    def of_waves(cls, longest: float, shortest: float, nx: int) -> "Discretisation":
-        """What the wave indices of a surface with lengths of its own amount to; they need not be whole."""
-        return cls.model_construct(eps_c=2 * shortest / nx, eps_f=longest / shortest, eps_t=1 / longest)
 
     @property
     def misfit(self) -> str | None:
@@ -253,7 +248,7 @@ class SceneFile(BaseModel):
         if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
             raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
         for place, surface in rough.items():
-            wrong = misfit(surface, self.scene.length or 1.0)
+            wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         for i, step in enumerate(self.path):

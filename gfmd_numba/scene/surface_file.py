@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.quantities import RECORD, Dimension, Seed, Size, broken_rule
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import OF_MAPS, Length, Measured, Surface, misfit
+from gfmd_numba.scene.surfaces import Length, Measured, Surface
 from gfmd_numba.scene.validation import validate
 
 _ARRAYS = 16  # of the surface's size, that making it and its statistics may take
@@ -49,11 +49,11 @@ class SurfaceFile(BaseModel):
             return self
         if surface.points is None:
             raise broken_rule(("surface", "points"), "a whole number at least 4, with cut_on and roll_off")
-        if self.dimension != 2 and isinstance(surface, OF_MAPS):
-            raise broken_rule(("dimension",), f"2, which model {surface.model} needs")
+        if self.dimension != 2 and surface.of_maps:
+            raise broken_rule(("dimension",), f"2, which {surface.named_by} {getattr(surface, surface.named_by)} needs")
         if self.dimension != 2 and getattr(surface, "anisotropy", None) is not None:
             raise broken_rule(("dimension",), "2, which an anisotropy needs")
-        wrong = misfit(surface, self.length or 1.0)
+        wrong = surface.misfit(self.length or 1.0)
         if wrong is not None:
             raise broken_rule(("surface", wrong[0]), wrong[1])
         return self

@@ -1,9 +1,10 @@
 """The one union of rough surfaces: of a punch, of a body, of campaigns and of `gfmd surface`.
 
-Lengths are in m if the file gives a length L_x, and in L_x otherwise.
+Lengths are in m if the file gives a length L_x, and in L_x otherwise. The union at the end is the table: a record says
+itself what makes its surfaces.
 """
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
@@ -14,10 +15,15 @@ Length = Annotated[Size, Field(description="Length in m, or in L_x without a len
 Points = Annotated[int, Field(ge=4, le=2**40)]
 
 
-class _Random(BaseModel):
-    """Random surface with either an rms height or an rms gradient."""
+class Random(BaseModel):
+    """Random surface with either an rms height or an rms gradient.
+
+    `implementation` names the function that makes its generator, as `gfmd_numba.roughness.generators.Maker` says.
+    """
 
     model_config = RECORD
+    implementation: ClassVar[str]
+    of_maps: ClassVar[bool] = False  # whose two directions differ
     rms_height: Size | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = Field(None, description="Root-mean-square gradient (dimensionless)")
     points: Points | None = Field(None, description="Grid points over L_x; None: those of the discretisation")
@@ -30,6 +36,27 @@ class _Random(BaseModel):
         """Whether eps_c, eps_f and eps_t have to tell its grid and wavelengths."""
         return self.points is None
 
+    @property
+    def named_by(self) -> str:
+        """Key that tells this kind of surface from all others: its model, or its method if that has one only."""
+        return "model" if "model" in type(self).model_fields else "method"
+
+    def longest(self, period: float) -> float:
+        """Longest wavelength that has to fit the period with a whole number of waves."""
+        return period
+
+    def misfit(self, period: float) -> tuple[str, str] | None:
+        """Key of the length that does not fit the grid or the period, and what is allowed there; None if all fit."""
+        if self.points is None or self.cut_on is None:
+            return None
+        finest = period / ((self.points - 1) // 2)
+        if self.cut_on < finest * (1 - 1e-9):
+            return "cut_on", f"at least {finest:.6g}, the shortest wavelength below Nyquist of {self.points} points"
+        if int(period / self.cut_on * (1 + 1e-9)) < period / self.longest(period) * (1 - 1e-9):
+            whole = f"a whole number of waves fits the period {period:g} with it or less"
+            return "cut_on", f"a wavelength so short that {whole}"
+        return None
+
     @model_validator(mode="after")
     def _one_scale(self) -> Self:
         if (self.rms_height is None) == (self.rms_gradient is None):
@@ -37,35 +64,79 @@ class _Random(BaseModel):
         return self
 
 
-class SelfAffine(_Random):
-    """Power law between two wavelengths, drawn from its spectral density, thesis (3.28)."""
+class PowerLaw(Random):
+    """Random surface that is self-affine between two wavelengths, its own or those of a discretisation."""
 
-    method: Literal["psd"] = Field(description="How the surface is made")
-    model: Literal["self_affine"] = Field("self_affine", description="Spectrum of the surface")
+    least_ratio: ClassVar[int] = 1  # of the roll-off to the cut-on wavelength
     hurst: Hurst
     roll_off: Length | None = Field(None, description="Longest wavelength of the power law; None: see cut_on")
+
+    def longest(self, period: float) -> float:
+        """Roll-off wavelength."""
+        return self.roll_off or period
+
+    def misfit(self, period: float) -> tuple[str, str] | None:
+        """As of all random surfaces, or a roll-off that does not fit the period."""
+        if self.roll_off is not None and self.roll_off > period * (1 + 1e-9):
+            return "roll_off", f"at most the period {period:g}"
+        return super().misfit(period)
+
+    @model_validator(mode="after")
+    def _wavelengths_agree(self) -> Self:
+        given = {name: getattr(self, name) is not None for name in ("points", "cut_on", "roll_off")}
+        if len(set(given.values())) > 1:
+            missing = next(name for name, there in given.items() if not there)
+            raise broken_rule((missing,), "points, cut_on and roll_off together, or none of them and a discretisation")
+        if self.cut_on is None or self.roll_off is None:
+            return self
+        if self.cut_on >= self.roll_off or self.least_ratio * self.cut_on > self.roll_off:
+            limit = "a wavelength below" if self.least_ratio == 1 else "at most half of"
+            raise broken_rule(("cut_on",), f"{limit} roll_off = {self.roll_off:g}")
+        return self
+
+
+class SelfAffine(PowerLaw):
+    """Power law between two wavelengths, drawn from its spectral density, thesis (3.28)."""
+
+    implementation: ClassVar = "gfmd_numba.roughness.self_affine_waves:generator"
+    method: Literal["psd"] = Field(description="How the surface is made")
+    model: Literal["self_affine"] = Field("self_affine", description="Spectrum of the surface")
     plateau: bool = Field(True, description="Constant spectrum beyond the roll-off, or none")
     anisotropy: Anisotropy | None = Field(
         None, description="Correlation length of a map along y over that along x (dimensionless); None: isotropic"
     )
 
+    def misfit(self, period: float) -> tuple[str, str] | None:
+        """As of all power laws, or an anisotropy whose longest wavelength along y does not fit the period."""
+        if wrong := super().misfit(period):
+            return wrong
+        if self.anisotropy is None or self.roll_off is None or self.anisotropy <= period / self.roll_off * (1 + 1e-9):
+            return None
+        most = f"at most the period over roll_off = {period / self.roll_off:.6g}"
+        return "anisotropy", f"{most}, so that the longest wavelength along y fits the period"
+
+
+class Spectral(Random):
+    """Random surface whose spectrum has lengths of its own, drawn by one of the spectral methods."""
+
+    method: Literal["psd", "fourier_filter"] = Field(description="How the surface is made")
+
     @model_validator(mode="after")
-    def _order(self) -> Self:
-        _check_wavelengths(self, 1)
+    def _has_points(self) -> Self:
+        if self.points is None:
+            raise broken_rule(("points",), "the number of grid points over L_x, as the model has lengths of its own")
         return self
 
 
-class _Correlated(_Random):
+class Correlated(Spectral):
     """Isotropic model with a correlation length, thesis (3.10) or (3.13), and perhaps mounds (3.17)."""
 
-    method: Literal["psd", "fourier_filter"] = Field(description="How the surface is made")
     hurst: PositiveHurst
     correlation_length: Length
     mound_separation: Length | None = Field(None, description="Mean distance of mounds; None: no mounds")
 
     @model_validator(mode="after")
-    def _order(self) -> Self:
-        _check_points(self)
+    def _mounds_fit(self) -> Self:
         if self.mound_separation is not None and self.correlation_length > self.mound_separation:
             raise broken_rule(
                 ("correlation_length",),
@@ -74,68 +145,57 @@ class _Correlated(_Random):
         return self
 
 
-class ExponentialCorrelation(_Correlated):
+class ExponentialCorrelation(Correlated):
     """Exponential correlation model, thesis (3.9) to (3.11)."""
 
+    implementation: ClassVar = "gfmd_numba.roughness.model_waves:exponential"
     model: Literal["exponential"] = Field(description="Spectrum of the surface")
 
 
-class KCorrelation(_Correlated):
+class KCorrelation(Correlated):
     """K-correlation model, thesis (3.12) to (3.14)."""
 
+    implementation: ClassVar = "gfmd_numba.roughness.model_waves:k_correlation"
     model: Literal["k_correlation"] = Field(description="Spectrum of the surface")
 
 
-class LengthAnisotropy(_Random):
+class LengthAnisotropy(Spectral):
     """K-correlation model of maps with two correlation lengths, thesis (3.15)."""
 
-    method: Literal["psd", "fourier_filter"] = Field(description="How the surface is made")
+    implementation: ClassVar = "gfmd_numba.roughness.model_waves:length_anisotropy"
+    of_maps: ClassVar = True
     model: Literal["length_anisotropy"] = Field(description="Spectrum of the surface")
     hurst: PositiveHurst
     correlation_length_x: Length
     correlation_length_y: Length
 
-    @model_validator(mode="after")
-    def _has_points(self) -> Self:
-        _check_points(self)
-        return self
 
-
-class ScalingAnisotropy(_Random):
+class ScalingAnisotropy(Spectral):
     """K-correlation model of maps with two Hurst exponents and correlation lengths, thesis (3.16)."""
 
-    method: Literal["psd", "fourier_filter"] = Field(description="How the surface is made")
+    implementation: ClassVar = "gfmd_numba.roughness.model_waves:scaling_anisotropy"
+    of_maps: ClassVar = True
     model: Literal["scaling_anisotropy"] = Field(description="Spectrum of the surface")
     hurst_x: PositiveHurst
     hurst_y: PositiveHurst
     correlation_length_x: Length
     correlation_length_y: Length
 
-    @model_validator(mode="after")
-    def _has_points(self) -> Self:
-        _check_points(self)
-        return self
+
+class Recursive(PowerLaw):
+    """Recursive method, thesis 3.5.1: self-affine between two wavelengths at least an octave apart."""
+
+    implementation: ClassVar = "gfmd_numba.roughness.recursive_subdivision:generator"
+    least_ratio: ClassVar = 2
 
 
-class _Recursive(_Random):
-    """Recursive method, thesis 3.5.1: self-affine between two wavelengths."""
-
-    hurst: Hurst
-    roll_off: Length | None = Field(None, description="Longest wavelength of the power law; None: see cut_on")
-
-    @model_validator(mode="after")
-    def _order(self) -> Self:
-        _check_wavelengths(self, 2)
-        return self
-
-
-class MidpointDisplacement(_Recursive):
+class MidpointDisplacement(Recursive):
     """Random midpoint displacement, thesis 3.5.1."""
 
     method: Literal["midpoint_displacement"] = Field(description="How the surface is made")
 
 
-class SuccessiveAddition(_Recursive):
+class SuccessiveAddition(Recursive):
     """Successive random addition, thesis 3.5.1.1."""
 
     method: Literal["successive_addition"] = Field(description="How the surface is made")
@@ -156,12 +216,15 @@ class Measured(BaseModel):
         """Never: a measured surface has its own grid."""
         return False
 
+    def misfit(self, period: float) -> None:
+        """None: whatever was measured fits its own grid."""
+
 
 def _self_affine_by_default(given: Any) -> Any:
     return {"model": "self_affine", **given} if isinstance(given, dict) else given
 
 
-Spectral = Annotated[
+OfSpectrum = Annotated[
     Annotated[
         SelfAffine | ExponentialCorrelation | KCorrelation | LengthAnisotropy | ScalingAnisotropy,
         Field(discriminator="model", description="Spectrum of the surface"),
@@ -169,62 +232,6 @@ Spectral = Annotated[
     BeforeValidator(_self_affine_by_default),
 ]
 Surface = Annotated[
-    Spectral | MidpointDisplacement | SuccessiveAddition | Measured,
+    OfSpectrum | MidpointDisplacement | SuccessiveAddition | Measured,
     Field(discriminator="method", description="Roughness of a surface"),
 ]
-Random = (
-    SelfAffine
-    | ExponentialCorrelation
-    | KCorrelation
-    | LengthAnisotropy
-    | ScalingAnisotropy
-    | MidpointDisplacement
-    | SuccessiveAddition
-)
-OF_MAPS = (LengthAnisotropy, ScalingAnisotropy)  # whose two directions differ
-OF_WAVELENGTHS = (SelfAffine, MidpointDisplacement, SuccessiveAddition)  # with a cut-on and a roll-off
-
-
-def _check_wavelengths(surface: SelfAffine | _Recursive, least_ratio: float) -> None:
-    """Raise a located error unless points and both wavelengths, with at least this ratio, are given or none is."""
-    given = {name: getattr(surface, name) is not None for name in ("points", "cut_on", "roll_off")}
-    if len(set(given.values())) > 1:
-        missing = next(name for name, there in given.items() if not there)
-        raise broken_rule((missing,), "points, cut_on and roll_off together, or none of them and a discretisation")
-    if surface.cut_on is None or surface.roll_off is None:
-        return
-    if surface.cut_on >= surface.roll_off or least_ratio * surface.cut_on > surface.roll_off:
-        limit = f"a wavelength below roll_off = {surface.roll_off:g}"
-        raise broken_rule(
-            ("cut_on",), limit if least_ratio == 1 else f"at most half of roll_off = {surface.roll_off:g}"
-        )
-
-
-def _check_points(surface: _Correlated | LengthAnisotropy | ScalingAnisotropy) -> None:
-    """Raise a located error unless a model with lengths of its own says on how many points it is drawn."""
-    if surface.points is None:
-        raise broken_rule(("points",), "the number of grid points over L_x, as the model has lengths of its own")
-
-
-def misfit(surface: Surface, period: float) -> tuple[str, str] | None:
-    """Key of the wavelength that does not fit its grid or period, and what is allowed there; None if all fit."""
-    if isinstance(surface, Measured) or surface.points is None:
-        return None
-    finest = period / ((surface.points - 1) // 2)
-    if surface.cut_on is not None and surface.cut_on < finest * (1 - 1e-9):
-        return "cut_on", f"at least {finest:.6g}, the shortest wavelength below Nyquist of {surface.points} points"
-    roll_off = surface.roll_off if isinstance(surface, OF_WAVELENGTHS) else None
-    if roll_off is not None and roll_off > period * (1 + 1e-9):
-        return "roll_off", f"at most the period {period:g}"
-    if surface.cut_on is not None and int(period / surface.cut_on * (1 + 1e-9)) < period / (roll_off or period) * (
-        1 - 1e-9
-    ):
-        return (
-            "cut_on",
-            f"a wavelength so short that a whole number of waves fits the period {period:g} with it or less",
-        )
-    anisotropy = surface.anisotropy if isinstance(surface, SelfAffine) else None
-    if anisotropy is not None and roll_off is not None and anisotropy > period / roll_off * (1 + 1e-9):
-        most = f"at most the period over roll_off = {period / roll_off:.6g}"
-        return "anisotropy", f"{most}, so that the longest wavelength along y fits the period"
-    return None

@@ -13,7 +13,8 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 from support.synthetic_campaigns import ALPHA, REFERENCE, C, campaign, noisy
 

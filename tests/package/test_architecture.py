@@ -7,7 +7,12 @@ import gfmd_numba
 
 PACKAGE = Path(gfmd_numba.__file__).parent
 PAGE = (PACKAGE.parent / "docs" / "architecture.md").read_text()
-TO_WRITE = {"interface/your_law.py", "solvers/your_solver.py"}
+TO_WRITE = {
+    "interface/your_law.py",
+    "roughness/your_generator.py",
+    "roughness/your_spectrum.py",
+    "solvers/your_solver.py",
+}
 
 
 def test_every_room_is_in_the_picture():

@@ -1,38 +1,9 @@
 """The recipes of docs/architecture.md, followed on a copy of the package: each touches two files at most."""
 
-import os
-import shutil
-import subprocess
-import sys
-from dataclasses import dataclass
-from pathlib import Path
-
 import pytest
 import xarray as xr
 
-import gfmd_numba
-
-PACKAGE = Path(gfmd_numba.__file__).parent
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """A new file, and what goes into one old file: each text before the anchor that follows it there."""
-
-    new_file: str
-    text: str
-    old_file: str
-    insertions: tuple[tuple[str, str], ...]
-
-    def follow(self, package):
-        assert not (package / self.new_file).exists()
-        (package / self.new_file).write_text(self.text)
-        old = (package / self.old_file).read_text()
-        for insertion, anchor in self.insertions:
-            assert old.count(anchor) == 1, anchor
-            old = old.replace(anchor, insertion + anchor)
-        (package / self.old_file).write_text(old)
-
+from support.recipes import Recipe, command_after
 
 LAW = Recipe(
     "interface/quadratic.py",
@@ -171,22 +142,7 @@ FILES = {
 
 @pytest.fixture
 def gfmd(tmp_path):
-    """The command of a copy of the package, in which every recipe was followed."""
-    package = tmp_path / "copy" / "gfmd_numba"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    for recipe in (LAW, SOLVER, OBSERVABLE):
-        recipe.follow(package)
-    for name, text in FILES.items():
-        (tmp_path / name).write_text(text)
-
-    def command(*arguments):
-        environment = os.environ | {"PYTHONPATH": str(package.parent), "GFMD_CACHE_DIR": str(tmp_path / "cache")}
-        line = [sys.executable, "-m", "gfmd_numba.cli", *arguments]
-        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
-    return command
+    return command_after((LAW, SOLVER, OBSERVABLE), FILES, tmp_path)
 
 
 def test_a_law_a_solver_and_an_observable_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):

@@ -5,14 +5,11 @@ import pytest
 
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
-from gfmd_numba.roughness.generators import (
-    ModelWaves,
-    RandomSurface,
-    RecursiveSubdivision,
-    SelfAffineWaves,
-    gradient_over_height,
-)
+from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
+from gfmd_numba.roughness.model_waves import ModelWaves
 from gfmd_numba.roughness.recursive import Recursion
+from gfmd_numba.roughness.recursive_subdivision import RecursiveSubdivision
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded, SelfAffine
 
 NX = 64

@@ -90,6 +90,7 @@ def test_waves_of_a_map_are_independent_and_belong_to_a_real_surface():
 
 
 class Broken:
+    isotropic = True
     dimension = 1
 
     def __init__(self, at_two):

@@ -13,7 +13,8 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start

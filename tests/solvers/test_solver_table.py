@@ -9,7 +9,8 @@ import pytest
 
 from gfmd_numba.contact.problem import reduce
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness.generators import RandomSurface, SelfAffineWaves
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start

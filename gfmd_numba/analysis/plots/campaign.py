@@ -12,11 +12,11 @@ from matplotlib.ticker import NullLocator
 
 from gfmd_numba.analysis.plots.looks import Key, Look, Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
-from gfmd_numba.analysis.plots.style import STYLE, with_unit
+from gfmd_numba.analysis.plots.parameter import plot_parameter
+from gfmd_numba.analysis.plots.style import LINE, STYLE, of_variable
 from gfmd_numba.analysis.selection import (
-    LIMITS,
-    UnusableDataError,
     at_nyquist,
+    discretisations,
     ensemble_mean,
     good,
     groups,
@@ -30,20 +30,19 @@ _PANELS = {
     "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
     "eps_t": ("Thermodynamic limit", r"$1/\varepsilon_t = L_x/\lambda_l$"),
 }
-_KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
-_LINE = 0.34  # inches of a line of the legend
 
 
 def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: str = "kappa") -> Figure:
     """Draw case means with standard errors against 1/eps, one panel per varied limit, with a fit.
 
-    The fit is the output of fit_tfc; open markers are kappa from counted contact nodes; ValueError for an
-    unknown variable, a fit of another variable, or a dataset in which no discretisation is varied.
+    The fit is the output of fit_tfc; open markers are kappa from counted contact nodes. Without limits the means are
+    drawn against a parameter. ValueError for an unknown variable, a fit of another variable, or a dataset in which
+    nothing is varied.
     """
     good(dataset, variable)
-    present = [limit for limit in LIMITS if np.unique(select_limit(dataset, limit)[limit]).size > 1]
+    present = [limit for limit in discretisations(dataset) if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
-        raise UnusableDataError("given results in which no discretisation is varied; allowed: results with limits")
+        return plot_parameter(dataset, variable)
     if fit is not None and fit.attrs["variable"] != variable:
         raise ValueError(f"the fit is of {fit.attrs['variable']!r}, the figure of {variable!r}")
     looks = looks_of(dataset)
@@ -56,8 +55,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
             _draw_limit(axis, select_limit(dataset, limit), limit, variable, looks, fitted)
         if fitted:
             _draw_extrapolated(panels[-1], fitted, looks)
-        long_name = dataset[variable].attrs.get("long_name", variable)
-        panels[0].set_ylabel(_KAPPA if variable == "kappa" else with_unit(long_name, dataset[variable]))
+        panels[0].set_ylabel(of_variable(dataset, variable))
         for axis in panels:
             axis.grid(axis="y", color="0.9", linewidth=0.8)
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.of.values()]
@@ -69,7 +67,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         longest = max(len(str(handle.get_label()).replace("\\", "")) for handle in handles)
         fitting = max(1, int(figure.get_figwidth() / (0.6 + 0.085 * longest)))  # inches of a column of the legend
         rows = -(-len(handles) // fitting)
-        figure.set_figheight(4.6 + _LINE * max(0, rows - 3))  # the panels keep their height
+        figure.set_figheight(4.6 + LINE * max(0, rows - 3))  # the panels keep their height
         figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
     return figure
 

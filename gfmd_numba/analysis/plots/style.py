@@ -9,12 +9,14 @@ from gfmd_numba.arrays import Reals
 
 # Okabe and Ito: told apart with any colour vision
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+LINE = 0.34  # inches of a line of a legend
 STYLE: dict[Any, Any] = {
     "font.size": 11,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
 }
+_KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
 _PREFIXES = (
     (1e9, "G"),
     (1e6, "M"),
@@ -25,6 +27,12 @@ _PREFIXES = (
     (1e-9, "n"),
     (1e-12, "p"),
 )
+
+
+def of_variable(dataset: xr.Dataset, variable: str) -> str:
+    """Label of what is measured."""
+    long_name = dataset[variable].attrs.get("long_name", variable)
+    return _KAPPA if variable == "kappa" else with_unit(long_name, dataset[variable])
 
 
 def with_unit(text: str, variable: xr.DataArray) -> str:

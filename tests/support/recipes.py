@@ -1,0 +1,51 @@
+"""Recipes of docs/architecture.md, and how a copy of the package follows them."""
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import gfmd_numba
+
+PACKAGE = Path(gfmd_numba.__file__).parent
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A new file, if any, and what goes into one old file: each text before the anchor that follows it there."""
+
+    new_file: str | None
+    text: str
+    old_file: str
+    insertions: tuple[tuple[str, str], ...]
+
+    def follow(self, package):
+        if self.new_file is not None:
+            assert not (package / self.new_file).exists()
+            (package / self.new_file).write_text(self.text)
+        old = (package / self.old_file).read_text()
+        for insertion, anchor in self.insertions:
+            assert old.count(anchor) == 1, anchor
+            old = old.replace(anchor, insertion + anchor)
+        (package / self.old_file).write_text(old)
+
+
+def command_after(recipes, files, tmp_path):
+    """The command of a copy of the package, in which every recipe was followed, beside some files."""
+    package = tmp_path / "copy" / "gfmd_numba"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    for recipe in recipes:
+        recipe.follow(package)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+
+    def command(*arguments):
+        environment = os.environ | {"PYTHONPATH": str(package.parent), "GFMD_CACHE_DIR": str(tmp_path / "cache")}
+        line = [sys.executable, "-m", "gfmd_numba.cli", *arguments]
+        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return command

@@ -38,7 +38,7 @@ def rough(**changes):
 
 def measured(folder, heights, name="h.npy"):
     np.save(folder / name, heights)
-    return {"method": "measured", "file": str(folder / name)}
+    return {"method": "measured", "file": str(folder / name), "units": {"z": "L_x"}}
 
 
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.02}, {"displacement": 3e-4}])

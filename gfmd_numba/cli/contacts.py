@@ -137,7 +137,8 @@ def surface(file: Path, output: Path) -> None:
     picture = picture_beside(output)
     described = load_surface(file)[0].surface
     check_output(output, file, *([Path(described.file)] if isinstance(described, Measured) else []))
-    with waiting("making the surface"):
+    # warnings are told below, in the words of the file
+    with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = gfmd_numba.make_surface(file)
     write_dataset(output, dataset)
     click.echo(f"surface  {printable(output)}")
@@ -149,6 +150,8 @@ def surface(file: Path, output: Path) -> None:
             click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
+    for doubt in dataset.attrs["validity"].splitlines():
+        say("gfmd:", doubt, width=6, err=True)
 
 
 def _surface_unit(name: str, unit: str) -> str:

@@ -14,7 +14,7 @@ from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import measured_profile
+from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
 from gfmd_numba.simulate import rough_bodies as rough_scene
 
@@ -118,7 +118,8 @@ def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:
 def _surface(file: SceneFile) -> tuple[RandomSurface | problem.Profile, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        return problem.profile(measured_profile(scene.roughness, scene.length))
+        found = measured_surface(scene.roughness, scene.length, scene.dimension, scene.has_moduli)
+        return problem.profile(found.in_periods)
     return problem.random_surface(scene, file.discretisation, file.seed)
 
 

@@ -16,7 +16,7 @@ from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import recipe, statistics
-from gfmd_numba.roughness.measured import measured_profile
+from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import Body, Document, InputError, Measured, Scene, SceneFile, Surface
 
 Reals = npt.NDArray[np.float64]
@@ -157,7 +157,8 @@ def _heights(
     length = file.scene.length
     if isinstance(surface, Measured):
         try:
-            return measured_profile(surface, length), None
+            found = measured_surface(surface, length, file.scene.dimension, file.scene.has_moduli)
+            return found.in_periods, None
         except ValueError as error:
             unit = "L_x" if length is None else "m"
             allowed = f"at least 4 equidistant finite heights in {unit} over one period"

@@ -115,12 +115,12 @@ def _scales(content: Content, asked: Mapping[str, str]) -> tuple[dict[str, float
     if len(missing) == len(units):
         if len(units) > 1:
             raise ValueError(
-                f"{_words(sorted(units))} without a unit: write units: {{x: mm, z: um}}, with theirs, beside file, or "
-                "state them in the file"
+                f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, beside "
+                "file, or state them in the file"
             )
         return {"z": 1.0}, None
     if missing:
-        raise ValueError(f"{_words(missing)} without a unit: write units: {{{missing[0]}: um}}, with theirs")
+        raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs")
     kinds = {"1" if unit == PERIOD else "m" for unit in units.values()}
     if len(kinds) > 1:
         raise ValueError(f"some of {_words(sorted(units))} in {PERIOD}, not all: state all in it or none")
@@ -130,3 +130,7 @@ def _scales(content: Content, asked: Mapping[str, str]) -> tuple[dict[str, float
 
 def _words(axes: list[str]) -> str:
     return " and ".join(_NAMES[axis] for axis in axes)
+
+
+def _example(axes: list[str]) -> str:
+    return "{" + ", ".join(f"{axis}: {'um' if axis == 'z' else 'mm'}" for axis in axes) + "}"

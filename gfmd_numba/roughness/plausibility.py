@@ -55,7 +55,11 @@ def _spike(heights: Reals) -> str:
     if off[where] <= SPIKE * rms:
         return ""
     index = ", ".join(str(int(i) + 1) for i in where)
-    times = f"{off[where] / rms:.3g} rms heights of all others" if rms > 0.0 else "where all others are level"
+    times = (
+        f"{off[where] / rms:.3g} rms heights of all others"
+        if rms > 0.0
+        else f"{off[where]:.3g} where all others are level"
+    )
     return f"the height at index {index} stands off its neighbours by {times}: if it is a spike, take it out"
 
 

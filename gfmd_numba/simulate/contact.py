@@ -14,7 +14,7 @@ from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
 from gfmd_numba.scene import InputError, Measured, Scene, SceneFile, check_range, load_scene, scene_document
 from gfmd_numba.simulate import rough_bodies as rough_scene
 
@@ -27,7 +27,7 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     file = load_scene(source)
     scene = file.scene
     check_combination(scene_document(source), scene, file.numerics, file.path)
-    rough, surface, rms_gradient = _surfaces(source, file)
+    rough, surface, rms_gradient, measured = _surfaces(source, file)
     prescribed = _tractions(source, scene, surface.nx, rms_gradient)
     steps, before = [], None
     for i, (scene, sliding) in enumerate(_path(file)):
@@ -55,9 +55,11 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
     dataset.attrs["solver"] = reduced.numerics.solver
     dataset.attrs["dropped_effects"] = dropped_effects(effects)
     steep = "" if rough is None else rough_scene.doubt(rough, dataset)
-    doubts = [sentence for sentence in (steep, law_resolution.doubt(reduced, file.discretisation)) if sentence]
+    of_law = law_resolution.doubt(reduced, file.discretisation)
+    doubts = [sentence for sentence in (*(each for of in measured for each in of.doubts), steep, of_law) if sentence]
     for sentence in doubts:
         warnings.warn(sentence, stacklevel=3)
+    dataset.attrs["processing"] = "\n".join(sentence for of in measured for sentence in of.done)
     dataset.attrs["validity"] = "\n".join(doubts)
     return dataset
 
@@ -70,22 +72,28 @@ def doubt(source: str | Path | Mapping[str, Any] | SceneFile) -> str:
     file = load_scene(source)
     if not file.scene.interface.reaches_across:
         return ""
-    _, surface, rms_gradient = _surfaces(source, file)
+    _, surface, rms_gradient, _ = _surfaces(source, file)
     reduced, _ = problem.reduce(file.scene, surface, rms_gradient, file.numerics)
     return law_resolution.doubt(reduced, file.discretisation)
 
 
 def _surfaces(
     source: str | Path | Mapping[str, Any] | SceneFile, file: SceneFile
-) -> tuple[rough_scene.Surfaces | None, RandomSurface | problem.Profile, float]:
-    """The rough deformable bodies, if any, the surface of the problem, and the rms gradient g it is in units of."""
+) -> tuple[rough_scene.Surfaces | None, RandomSurface | problem.Profile, float, tuple[MeasuredSurface, ...]]:
+    """The rough deformable bodies, if any, the surface of the problem, the rms gradient g it is in units of.
+
+    And the measured surfaces in it, with what was done to them and what makes them implausible.
+    """
     rough = rough_scene.surfaces(file, scene_document(source)) if file.scene.follows_topography else None
     try:
-        surface, rms_gradient = _surface(file) if rough is None else (rough.profile, rough.rms_gradient)
+        if rough is None:
+            surface, rms_gradient, measured = _surface(file)
+        else:
+            surface, rms_gradient, measured = rough.profile, rough.rms_gradient, rough.measured
     except ValueError as error:
         raise _unusable_profile(source, file.scene, error) from None
     check_range(scene_document(source), file.scene, surface.nx)
-    return rough, surface, rms_gradient
+    return rough, surface, rms_gradient, measured
 
 
 def _joined(steps: list[xr.Dataset], path: list[tuple[Scene, float]]) -> xr.Dataset:
@@ -115,12 +123,12 @@ def _path(file: SceneFile) -> Iterator[tuple[Scene, float]]:
         yield scene, sliding
 
 
-def _surface(file: SceneFile) -> tuple[RandomSurface | problem.Profile, float]:
+def _surface(file: SceneFile) -> tuple[RandomSurface | problem.Profile, float, tuple[MeasuredSurface, ...]]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
         found = measured_surface(scene.roughness, scene.length, scene.dimension, scene.has_moduli)
-        return problem.profile(found.in_periods)
-    return problem.random_surface(scene, file.discretisation, file.seed)
+        return *problem.profile(found.in_periods), (found,)
+    return *problem.random_surface(scene, file.discretisation, file.seed), ()
 
 
 def _tractions(
@@ -150,6 +158,5 @@ def _unusable_profile(
         document, place = scene_document(source), ("scene", "roughness")
         return document.error(place, document.value(place), f"a usable surface, not {error}")
     given = f"{Path(scene.roughness.file).name} ({error})"
-    unit = "L_x" if scene.length is None else "m"
-    allowed = f"at least 4 equidistant finite heights in {unit} over one period, not all equal"
+    allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
     return InputError(scene_document(source).line(("scene", "roughness", "file"), given, allowed))

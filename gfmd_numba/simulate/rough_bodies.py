@@ -16,8 +16,8 @@ from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import recipe, statistics
-from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.scene import Body, Document, InputError, Measured, Scene, SceneFile, Surface
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
 
 Reals = npt.NDArray[np.float64]
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -33,6 +33,7 @@ class Surfaces:
     bodies: tuple[RoughBody, ...]
     profile: Profile
     rms_gradient: float
+    measured: tuple[MeasuredSurface, ...] = ()
 
 
 def surfaces(file: SceneFile, document: Document) -> Surfaces:
@@ -42,10 +43,15 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     """
     scene = file.scene
     heights: dict[Place, Reals] = {}
+    measured: list[MeasuredSurface] = []
     seed = file.seed
     asked: dict[Place, float] = {}
     for place, surface in scene.surfaces.items():
-        given, gradient = _heights(surface, file, seed, document, ("scene", *place))
+        if isinstance(surface, Measured):
+            measured.append(_measured(surface, scene, document, ("scene", *place)))
+            given, gradient = measured[-1].in_periods, None
+        else:
+            given, gradient = _random(surface, file, seed, document, ("scene", *place))
         heights[place] = given if place == ("roughness",) else given - given.mean()
         if gradient is not None:
             asked[place] = gradient
@@ -68,7 +74,7 @@ def surfaces(file: SceneFile, document: Document) -> Surfaces:
     except ValueError as error:
         allowed = "surfaces that are rough, and not beyond all measure"
         raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
-    return Surfaces(bodies, profile, rms_gradient)
+    return Surfaces(bodies, profile, rms_gradient, tuple(measured))
 
 
 def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> float:
@@ -150,23 +156,23 @@ def doubt(given: Surfaces, found: xr.Dataset) -> str:
     )
 
 
-def _heights(
-    surface: Surface, file: SceneFile, seed: int, document: Document, location: Place
-) -> tuple[Reals, float | None]:
-    """Heights `[nx]` in L_x, and the rms gradient asked of a random surface; None of a measured one."""
-    length = file.scene.length
-    if isinstance(surface, Measured):
-        try:
-            found = measured_surface(surface, length, file.scene.dimension, file.scene.has_moduli)
-            return found.in_periods, None
-        except ValueError as error:
-            unit = "L_x" if length is None else "m"
-            allowed = f"at least 4 equidistant finite heights in {unit} over one period"
-            given = f"{Path(surface.file).name} ({error})"
-            raise InputError(document.line((*location, "file"), given, allowed)) from None
+def _measured(record: Measured, scene: Scene, document: Document, location: Place) -> MeasuredSurface:
     try:
-        ensemble = recipe.random_surface(surface, file.discretisation, length or 1.0, 1, seed)
-        gradient = recipe.rms_gradient(surface, ensemble, length or 1.0)
+        return measured_surface(record, scene.length, scene.dimension, scene.has_moduli)
+    except ValueError as error:
+        allowed = "at least 4 equidistant finite heights over one period, in units that are stated"
+        given = f"{Path(record.file).name} ({error})"
+        raise InputError(document.line((*location, "file"), given, allowed)) from None
+
+
+def _random(
+    surface: Random, file: SceneFile, seed: int, document: Document, location: Place
+) -> tuple[Reals, float | None]:
+    """Heights `[nx]` in L_x, and the rms gradient asked of them."""
+    length = file.scene.length or 1.0
+    try:
+        ensemble = recipe.random_surface(surface, file.discretisation, length, 1, seed)
+        gradient = recipe.rms_gradient(surface, ensemble, length)
         return np.asarray(gradient * ensemble.heights(range(file.realisation, file.realisation + 1))[0]), gradient
     except ValueError as error:
         raise document.error(location, document.value(location), f"a usable surface, not {error}") from None

@@ -439,7 +439,7 @@ def test_nx_too_large(tmp_path, monkeypatch):
         ),
         (
             "steel.txt",
-            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: a file ending in .npy, .csv, .nc",
+            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: an existing file, unlike ",
         ),
         ("steal.npy", "; did you mean 'steels.npy'?"),
         ("a/b/steel.npy", "allowed: an existing file, unlike a/b/steel.npy"),

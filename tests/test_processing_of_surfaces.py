@@ -1,11 +1,13 @@
 """Gaps, short waves and instruments' files of measured surfaces."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from test_cli import gfmd
 
+import gfmd_numba
 from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.measurements import read_surface
@@ -137,3 +139,18 @@ def test_doubts_stay_in_the_result_and_are_said(tmp_path):
     assert len(warned) == 3
     (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy, detrend: tilt, periodic: mirror}\n")
     assert surface_dataset(tmp_path / "s.yaml").attrs["validity"] == ""
+
+
+def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
+    page = (Path(gfmd_numba.__file__).parents[1] / "docs" / "surfaces.md").read_text(encoding="utf-8")
+    example = page.partition("## Measured surfaces")[2].partition("```yaml\n")[2].partition("```")[0]
+    (tmp_path / "s.yaml").write_text(example)
+    rough = np.convolve(np.random.default_rng(0).normal(size=1050), np.hanning(51), "valid")[:1000]
+    rough[100:110] = np.nan
+    np.savetxt(tmp_path / "steel.csv", np.column_stack([np.arange(1000) * 1e-3, 0.05 * rough]), delimiter=",")
+    found = surface_dataset(tmp_path / "s.yaml")
+    assert found.attrs["validity"] == ""
+    done = [sentence.split()[0] for sentence in found.attrs["processing"].splitlines()]
+    assert done == ["filled", "subtracted", "mirrored", "left", "resampled"]
+    assert found.sizes == {**found.sizes, "x": 4096}
+    assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)

@@ -13,7 +13,6 @@ from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import nearest, validate
 
 ARRAYS_PER_REALISATION = {1: 16, 2: 24}  # of its size, for a profile and a map
-PROFILE_SUFFIXES = (".npy", ".csv", ".nc")
 BOUNDARY_SUFFIXES = (".npy", ".csv")
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
 
@@ -134,7 +133,7 @@ def _located(document: Document, location: Location, roughness: Surface | None) 
     """Roughness whose file, if any, exists and has an absolute path; raises InputError."""
     if not isinstance(roughness, Measured):
         return roughness
-    file = existing_file(document, (*location, "file"), roughness.file, PROFILE_SUFFIXES)
+    file = existing_file(document, (*location, "file"), roughness.file, ())
     return roughness.model_copy(update={"file": file})
 
 

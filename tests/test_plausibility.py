@@ -89,3 +89,10 @@ def test_signs_are_told_with_their_numbers(heights, said):
 def test_a_share_that_was_filled_is_told_from_the_threshold_on():
     assert plausibility.of_field(COSINE, plausibility.FILLED) == ()
     assert plausibility.of_field(COSINE, 0.06)[0].startswith("6 % of the heights were missing")
+
+
+@pytest.mark.parametrize("n", [12, 16, 32])
+def test_noise_on_few_points_is_plausible(n):
+    """The largest of few steps is small; the seam, one of them, then exceeds it by half in one case of twenty."""
+    for seed in range(SEEDS):
+        assert doubts(1e-4 * np.random.default_rng(seed).normal(size=n)) == ()

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from test_bad_input import complaint
 
+from gfmd_numba import solve
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.surfaces import FileUnits, Measured
@@ -114,3 +115,20 @@ def test_a_written_surface_in_units_of_its_period_is_read_again(tmp_path, period
     again = measured_surface(Measured(method="measured", file=str(tmp_path / "s.nc")), None)
     np.testing.assert_allclose(again.in_periods, first["height"], rtol=1e-14)
     assert (again.lengths, again.unit) == (pytest.approx((1.0,)), "1")
+
+
+def test_moduli_in_pascal_do_not_go_with_heights_without_a_unit(tmp_path):
+    np.save(tmp_path / "p.npy", HEIGHTS)
+    rough = {"method": "measured", "file": str(tmp_path / "p.npy")}
+    wall = {"interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
+    soft, stiff = {"poissons_ratio": 0.3}, {"poissons_ratio": 0.3, "youngs_modulus": 1e9}
+    assert int(solve({**wall, "body": soft, "roughness": rough})["status"]) == 0
+    for scene in ({"body": stiff, "roughness": rough}, {"body": stiff | {"roughness": rough}}):
+        with pytest.raises(InputError, match=r"heights without a unit beside moduli in Pa: write units: \{z: um\}"):
+            solve({**wall, **scene})
+    in_periods = solve({**wall, "body": stiff, "roughness": rough | {"units": {"z": "L_x"}}})
+    np.testing.assert_allclose(in_periods["height"], HEIGHTS, rtol=1e-12)
+    in_mm = {"body": stiff, "roughness": rough | {"units": {"z": "mm"}, "detrend": "mean"}, "length": 1e-3}
+    found = solve({**wall, **in_mm})
+    np.testing.assert_allclose(found["height"], 1e-3 * (HEIGHTS - HEIGHTS.mean()), atol=1e-18)
+    assert found.attrs["processing"].startswith("subtracted the mean fitted by least squares")

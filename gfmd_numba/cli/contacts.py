@@ -138,7 +138,8 @@ def surface(file: Path, output: Path) -> None:
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) else []))
-    with waiting("making the surface"):
+    # warnings are told below, in the words of the file
+    with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = surface_dataset(described, document)
     write_dataset(output, dataset)
     click.echo(f"surface  {printable(output)}")
@@ -150,6 +151,8 @@ def surface(file: Path, output: Path) -> None:
             click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
+    for doubt in dataset.attrs["validity"].splitlines():
+        say("gfmd:", doubt, width=6, err=True)
 
 
 def _surface_unit(name: str, unit: str) -> str:

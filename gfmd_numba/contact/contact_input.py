@@ -7,31 +7,56 @@ import numpy as np
 
 from gfmd_numba.contact.problem import effective_modulus
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces, pressed_surfaces
+from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Document, SceneFile
+from gfmd_numba.roughness.measured import MeasuredSurface
+from gfmd_numba.scene import Document, InputError, SceneFile
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
+
+_ROUNDING = 1e-6  # of a period, by which two files may differ
 
 
 @dataclass(frozen=True)
 class ContactInput:
-    """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*."""
+    """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*.
+
+    `measured` are the surfaces read from files, with what was done to them.
+    """
 
     file: SceneFile
     surfaces: PressedSurfaces
     tractions: Tractions | None = None
+    measured: tuple[MeasuredSurface, ...] = ()
 
 
 def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     check_combination(document, file.scene, file.numerics, file.path)
-    surfaces = pressed_surfaces(file, document)
+    measured = measured_surfaces(file.scene, document)
+    file = _with_length(file, measured, document)
+    surfaces = pressed_surfaces(file, measured, document)
     check_range(document, file.scene, surfaces.surface.nx)
     prescribed = _tractions(file, surfaces, document)
     _check_room(file, surfaces, document)
-    return ContactInput(file, surfaces, prescribed)
+    return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
+
+
+def _with_length(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> SceneFile:
+    """The same, of the period that measured surfaces tell where the scene does not."""
+    in_metres = {place: surface for place, surface in measured.items() if surface.unit == "m"}
+    if file.scene.length is not None or not in_metres:
+        return file
+    length = next(iter(in_metres.values())).lengths[-1]
+    for place, surface in measured.items():
+        if surface.unit != "m" or abs(surface.lengths[-1] - length) > _ROUNDING * length:
+            unit = "m" if surface.unit == "m" else "L_x"
+            given = f"a surface with a period of {surface.lengths[-1]:.7g} {unit}"
+            raise InputError(
+                document.line(("scene", *place), given, f"one of {length:.7g} m, as the other surface has")
+            )
+    return file.model_copy(update={"scene": file.scene.model_copy(update={"length": length})})
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:

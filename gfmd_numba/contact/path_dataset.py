@@ -32,6 +32,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
         "scene": file.model_dump_json(),
         "solver": path.problems[-1].numerics.solver,
         "dropped_effects": dropped_effects(path.effects),
+        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
         "validity": "\n".join(_doubts(given, path, dataset)),
     }
     return dataset
@@ -40,7 +41,8 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
 def _doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> list[str]:
     steep = "" if given.surfaces.bodies is None else rough_bodies_dataset.doubt(given.surfaces.bodies, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
-    return [sentence for sentence in (steep, coarse) if sentence]
+    implausible = [sentence for surface in given.measured for sentence in surface.doubts]
+    return [*implausible, *filter(None, (steep, coarse))]
 
 
 def _joined(steps: list[xr.Dataset], given: ContactInput) -> xr.Dataset:

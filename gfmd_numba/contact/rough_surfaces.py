@@ -13,12 +13,14 @@ from gfmd_numba.contact.problem import GivenSurface, contact_modulus, effective_
 from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import measured_profile
-from gfmd_numba.scene import Body, Document, InputError, Measured, Scene, SceneFile, Surface
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
 
 Place = tuple[str, ...]  # of a roughness in the scene
+MeasuredSurfaces = Mapping[Place, MeasuredSurface]
 
 BODIES = ("body", "counter_body")
+_UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
 
 
@@ -31,38 +33,49 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
 
 
-def pressed_surfaces(file: SceneFile, document: Document) -> PressedSurfaces:
+def measured_surfaces(scene: Scene, document: Document) -> dict[Place, MeasuredSurface]:
+    """Measured surfaces of a scene by their places; raises InputError for files that cannot be used."""
+    return {
+        place: _measured(record, scene, document, ("scene", *place))
+        for place, record in scene.surfaces.items()
+        if isinstance(record, Measured)
+    }
+
+
+def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
-        return _of_rough_bodies(file, document)
-    return PressedSurfaces(*_of_the_punch(file, document))
+        return _of_rough_bodies(file, measured, document)
+    return PressedSurfaces(*_of_the_punch(file, measured, document))
 
 
-def _of_the_punch(file: SceneFile, document: Document) -> tuple[RandomSurface | GivenSurface, float]:
+def _of_the_punch(
+    file: SceneFile, measured: MeasuredSurfaces, document: Document
+) -> tuple[RandomSurface | GivenSurface, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        heights = _measured(scene.roughness, scene, document, ("scene", "roughness"))
         try:
-            return problem.given_surface(heights)
+            return problem.given_surface(measured["roughness",].in_periods)
         except ValueError as error:
-            raise _unusable_file(scene.roughness, scene, document, ("scene", "roughness"), error) from None
+            raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     try:
         return problem.random_surface(scene, file.discretisation, file.seed)
     except ValueError as error:
         raise _unusable(document, ("scene", "roughness"), error) from None
 
 
-def _of_rough_bodies(file: SceneFile, document: Document) -> PressedSurfaces:
+def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """A random body faces a random punch or counter body with the next seed."""
     scene, seed = file.scene, file.seed
     heights: dict[Place, Reals] = {}
     asked: dict[Place, float] = {}
     for place, surface in scene.surfaces.items():
-        given, gradient = _heights(surface, file, seed, document, ("scene", *place))
-        heights[place] = given if place == ("roughness",) else given - given.mean()
-        if gradient is not None:
-            asked[place] = gradient
+        if isinstance(surface, Measured):
+            given = measured[place].in_periods
+        else:
+            given, asked[place] = _random(surface, file, seed, document, ("scene", *place))
             seed = (seed + 1) % 2**32
+        heights[place] = given if place == ("roughness",) else given - given.mean()
     nx = len(next(iter(heights.values())))
     for place, given in heights.items():
         if len(given) != nx:
@@ -95,13 +108,9 @@ def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> 
     return hypot(*asked.values(), *own)
 
 
-def _heights(
-    surface: Surface, file: SceneFile, seed: int, document: Document, place: Place
-) -> tuple[Reals, float | None]:
-    """Heights `[nx]` in L_x, and the rms gradient asked of a random surface; None of a measured one."""
+def _random(surface: Random, file: SceneFile, seed: int, document: Document, place: Place) -> tuple[Reals, float]:
+    """Heights `[nx]` in L_x, and the rms gradient asked of them."""
     period = file.scene.length or 1.0
-    if isinstance(surface, Measured):
-        return _measured(surface, file.scene, document, place), None
     try:
         ensemble = recipe.random_surface(surface, file.discretisation, period, 1, seed)
         gradient = recipe.rms_gradient(surface, ensemble, period)
@@ -110,11 +119,19 @@ def _heights(
         raise _unusable(document, place, error) from None
 
 
-def _measured(surface: Measured, scene: Scene, document: Document, place: Place) -> Reals:
+def _measured(record: Measured, scene: Scene, document: Document, place: Place) -> MeasuredSurface:
     try:
-        return measured_profile(surface, scene.length)
+        found = measured_surface(record, scene.length, scene.dimension, scene.has_moduli)
     except ValueError as error:
-        raise _unusable_file(surface, scene, document, place, error) from None
+        raise _unusable_file(record, document, place, error) from None
+    if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
+        points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
+        unit = "L_x" if found.unit == "1" else "m"
+        given = f"{Path(record.file).name} ({points} points over {sizes} {unit})"
+        raise InputError(
+            document.line((*place, "file"), given, "a map of as many points, and the same size, both ways")
+        )
+    return found
 
 
 def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
@@ -130,7 +147,6 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
     return document.error(place, document.value(place), f"a usable surface, not {error}")
 
 
-def _unusable_file(surface: Measured, scene: Scene, document: Document, place: Place, error: ValueError) -> InputError:
-    unit = "L_x" if scene.length is None else "m"
-    allowed = f"at least 4 equidistant finite heights in {unit} over one period, not all equal"
-    return InputError(document.line((*place, "file"), f"{Path(surface.file).name} ({error})", allowed))
+def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
+    allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
+    return InputError(document.line((*place, "file"), f"{Path(record.file).name} ({error})", allowed))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.measured import read_column
+from gfmd_numba.roughness.surface_files import read_column
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError
 from gfmd_numba.scene.quantities import LARGEST
 

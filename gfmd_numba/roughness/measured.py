@@ -1,173 +1,93 @@
-"""The user's own profiles, taken as they are: equidistant heights over one period."""
+"""A measured surface from its record: read, filled, levelled and made periodic, for contacts and `gfmd surface` alike.
 
-import re
-import warnings
+`length` is always the period L_x of the result. A file with positions or physical sizes tells the size of the field,
+and with it the period: the same, or twice as much if the field is mirrored. Without them, `length` does.
+"""
+
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import numpy.typing as npt
+from typing import Literal
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.processing import process
-from gfmd_numba.scene.netcdf_trial import can_be_read
-from gfmd_numba.scene.quantities import LARGEST
-from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.roughness import plausibility
+from gfmd_numba.roughness.gaps import fill_gaps
+from gfmd_numba.roughness.measurements import Measurement, read_surface
+from gfmd_numba.roughness.processing import detrended, made_periodic
 from gfmd_numba.scene.surfaces import Measured
 
-if TYPE_CHECKING:
-    import xarray as xr
+_SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
+_SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
-_BRACKETED = re.compile(r"[\[(]\s*(\w{1,10})\s*[\])]")
-_LENGTHS = frozenset(["m", "km", "dm", "cm", "mm", "um", "µm", "μm", "micron", "nm", "pm", "Å", "in", "inch", "mil"])
+@dataclass(frozen=True)
+class MeasuredSurface:
+    """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
-
-def read_profile(path: Path, length: float | None = None) -> Reals:
-    """Heights `[nx]` of a .npy array, a .csv with one column or a .nc file with one variable, over one period.
-
-    Heights and the .nc file's x are in m beside a period in m, in units of the period without one. Raises
-    ValueError, saying what is wrong and where, unless there are at least 4 finite numbers in one dimension.
+    `largest` is the largest height in the file, `done` tells what was done, and `doubts` what makes it implausible.
     """
-    heights = read_column(path, length)
-    if path.suffix == ".csv":
-        for unit in header_units(path):
-            _check_unit("heights", unit, length)
-    check_finite(heights)
-    return heights
+
+    heights: Reals
+    lengths: tuple[float, ...]
+    unit: Literal["m", "1"]
+    largest: float
+    done: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+    @property
+    def in_periods(self) -> Reals:
+        """Heights in L_x."""
+        return self.heights / self.lengths[-1]
 
 
-def measured_profile(record: Measured, length: float | None) -> Reals:
-    """Heights `[nx]` of a record over one period, in L_x: read, then made periodic as it asks; raises ValueError.
+def measured_surface(
+    record: Measured, length: float | None, dimension: int | None = None, in_si: bool = False
+) -> MeasuredSurface:
+    """Periodic surface of a record, of period `length` in m, or that of the file, or 1 if heights are in L_x.
 
-    The period `length` is that of the result: of a profile that is mirrored, the file holds one half. Heights are in
-    m beside a period in m, in units of the period without one.
+    `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
+    assumed even without a length. Raises ValueError, saying what is wrong and what to do.
     """
-    measured = None if length is None else length / (2.0 if record.periodic == "mirror" else 1.0)
-    heights = read_profile(Path(record.file), measured) / (length or 1.0)
-    if (record.detrend, record.periodic, record.points) == ("none", "none", None):
-        return heights
-    return process(heights, (1.0,), record.detrend, record.periodic, record.points).heights
+    units = {} if record.units is None else record.units.model_dump(exclude_none=True)
+    found = read_surface(Path(record.file), units, resample=record.points is not None)
+    if dimension is not None and found.heights.ndim != dimension:
+        kind, other = ("a map", "a profile") if dimension == 1 else ("a profile", "a map")
+        shape = " x ".join(map(str, found.heights.shape))
+        raise ValueError(f"{kind} of {shape} heights, where dimension: {dimension} needs {other}")
+    sizes, unit = _sizes(found, length, 2.0 if record.periodic == "mirror" else 1.0, in_si)
+    heights, filled, share = fill_gaps(found.heights, record.fill)
+    largest = float(abs(heights).max())
+    heights, levelled = detrended(heights, record.detrend)
+    doubts = plausibility.of_field(heights, share)
+    made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
+    doubts += plausibility.of_surface(made.heights, made.lengths)
+    done = (*found.done, *filled, *levelled, *made.done)
+    return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
 
 
-def check_finite(heights: Reals) -> None:
-    """Raise ValueError unless all heights are finite numbers whose squares and gradients are finite, too."""
-    outside = np.argwhere(~(abs(heights) <= LARGEST))
-    if len(outside):
-        where, more = ", ".join(map(str, outside[0])), f" and {len(outside) - 1} more" if len(outside) > 1 else ""
-        allowed = "a finite number" if not np.isfinite(heights[tuple(outside[0])]) else f"at most {LARGEST:g} in size"
-        raise ValueError(f"height {heights[tuple(outside[0])]} at index {where}{more}, not {allowed}")
-
-
-def read_column(path: Path, length: float | None = None) -> Reals:
-    """Values `[nx]` of such a file, of which any may be not-a-number; raises ValueError otherwise likewise."""
-    values = _read_netcdf(path, length) if path.suffix == ".nc" else _READERS[path.suffix](path)
-    if values.ndim != 1 or values.dtype.kind not in "fiu":
-        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
-    if len(values) < 4:
-        raise ValueError(f"{len(values)} values, not at least 4")
-    with np.errstate(over="ignore"):  # of more than double precision
-        return np.asarray(values, dtype=np.float64)
-
-
-def read_npy(path: Path) -> npt.NDArray[Any]:
-    """Array of a .npy file; raises ValueError for anything else."""
-    check_regular(path, most_numbers())
-    try:
-        with open(path, "rb") as file:
-            return np.asarray(np.lib.format.read_array(file, allow_pickle=False))
-    except Exception:  # the header is evaluated as Python: an altered one may end in any of its errors
-        raise ValueError("no .npy array of numbers") from None
-
-
-def read_table(path: Path) -> npt.NDArray[Any]:
-    """Rows and columns of numbers of a .csv file; raises ValueError for anything else."""
-    check_regular(path, most_numbers())
-    with warnings.catch_warnings(action="ignore", category=UserWarning):  # of an empty file, which has 0 heights
-        return np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig")
-
-
-def header_units(path: Path) -> list[str]:
-    """Units of length that stand in brackets in the lines before the numbers of a .csv file, as in `# x [mm]`."""
-    found: list[str] = []
-    with open(path, encoding="utf-8-sig") as lines:
-        for line in lines:
-            if line.strip() and not line.startswith("#"):
-                break
-            found += [unit for unit in _BRACKETED.findall(line) if unit in _LENGTHS]
-    return found
-
-
-def _read_csv(path: Path) -> npt.NDArray[Any]:
-    table = read_table(path)
-    if table.shape[1] > 1:
-        raise ValueError(f"{table.shape[1]} columns, not one column of equidistant values")
-    return table.ravel()
-
-
-def _read_netcdf(path: Path, length: float | None) -> npt.NDArray[Any]:
-    dataset = load_netcdf(path)
-    height = height_of(dataset)
-    positions = {"x", *height.coords} & {str(name) for name in dataset.variables}
-    along = [dataset[name] for name in positions if dataset[name].dims == height.dims]
-    _check_units(height, length)
-    for position in along if height.ndim == 1 else []:
-        _check_units(position, length)
-        period = 1.0 if length is None and position.attrs.get("units") == "1" else length
-        _check_positions(str(position.name), position.values, period, "m" if length else "")
-    return np.asarray(height)
-
-
-def load_netcdf(path: Path) -> "xr.Dataset":
-    """All of a netCDF file; raises ValueError for anything else and for one that is larger than it looks."""
-    import xarray as xr
-
-    check_regular(path, most_numbers())
-    if not can_be_read(path, most_numbers()):
-        raise ValueError("no netCDF file, or a damaged one")
-    try:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
-            size = dataset.nbytes  # compressed, or never written, it may be any
-            if size <= most_numbers():
-                return dataset.load()
-    except Exception:  # a damaged file may end in any error of HDF5, netCDF or xarray
-        raise ValueError("no netCDF file, or a damaged one") from None
-    raise ValueError(f"{size / 1e6:.4g} MB of numbers, more than {most_numbers() / 1e6:.4g} MB")
-
-
-def height_of(dataset: "xr.Dataset") -> "xr.DataArray":
-    """The one variable of a file, or that named height; raises ValueError."""
-    names = [str(name) for name in dataset.data_vars]
-    if "height" not in names and len(names) != 1:
-        raise ValueError(f"variables {', '.join(names)}, not one named height")
-    return dataset["height" if "height" in names else names[0]]
-
-
-def _check_units(variable: "xr.DataArray", length: float | None) -> None:
-    if "units" in variable.attrs:
-        _check_unit(str(variable.name), variable.attrs["units"], length)
-
-
-def _check_unit(what: str, given: object, length: float | None) -> None:
-    if given != ("1" if length is None else "m"):
-        allowed = "1, as the scene has no length" if length is None else "m, as the scene's length"
-        raise ValueError(f"{what} in units {given!r}, not in {allowed}")
-
-
-def _check_positions(name: str, x: npt.NDArray[Any], period: float | None, unit: str) -> None:
-    """Raise ValueError unless positions ascend in equal steps that make up the period, if that is known."""
-    if x.dtype.kind not in "fiu" or len(x) < 2 or not (abs(x) <= LARGEST).all():
-        raise ValueError(f"{name} without finite numbers")
-    rounding = 4 * np.finfo(x.dtype).eps * abs(x).max() if x.dtype.kind == "f" else 0.0
-    x = x.astype(np.float64)
-    spacing = (x[-1] - x[0]) / (len(x) - 1)
-    uneven = abs(np.diff(x) - spacing) > 1e-6 * abs(spacing) + rounding
-    if spacing <= 0 or uneven.any():
-        where = int(uneven.argmax())
-        raise ValueError(f"{name} of {x[where]:g} and {x[where + 1]:g} at index {where}, not equidistant and ascending")
-    if period is not None and abs(len(x) * spacing - period) > 1e-6 * period + rounding:
-        allowed = f"the scene's length of {period:.7g} m" if unit else "1, the period"
-        raise ValueError(f"{name} over {f'{len(x) * spacing:.7g} {unit}'.strip()}, not over {allowed}")
-
-
-_READERS = {".npy": read_npy, ".csv": _read_csv}
+def _sizes(
+    found: Measurement, length: float | None, fields: float, in_si: bool
+) -> tuple[tuple[float, ...], Literal["m", "1"]]:
+    """Sizes of the measured field, of which so many make a period along x, in m or L_x, and which of the two."""
+    if found.unit is None and (length is not None or in_si):
+        beside, units = (
+            ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
+        )
+        raise ValueError(f"heights without a unit beside {beside}: write units: {units} with theirs, beside file")
+    if found.unit == "1" and length is not None:
+        raise ValueError("heights in units of the period, so that length has to be left out")
+    shape = found.heights.shape
+    if found.lengths is None:
+        if found.unit == "m" and length is None:
+            raise ValueError("heights in m without positions, so that length is needed, the period along x in m")
+        spacing = (length or 1.0) / fields / shape[-1]
+        return tuple(n * spacing for n in shape), "m" if found.unit == "m" else "1"
+    period = fields * found.lengths[-1]
+    wanted = 1.0 if found.unit == "1" else length
+    named = "1, the period" if found.unit == "1" else f"length = {length} m"
+    if wanted is not None and abs(period - wanted) > max(_SIZES * period, _SPACING * period / shape[-1]):
+        mirrored = " once mirrored" if fields == 2.0 else ""
+        raise ValueError(
+            f"positions over a period of {period:.7g}{' m' if found.unit == 'm' else ''}{mirrored}, one spacing for "
+            f"each of the {shape[-1]} points, not {named}: leave length out, or correct it"
+        )
+    return found.lengths, "m" if found.unit == "m" else "1"

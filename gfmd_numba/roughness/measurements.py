@@ -1,7 +1,7 @@
-"""Measured profiles and maps, which are still to be made periodic: heights, with the spacing if the file tells it."""
+"""Measured fields in m or L_x: what a file holds, in the units that it or the record states."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -9,130 +9,128 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.measured import check_finite, header_units, height_of, load_netcdf, read_npy, read_table
+from gfmd_numba.roughness.positions import Line, equidistant, interpolated
+from gfmd_numba.roughness.surface_files import AXES, Content, read_content
+from gfmd_numba.scene.length_units import METRES, PERIOD
 from gfmd_numba.scene.quantities import LARGEST
-from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
-_UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
+_NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """Heights `[nx]` or `[ny, nx]` and the sizes of the measured field (L_x,) or (L_y, L_x), None if not told.
+    """Heights `[nx]` or `[ny, nx]`, not-a-number where none was measured, and sizes (L_x,) or (L_y, L_x) of the field.
 
-    Their `unit` is "m", or "1" for L_x; None if the file does not tell it.
+    The sizes are None if the file does not tell them. The `unit` of both is "m", or "1" for the period L_x of the
+    surface to be made, or None where nobody stated one. `done` tells what was done in reading.
     """
 
     heights: Reals
     lengths: tuple[float, ...] | None
     unit: Literal["m", "1"] | None = None
+    done: tuple[str, ...] = ()
 
 
-def read_measurement(path: Path) -> Measurement:
-    """Profile or map of a .npy, .csv or .nc file, or of any format of SurfaceTopography if that is installed.
+def read_surface(path: Path, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
+    """Read the profile or map in a file, with `units` of x, y and z for what the file does not state.
 
-    A .csv holds heights in one column, positions and heights in two, or a map in four or more. Raises ValueError for
-    anything but at least 4 finite heights in each direction, at equal spacing, and for positions without a unit.
+    Positions in descending order are turned round. Others that are not equidistant are refused, or interpolated
+    linearly to as many equidistant ones if `resample` is set. Raises ValueError, saying what is wrong, where, and what
+    to do, for files that cannot be read, units that are missing or contradict each other, and fewer than 4 heights.
     """
-    found = _READERS.get(path.suffix, _read_instrument)(path)
-    if found.heights.ndim not in (1, 2) or found.heights.dtype.kind not in "fiu":
-        kind = f"an array of shape {found.heights.shape} and type {found.heights.dtype}"
-        raise ValueError(f"{kind}, not a row or a table of numbers")
-    return replace(found, heights=_checked(found.heights))
+    content = read_content(path)
+    heights = _checked(content.heights)
+    axes = AXES[-heights.ndim :]
+    done = list(content.done)
+    sizes: list[float] = []
+    if set(axes) <= set(content.positions):
+        for axis, (i, name) in zip(axes, enumerate(axes), strict=True):
+            line = equidistant(content.positions[axis], name, interpolate=resample)
+            heights, along = _laid_out(heights, i, line)
+            done += along
+            sizes.append(line.size)
+    elif set(axes) <= set(content.sizes):
+        sizes = [content.sizes[axis] for axis in axes]
+        if not all(0.0 < size <= LARGEST for size in sizes):
+            raise ValueError(f"physical sizes {' x '.join(map(str, sizes))} that are not all positive")
+    scales, unit = _scales(content, units or {})
+    lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
+    return Measurement(heights * scales["z"], lengths, unit, tuple(done))
 
 
 def _checked(heights: npt.NDArray[Any]) -> Reals:
-    with np.errstate(over="ignore"):  # of more than double precision
-        heights = np.asarray(heights, dtype=np.float64)
+    if heights.ndim not in (1, 2) or heights.dtype.kind not in "fiu":
+        kind = f"an array of shape {heights.shape} and type {heights.dtype}"
+        raise ValueError(f"{kind}, not a row or a table of numbers")
     if min(heights.shape) < 4:
         raise ValueError(f"{' x '.join(map(str, heights.shape))} heights, not at least 4")
+    with np.errstate(over="ignore"):  # of more than double precision
+        heights = np.asarray(heights, dtype=np.float64)
     check_finite(heights)
     return heights
 
 
-def _size(positions: npt.NDArray[Any], name: str) -> float:
-    """Length of the field of equidistant positions, one spacing for each."""
-    if positions.dtype.kind not in "fiu" or not (abs(positions) <= LARGEST).all():
-        raise ValueError(f"positions {name} that are not all finite numbers")
-    steps = np.diff(np.asarray(positions, dtype=np.float64))
-    mean = steps.mean() if steps.size else np.nan
-    if not mean > 0.0:
-        raise ValueError(f"positions {name} that do not increase")
-    worst = int(np.argmax(abs(steps / mean - 1.0)))
-    if not abs(steps[worst] / mean - 1.0) <= _UNEVEN:
-        raise ValueError(
-            f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
-        )
-    return float(mean * positions.size)
+def check_finite(heights: Reals) -> None:
+    """Raise ValueError if a height is infinite, or so large that squares and gradients are not finite."""
+    outside = np.argwhere(abs(heights) > LARGEST)
+    if len(outside):
+        first = heights[tuple(outside[0])]
+        allowed = f"at most {LARGEST:g} in size" if np.isfinite(first) else "a finite number"
+        raise ValueError(f"height {first} at {place(outside)}, not {allowed}")
 
 
-def _read_npy(path: Path) -> Measurement:
-    return Measurement(read_npy(path), None)
+def place(indices: npt.NDArray[np.int64]) -> str:
+    """Index of the first of several heights, and how many more there are."""
+    more = f" and {len(indices) - 1} more" if len(indices) > 1 else ""
+    return f"index {', '.join(map(str, indices[0]))}{more}"
 
 
-def _metres(units: Iterable[object]) -> Literal["m"] | None:
-    """Whether the units that a file states are metres, None if it states none; raises ValueError for others."""
-    stated = dict.fromkeys(units)
-    if stated and list(stated) != ["m"]:
-        raise ValueError(f"numbers in units {', '.join(map(repr, stated))}, not all in m: convert them first")
-    return "m" if stated else None
+def _laid_out(heights: Reals, axis: int, line: Line) -> tuple[Reals, tuple[str, ...]]:
+    """Heights on the ascending equidistant points of a line along one axis."""
+    if line.turned:
+        return np.flip(heights, axis), (f"turned round along {line.name}, as its positions descend",)
+    if line.uneven is None:
+        return heights, ()
+    if heights.ndim == 2:
+        raise ValueError(f"positions {line.name} of a map that are not equidistant, which are not interpolated")
+    return interpolated(heights, line.uneven), (line.said,)
 
 
-def _read_csv(path: Path) -> Measurement:
-    table, unit = read_table(path), _metres(header_units(path))
-    match table.shape[1]:
-        case 0 | 1:
-            return Measurement(table.ravel(), None, unit)
-        case 2:
-            length = _size(table[:, 0], "x")
-            if unit is None:
-                raise ValueError(
-                    "two columns without a unit: begin the file with the line `# x [m], height [m]` if that is what "
-                    "they are, or leave the heights alone, in m with `length` and in L_x without"
-                )
-            return Measurement(table[:, 1], (length,), unit)
-        case 3:
-            raise ValueError("3 columns, not one of heights, two of positions and heights, or a map")
-    return Measurement(table, None, unit)
+def _scales(content: Content, asked: Mapping[str, str]) -> tuple[dict[str, float], Literal["m", "1"] | None]:
+    """Factors to m or L_x for each axis with positions or sizes and for z, and which of the two; None if unknown."""
+    given = {"z", *content.positions, *content.sizes}
+    for axis in asked:
+        if axis not in given:
+            raise ValueError(f"no {_NAMES[axis]} in the file, so that units.{axis} has to be left out")
+    units: dict[str, str | None] = {}
+    for axis in sorted(given):
+        stated = content.units.get(axis)
+        units[axis] = asked.get(axis, stated)
+        known = stated in METRES or stated == PERIOD
+        if known and asked.get(axis, stated) != stated:
+            raise ValueError(f"{_NAMES[axis]} in {stated} as the file says, not {asked[axis]} as units.{axis} does")
+        if stated is not None and not known and axis not in asked:
+            raise ValueError(f"{_NAMES[axis]} in {stated!r}, which is no unit of length: name theirs as units.{axis}")
+    missing = [axis for axis, unit in units.items() if unit is None]
+    if len(missing) == len(units):
+        if len(units) > 1:
+            raise ValueError(
+                f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, beside "
+                "file, or state them in the file"
+            )
+        return {"z": 1.0}, None
+    if missing:
+        raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs")
+    kinds = {"1" if unit == PERIOD else "m" for unit in units.values()}
+    if len(kinds) > 1:
+        raise ValueError(f"some of {_words(sorted(units))} in {PERIOD}, not all: state all in it or none")
+    scales = {axis: METRES.get(unit or "", 1.0) for axis, unit in units.items()}
+    return scales, "1" if kinds == {"1"} else "m"
 
 
-def _read_netcdf(path: Path) -> Measurement:
-    heights = height_of(load_netcdf(path))
-    positions = [heights[dim] for dim in heights.dims if dim in heights.coords]
-    units = [each.attrs["units"] for each in (heights, *positions) if "units" in each.attrs]
-    unit: Literal["m", "1"] | None = "1" if set(map(str, units)) == {"1"} else _metres(map(str, units))
-    if len(positions) < heights.ndim:
-        return Measurement(heights.values, None, unit)
-    lengths = tuple(_size(each.values, str(each.name)) for each in positions)
-    if unit is None:
-        raise ValueError("positions and heights without units: give both the attribute units, m or 1 (of the period)")
-    return Measurement(heights.values, lengths, unit)
+def _words(axes: list[str]) -> str:
+    return " and ".join(_NAMES[axis] for axis in axes)
 
 
-def _read_instrument(path: Path) -> Measurement:
-    try:
-        from SurfaceTopography import read_topography
-        from SurfaceTopography.Exceptions import CannotDetectFileFormat
-    except ImportError:
-        needs = "SurfaceTopography, which `pip install 'gfmd-numba[instruments]'` adds"
-        raise ValueError(f"a format {path.suffix} that is read only with {needs}") from None
-    check_regular(path, most_numbers())
-    try:
-        topography = read_topography(str(path))
-        if topography.unit is not None:
-            topography = topography.to_unit("m")
-        heights = topography.heights()
-    except CannotDetectFileFormat:
-        raise ValueError("no format that SurfaceTopography knows") from None
-    except Exception:  # a damaged file may end in any error of its readers
-        raise ValueError("a file that SurfaceTopography cannot read") from None
-    if topography.unit is None:
-        raise ValueError("a file that does not tell its unit of length: write the heights in m to a .csv or .npy file")
-    if topography.dim == 1 and not topography.is_uniform:
-        return Measurement(np.asarray(heights), (_size(topography.positions(), "x"),), "m")
-    heights = np.ma.filled(np.ma.asarray(heights, dtype=np.float64), np.nan)
-    # its maps are laid out [x, y]
-    return Measurement(np.asarray(heights.T), tuple(float(size) for size in topography.physical_sizes[::-1]), "m")
-
-
-_READERS: dict[str, Callable[[Path], Measurement]] = {".npy": _read_npy, ".csv": _read_csv, ".nc": _read_netcdf}
+def _example(axes: list[str]) -> str:
+    return "{" + ", ".join(f"{axis}: {'um' if axis == 'z' else 'mm'}" for axis in axes) + "}"

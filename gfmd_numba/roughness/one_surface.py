@@ -1,15 +1,13 @@
 """One surface of a surface file: heights, periods and the spectrum of theory beside them."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.measurements import read_measurement
-from gfmd_numba.roughness.processing import process
+from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.recipe import random_surface, rms_gradient
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import Measured, Random
@@ -21,8 +19,8 @@ _ROUNDING = 1e-12  # of the largest height, below which a range of heights is ro
 class Made:
     """Heights `[nx]` or `[ny, nx]` and their periods, in m or L_x; the mean power `[..., nx // 2 + 1]` of theory.
 
-    `power` is None for a measured field; `done` tells what was done to one. The `unit` is "m", or "1" for L_x, which
-    is the size of a measured field along x.
+    `power` is None for a measured surface; `done` tells what was done to one, and `doubts` what makes it implausible.
+    The `unit` is "m", or "1" for L_x.
     """
 
     heights: Reals
@@ -30,6 +28,7 @@ class Made:
     unit: Literal["m", "1"]
     power: Reals | None
     done: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
 
 def make(file: SurfaceFile) -> Made:
@@ -48,21 +47,8 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     return Made(heights, lengths, "1" if file.length is None else "m", power)
 
 
-def _measured(file: SurfaceFile, surface: Measured) -> Made:
-    measurement = read_measurement(Path(surface.file))
-    shape = measurement.heights.shape
-    lengths = measurement.lengths
-    if lengths is not None and file.length is not None:
-        raise ValueError("positions of its own, so that length has to be left out")
-    if measurement.unit == "m" and lengths is None and file.length is None:
-        raise ValueError("heights in m without positions, so that length is needed, the size along x in m")
-    if measurement.unit == "1" and file.length is not None:
-        raise ValueError("heights in units of the period, so that length has to be left out")
-    unit: Literal["m", "1"] = "m" if file.length is not None else measurement.unit or "1"
-    if lengths is None:
-        spacing = (file.length or 1.0) / shape[-1]
-        lengths = tuple(n * spacing for n in shape)
-    processed = process(measurement.heights, lengths, surface.detrend, surface.periodic, surface.points)
-    if np.ptp(processed.heights) <= _ROUNDING * abs(measurement.heights).max():
+def _measured(file: SurfaceFile, record: Measured) -> Made:
+    found = measured_surface(record, file.length)
+    if np.ptp(found.heights) <= _ROUNDING * found.largest:
         raise ValueError("a flat surface once the trend is gone")
-    return Made(processed.heights, processed.lengths, unit, None, processed.done)
+    return Made(found.heights, found.lengths, found.unit, None, found.done, found.doubts)

@@ -1,4 +1,4 @@
-"""From a measured field to a periodic surface: trend, periodicity, resolution; what was done is recorded."""
+"""From a measured field to a periodic surface: trend, ends, shortest wave, grid; what was done is recorded."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
@@ -24,32 +25,55 @@ class Processed:
     done: tuple[str, ...]
 
 
-def process(
-    heights: Reals, lengths: tuple[float, ...], detrend: Detrend, periodic: Periodic, points: int | None
-) -> Processed:
-    """Measured heights made periodic: first the trend is removed, then they are mirrored or windowed, then resampled.
+def detrended(heights: Reals, detrend: Detrend) -> tuple[Reals, tuple[str, ...]]:
+    """Heights less the least-squares polynomial of that name, and what was done."""
+    if detrend == "none":
+        return heights, ()
+    trend = polynomial(heights, _ORDER[detrend])
+    return heights - trend, (f"subtracted the {detrend} fitted by least squares, of rms height {trend.std():g}",)
 
-    `points` counts grid points along the last axis; the others keep their spacing's ratio. Raises ValueError if
+
+def made_periodic(
+    heights: Reals,
+    lengths: tuple[float, ...],
+    periodic: Periodic = "none",
+    cutoff: float | None = None,
+    points: int | None = None,
+) -> Processed:
+    """Heights of a field of these sizes made periodic: mirrored or windowed, then filtered, then resampled.
+
+    `cutoff` is the shortest wavelength kept, in the unit of `lengths`. `points` counts grid points along the last axis;
+    the others keep their spacing's ratio. Raises ValueError for a cutoff that leaves all waves or none, and if
     resampling would leave fewer than 4 points in a direction.
     """
     done = []
-    if detrend != "none":
-        trend = _polynomial(heights, _ORDER[detrend])
-        done.append(f"subtracted the {detrend} fitted by least squares, of rms height {trend.std():g}")
-        heights = heights - trend
     if periodic == "mirror":
         heights, lengths = mirrored(heights), tuple(2.0 * length for length in lengths)
         done.append("mirrored at its ends, which doubles the period")
     if periodic == "window":
         heights = windowed(heights)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
+    if cutoff is not None:
+        heights = filtered(heights, lengths, cutoff)
+        done.append(f"left out all waves shorter than {cutoff:g} of its Fourier series")
     if points is not None and points != heights.shape[-1]:
         shape = tuple(round(n * points / heights.shape[-1]) for n in heights.shape)
         if min(shape) < 4:
-            raise ValueError(f"{' x '.join(map(str, shape))} points after resampling, not at least 4")
+            raise ValueError(f"{_times(shape)} points after resampling, not at least 4")
         done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series")
         heights = resample(heights, shape)
     return Processed(heights, lengths, tuple(done))
+
+
+def filtered(heights: Reals, lengths: tuple[float, ...], cutoff: float) -> Reals:
+    """Periodic heights without the waves that are shorter than a cutoff; ValueError if that is none of them or all."""
+    shape = heights.shape
+    kept = grid.magnitudes(shape, lengths) <= 2.0 * np.pi / cutoff * (1.0 + 1e-9)
+    if kept.all():
+        raise ValueError(f"no wave shorter than cutoff = {cutoff:g}: leave it out, or give a longer one")
+    if kept.sum() == 1:
+        raise ValueError(f"no wave as long as cutoff = {cutoff:g} in the period {max(lengths):g}")
+    return grid.signal(grid.coefficients(heights, heights.ndim) * kept, *shape)
 
 
 def mirrored(heights: Reals) -> Reals:
@@ -72,8 +96,8 @@ def windowed(heights: Reals) -> Reals:
     return np.asarray(faded * np.sqrt((centred**2).mean() / (faded**2).mean()))
 
 
-def _polynomial(heights: Reals, order: int) -> Reals:
-    """Least-squares polynomial of all powers up to an order, at the points of the heights."""
+def polynomial(heights: Reals, order: int) -> Reals:
+    """Return the least-squares polynomial of all powers up to an order, at the points of the heights."""
     positions = [np.linspace(-1.0, 1.0, n) for n in heights.shape]
     mesh = np.meshgrid(*positions, indexing="ij")
     exponents = [e for e in product(range(order + 1), repeat=heights.ndim) if sum(e) <= order]

@@ -95,6 +95,11 @@ class Scene(BaseModel):
         return {place: surface for place, surface in places.items() if surface is not None}
 
     @property
+    def has_moduli(self) -> bool:
+        """Whether a body has a modulus in Pa, so that stresses are not in units of E*."""
+        return any(body.youngs_modulus is not None for body in self.deformable)
+
+    @property
     def follows_topography(self) -> bool:
         """Whether a deformable surface is rough, or both bodies deform."""
         return self.counter_body is not None or self.body.roughness is not None

@@ -13,7 +13,6 @@ from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import validate
 
-PROFILE_SUFFIXES = (".npy", ".csv", ".nc")
 BOUNDARY_SUFFIXES = (".npy", ".csv")
 _OF_A_PUNCH = {"roughness", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
@@ -85,7 +84,7 @@ def _located(document: Document, scene: Scene) -> Scene:
 def _located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:
     if not isinstance(surface, Measured):
         return surface
-    file = existing_file(document, (*location, "file"), surface.file, PROFILE_SUFFIXES)
+    file = existing_file(document, (*location, "file"), surface.file, ())
     return surface.model_copy(update={"file": file})
 
 

@@ -33,7 +33,8 @@ class SurfaceFile(BaseModel):
     model_config = RECORD
     surface: Surface
     length: Size | None = Field(
-        None, description="Period L_x in m, of a measured field its size along x; None: lengths are in L_x"
+        None,
+        description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
     )
     dimension: Dimension | None = Field(None, description="1: a profile, 2: a map; a measured field has its own")
     seed: Seed = 0

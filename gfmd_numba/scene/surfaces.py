@@ -6,8 +6,9 @@ itself what makes its surfaces.
 
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from gfmd_numba.scene.length_units import ALLOWED, length_unit
 from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, RmsGradient, Size, broken_rule
 
 PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
@@ -201,15 +202,39 @@ class SuccessiveAddition(Recursive):
     method: Literal["successive_addition"] = Field(description="How the surface is made")
 
 
+def _unit(given: Any) -> Any:
+    name = length_unit(given) if isinstance(given, str) else None
+    if name is None:
+        raise ValueError(ALLOWED)
+    return name
+
+
+Unit = Annotated[str, BeforeValidator(_unit), WithJsonSchema({"allowed": ALLOWED})]
+
+
+class FileUnits(BaseModel):
+    """Units of what stands in a file that does not state them itself."""
+
+    model_config = RECORD
+    x: Unit | None = Field(None, description="Unit of positions or sizes along x; None: the file states it")
+    y: Unit | None = Field(None, description="Unit of positions or sizes along y; None: the file states it")
+    z: Unit | None = Field(None, description="Unit of heights; None: the file states it")
+
+
 class Measured(BaseModel):
     """Measured profile or map, read from a file of the user's."""
 
     model_config = RECORD
     method: Literal["measured"] = Field(description="How the surface is made")
     file: str = Field(min_length=1, description="Profile or map, relative to the folder of the file that names it")
+    units: FileUnits | None = Field(None, description="Units that the file does not state; None: it states all")
+    fill: Literal["refuse", "interpolate"] = Field("refuse", description="What becomes of heights that are missing")
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted first")
     periodic: Literal["none", "mirror", "window"] = Field("none", description="How the ends are made to meet")
     points: Points | None = Field(None, description="Grid points over L_x after resampling; None: as many as measured")
+    cutoff: Size | None = Field(
+        None, description="Shortest wavelength kept, in m, or in L_x if neither the file nor a length gives one in m"
+    )
 
     @property
     def needs_discretisation(self) -> bool:

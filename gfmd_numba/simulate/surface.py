@@ -1,5 +1,6 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory beside them."""
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,8 @@ _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     """Heights of one surface with its statistics and the curves of theory, in m or L_x.
 
-    Raises InputError for a description that makes no sense or a measured file that cannot be used.
+    `processing` tells what was done to a measured surface; `validity`, and a warning, what makes it implausible. Raises
+    InputError for a description that makes no sense or a measured file that cannot be used.
     """
     try:
         made = make(file)
@@ -29,7 +31,7 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     except ValueError as error:
         if isinstance(file.surface, Measured):
             given = f"{Path(file.surface.file).name} ({error})"
-            allowed = "at least 4 equidistant finite heights in each direction, not all equal"
+            allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
             raise InputError(document.line(("surface", "file"), given, allowed)) from None
         raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
     if file.hurst_range is not None:
@@ -38,6 +40,8 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
         except ValueError as error:
             allowed = f"a range that holds waves, not {error}"
             raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed) from None
+    for sentence in made.doubts:
+        warnings.warn(sentence, stacklevel=2)
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
 
@@ -51,6 +55,7 @@ def _described(made: Made) -> xr.Dataset:
         dataset.coords[dim] = (dim, np.arange(n) / n * length, {"long_name": f"position along {dim}", "units": unit})
     dataset["height"] = (dims, heights, {"long_name": "height, peaks towards the body", "units": unit})
     dataset.attrs["processing"] = "\n".join(made.done)
+    dataset.attrs["validity"] = "\n".join(made.doubts)
     _add_scalars(dataset, made, unit)
     _add_spectrum(dataset, made, unit)
     _add_correlation(dataset, made, unit)

@@ -10,7 +10,7 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
-from gfmd_numba.roughness.measured import read_profile
+from gfmd_numba.roughness.measurements import read_surface
 from support.campaigns import campaign
 from support.faulty_files import refusal
 
@@ -70,7 +70,7 @@ def test_a_damaged_measured_profile_is_no_traceback(tmp_path):
     content[len(content) // 2 : len(content) // 2 + 2000] = bytes(2000)
     (tmp_path / "q.nc").write_bytes(content)
     with pytest.raises(ValueError, match="no netCDF file, or a damaged one"):
-        read_profile(tmp_path / "q.nc")
+        read_surface(tmp_path / "q.nc")
 
 
 def test_a_damaged_shard_is_none(results, tmp_path):

@@ -205,7 +205,8 @@ def test_measured_profile_is_taken_as_it_is(tmp_path):
     gfmd_numba.solve(scene_file(1e-4)).to_netcdf(tmp_path / "other.nc")
     results = []
     for name in ("profile.npy", "profile.csv"):
-        scene = scene_file(1e-4, 1e9, roughness={"method": "measured", "file": str(tmp_path / name)})
+        rough = {"method": "measured", "file": str(tmp_path / name), "units": {"z": "m"}}
+        scene = scene_file(1e-4, 1e9, roughness=rough)
         del scene["discretisation"]
         results.append(gfmd_numba.solve(scene))
     np.testing.assert_array_equal(results[0]["pressure"], results[1]["pressure"])
@@ -214,6 +215,6 @@ def test_measured_profile_is_taken_as_it_is(tmp_path):
     load = 0.05 * 2 * np.pi * amplitude / np.sqrt(2)  # in E*
     e_star = 1e9 / (1 - 0.33**2)
     assert float(results[0]["mean_pressure"]) == pytest.approx(load * e_star, rel=1e-6)
-    scene["scene"]["roughness"]["file"] = str(tmp_path / "other.nc")
+    scene["scene"]["roughness"] = {"method": "measured", "file": str(tmp_path / "other.nc")}
     again = gfmd_numba.solve(scene)
     np.testing.assert_allclose(again["height"], gfmd_numba.solve(scene_file(1e-4))["height"], rtol=1e-12)

@@ -69,7 +69,7 @@ def test_gradients_of_two_random_surfaces_add_up_in_squares():
 def measured(tmp_path):
     def write(name, heights):
         np.save(tmp_path / name, heights)
-        return {"method": "measured", "file": str(tmp_path / name)}
+        return {"method": "measured", "file": str(tmp_path / name), "units": {"z": "L_x"}}
 
     return write
 

@@ -129,11 +129,11 @@ def test_a_link_is_of_the_kind_its_name_says(tmp_path):
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
     rough = {"method": "measured", "file": str(tmp_path / "p.csv")}
     assert int(gfmd_numba.solve({**scene, "roughness": rough})["status"]) == 0
-    with pytest.raises(InputError, match=r"given q.csv \(could not convert string 'root"):
+    with pytest.raises(InputError, match=r"given q.csv \(no row of numbers, but 'root"):
         gfmd_numba.solve({**scene, "roughness": rough | {"file": str(tmp_path / "q.csv")}})
     loaded = {
         "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
         "boundary": {"normal_traction": str(tmp_path / "q.csv")},
     }
-    with pytest.raises(InputError, match=r"given q.csv \(could not convert string 'root"):
+    with pytest.raises(InputError, match=r"given q.csv \(no row of numbers, but 'root"):
         gfmd_numba.solve({"scene": loaded})

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.roughness.measured import read_profile
+from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.scene.surfaces import Measured
 
 N, LENGTH = 64, 1e-4
 X = np.arange(N) / N * LENGTH
@@ -18,50 +19,80 @@ def netcdf(folder, x=X, units="m", x_units="m"):
     return folder / "profile.nc"
 
 
-@pytest.mark.parametrize("x", [X, X + 1, X.astype(np.float32), np.linspace(0, LENGTH, N, endpoint=False)])
+def read(path, length=LENGTH, **more):
+    return measured_surface(Measured(method="measured", file=str(path), **more), length)
+
+
+@pytest.mark.parametrize("x", [X, X + 1, X.astype(np.float32), X[::-1], np.linspace(0, LENGTH, N, endpoint=False)])
 def test_positions_that_agree_with_the_length_are_read(tmp_path, x):
-    np.testing.assert_array_equal(read_profile(netcdf(tmp_path, x), LENGTH), HEIGHTS)
-    np.testing.assert_array_equal(read_profile(netcdf(tmp_path, x, None, None), LENGTH), HEIGHTS)
+    turned = x[0] > x[-1]
+    for length in (LENGTH, None):
+        found = read(netcdf(tmp_path, x), length)
+        np.testing.assert_array_equal(found.heights, HEIGHTS[::-1] if turned else HEIGHTS)
+        assert found.lengths == pytest.approx((LENGTH,))
+        assert found.done == (("turned round along x, as its positions descend",) if turned else ())
 
 
-def test_without_a_length_heights_are_in_units_of_the_period(tmp_path):
-    np.testing.assert_array_equal(read_profile(netcdf(tmp_path, np.arange(N), "1", None)), HEIGHTS)
-    with pytest.raises(ValueError, match="height in units 'm', not in 1, as the scene has no length"):
-        read_profile(netcdf(tmp_path))
-
-
-@pytest.mark.parametrize("units", ["um", "nm", "1", "s"])
-def test_other_units_are_refused(tmp_path, units):
-    with pytest.raises(ValueError, match=f"height in units '{units}', not in m, as the scene's length"):
-        read_profile(netcdf(tmp_path, units=units), LENGTH)
-    with pytest.raises(ValueError, match=f"x in units '{units}', not in m"):
-        read_profile(netcdf(tmp_path, x_units=units), LENGTH)
+def test_a_mirrored_field_has_half_the_period_whoever_tells_its_size(tmp_path):
+    own = read(netcdf(tmp_path), 2 * LENGTH, periodic="mirror")
+    np.save(tmp_path / "p.npy", HEIGHTS)
+    told = read(tmp_path / "p.npy", 2 * LENGTH, periodic="mirror", units={"z": "m"})
+    np.testing.assert_array_equal(own.heights, told.heights)
+    assert own.lengths == pytest.approx((2 * LENGTH,))
+    assert told.lengths == pytest.approx((2 * LENGTH,))
+    with pytest.raises(
+        ValueError, match=r"positions over a period of 0.0002 m once mirrored, .* not length = 0.0001 m"
+    ):
+        read(netcdf(tmp_path), LENGTH, periodic="mirror")
 
 
 @pytest.mark.parametrize(
     ("x", "problem"),
     [
-        (X**2, "not equidistant and ascending"),
-        (np.where(np.arange(N) == 7, X + 1e-5 * LENGTH, X), "at index 6, not equidistant"),
-        (X[::-1], "not equidistant and ascending"),
-        (np.zeros(N), "not equidistant and ascending"),
-        (np.full(N, np.nan), "x without finite numbers"),
-        (np.linspace(0, LENGTH, N), "x over 0.0001015873 m, not over the scene's length of 0.0001 m"),
-        (1e6 * X, "x over 100 m"),
+        (X**2, "not equidistant; give points"),
+        (np.where(np.arange(N) == 7, X + 1e-4 * LENGTH, X), "at index [67], where .* is the mean: not equidistant"),
+        (np.roll(X, 5), "positions x that are in no order from index 4 on"),
+        (np.zeros(N), "in no order from index 0 on"),
+        (np.full(N, np.nan), "position x = nan at index 0, not a finite number"),
+        (np.linspace(0, LENGTH, N), "positions over a period of 0.0001015873 m, .* not length = 0.0001 m"),
+        (1e6 * X, "positions over a period of 100 m"),
     ],
 )
 def test_positions_that_disagree_are_refused(tmp_path, x, problem):
     with pytest.raises(ValueError, match=problem):
-        read_profile(netcdf(tmp_path, x), LENGTH)
+        read(netcdf(tmp_path, x))
+
+
+def test_uneven_positions_are_interpolated_if_points_are_asked_for(tmp_path):
+    order = np.random.default_rng(0).permutation(N)
+    x = np.sort(np.random.default_rng(1).uniform(0, LENGTH, N))
+    dataset = xr.Dataset({"height": ("x", (1e-2 * x)[order], {"units": "m"})}, {"x": ("x", x[order], {"units": "m"})})
+    dataset.to_netcdf(tmp_path / "p.nc")
+    found = read(tmp_path / "p.nc", None, points=N)
+    np.testing.assert_allclose(found.heights, 1e-2 * np.linspace(x[0], x[-1], N), rtol=1e-12)
+    assert found.done[0].startswith("interpolated linearly from uneven positions x, at most ")
+    dataset["x"] = ("x", np.where(x[order] == x[3], x[4], x[order]), {"units": "m"})
+    dataset.to_netcdf(tmp_path / "p.nc")
+    with pytest.raises(ValueError, match=r"the position x = .* twice"):
+        read(tmp_path / "p.nc", None, points=N)
 
 
 def test_positions_beside_a_bare_dimension_are_checked(tmp_path):
     dataset = xr.Dataset({"height": ("i", HEIGHTS), "x": ("i", X**2)})
     dataset.to_netcdf(tmp_path / "profile.nc")
     with pytest.raises(ValueError, match="not equidistant"):
-        read_profile(tmp_path / "profile.nc", LENGTH)
+        read(tmp_path / "profile.nc")
+
+
+def test_a_dimension_that_the_caller_cannot_use_is_refused(tmp_path):
+    np.save(tmp_path / "map.npy", np.outer(HEIGHTS[:8], HEIGHTS))
+    record = Measured(method="measured", file=str(tmp_path / "map.npy"))
+    assert measured_surface(record, None, 2).heights.shape == (8, N)
+    with pytest.raises(ValueError, match="a map of 8 x 64 heights, where dimension: 1 needs a profile"):
+        measured_surface(record, None, 1)
 
 
 def test_a_byte_order_mark_is_no_height(tmp_path):
-    (tmp_path / "profile.csv").write_text("1\n2\n3\n4\n", encoding="utf-8-sig")
-    assert read_profile(tmp_path / "profile.csv").tolist() == [1, 2, 3, 4]
+    for encoding in ("utf-8-sig", "utf-16"):
+        (tmp_path / "profile.csv").write_text("1\n2\n3\n4\n", encoding=encoding)
+        assert read(tmp_path / "profile.csv", None).heights.tolist() == [1, 2, 3, 4]

@@ -5,8 +5,8 @@ import builtins
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness.measurements import read_measurement
-from gfmd_numba.roughness.processing import mirrored, process, windowed
+from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.processing import detrended, made_periodic, mirrored, windowed
 
 
 def test_arrays_and_tables_are_read_alike(tmp_path):
@@ -14,7 +14,7 @@ def test_arrays_and_tables_are_read_alike(tmp_path):
     np.save(tmp_path / "map.npy", heights)
     np.savetxt(tmp_path / "map.csv", heights, delimiter=",", fmt="%.17g")
     for name in ("map.npy", "map.csv"):
-        found = read_measurement(tmp_path / name)
+        found = read_surface(tmp_path / name)
         np.testing.assert_array_equal(found.heights, heights)
         assert found.lengths is None
     np.savetxt(
@@ -24,7 +24,7 @@ def test_arrays_and_tables_are_read_alike(tmp_path):
         header="x [m], z [m]",
         fmt="%.17g",
     )
-    found = read_measurement(tmp_path / "line.csv")
+    found = read_surface(tmp_path / "line.csv")
     np.testing.assert_array_equal(found.heights, heights[0])
     assert found.lengths == pytest.approx((3.5,))
 
@@ -33,12 +33,12 @@ def test_a_format_of_an_instrument_is_read_with_its_units(tmp_path):
     topography = pytest.importorskip("SurfaceTopography")
     heights = np.random.default_rng(0).normal(size=(6, 8))
     topography.Topography(heights.T, (4.0, 3.0), unit="um").to_netcdf(str(tmp_path / "map.x"))
-    found = read_measurement(tmp_path / "map.x")
+    found = read_surface(tmp_path / "map.x")
     np.testing.assert_allclose(found.heights, 1e-6 * heights)
     assert found.lengths == pytest.approx((3e-6, 4e-6))
     (tmp_path / "junk.xyzzy").write_bytes(b"\0\1\2")
     with pytest.raises(ValueError, match="no format that SurfaceTopography knows"):
-        read_measurement(tmp_path / "junk.xyzzy")
+        read_surface(tmp_path / "junk.xyzzy")
 
 
 def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_path, monkeypatch):
@@ -51,17 +51,17 @@ def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_p
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(ValueError, match=r"SurfaceTopography, which `pip install 'gfmd-numba\[instruments\]'` adds"):
-        read_measurement(tmp_path / "map.opd")
+        read_surface(tmp_path / "map.opd")
 
 
 @pytest.mark.parametrize("detrend", ["none", "mean", "tilt", "curvature"])
 def test_detrending_removes_exactly_the_polynomial(detrend):
     y, x = np.mgrid[:9, :12].astype(float)
     trends = {"none": 0.0 * x, "mean": 3.0 + 0 * x, "tilt": 3 + x - 2 * y, "curvature": 3 + x - y + x * y + x**2 - y**2}
-    found = process(trends[detrend], (9.0, 12.0), detrend, "none", None)
-    np.testing.assert_allclose(found.heights, 0.0, atol=1e-11)
-    assert len(found.done) == (detrend != "none")
-    rest = process(trends["curvature"], (9.0, 12.0), "tilt", "none", None).heights
+    found, done = detrended(trends[detrend], detrend)
+    np.testing.assert_allclose(found, 0.0, atol=1e-11)
+    assert len(done) == (detrend != "none")
+    rest, _ = detrended(trends["curvature"], "tilt")
     assert abs((rest * x).sum()) < 1e-9  # what is left is orthogonal to what was fitted
     assert rest.std() > 1.0
 
@@ -73,7 +73,7 @@ def test_mirrored_fields_are_even_and_have_no_jump():
     np.testing.assert_array_equal(found[:4, :6], heights)
     np.testing.assert_array_equal(found, found[::-1])
     np.testing.assert_array_equal(found, found[:, ::-1])
-    assert process(heights, (2.0, 3.0), "none", "mirror", None).lengths == (4.0, 6.0)
+    assert made_periodic(heights, (2.0, 3.0), "mirror").lengths == (4.0, 6.0)
 
 
 def test_windowed_fields_fade_at_their_ends_and_keep_their_mean_square():
@@ -88,9 +88,9 @@ def test_windowed_fields_fade_at_their_ends_and_keep_their_mean_square():
 
 def test_resampling_keeps_the_aspect_of_a_map_and_says_so():
     heights = np.random.default_rng(0).normal(size=(6, 12))
-    found = process(heights, (1.0, 2.0), "none", "none", 24)
+    found = made_periodic(heights, (1.0, 2.0), points=24)
     assert found.heights.shape == (12, 24)
     np.testing.assert_allclose(found.heights[::2, ::2], heights, atol=1e-12)
     assert found.done == ("resampled from 6 x 12 to 12 x 24 points by its Fourier series",)
     with pytest.raises(ValueError, match="2 x 4 points after resampling"):
-        process(heights, (1.0, 2.0), "none", "none", 4)
+        made_periodic(heights, (1.0, 2.0), points=4)

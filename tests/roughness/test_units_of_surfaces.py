@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba import make_surface
-from gfmd_numba.roughness.measured import read_profile
+from gfmd_numba import make_surface, solve
+from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import InputError
+from gfmd_numba.scene.surfaces import FileUnits, Measured
 from support.faulty_files import complaint
 
 HEIGHTS = 1e-3 * np.random.default_rng(0).normal(size=32)
@@ -25,15 +26,18 @@ def test_heights_without_a_length_are_in_units_of_the_field(tmp_path, name, peri
     found = made(tmp_path / name, periodic=periodic)
     lengths = [found[each].units for each in ("x", "height", "rms_height", "distance", "wavenumber")]
     assert lengths == ["1"] * 5
-    assert float(found["x"][1]) == pytest.approx(1 / 32)
+    assert float(found["x"][1]) == pytest.approx(1 / (64 if periodic == "mirror" else 32))
 
 
-def test_heights_with_a_length_are_in_metres(tmp_path):
+def test_heights_beside_a_length_need_a_unit(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS)
-    file = {"surface": {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}, "length": 1.0}
-    found = make_surface(file)
+    surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}
+    with pytest.raises(InputError, match=r"heights without a unit beside a length in m: write units: \{z: um\}"):
+        make_surface({"surface": surface, "length": 1e-3})
+    found = make_surface({"surface": surface | {"units": {"z": "mm"}}, "length": 1.0})
     assert found["rms_height"].units == found["x"].units == "m"
-    assert float(found["x"][1]) == pytest.approx(1 / 32)
+    assert float(found["x"][1]) == pytest.approx(1 / 64)
+    np.testing.assert_allclose(found["height"][:32], 1e-3 * HEIGHTS, rtol=1e-15)
 
 
 def test_a_field_of_one_metre_is_in_metres(tmp_path):
@@ -44,28 +48,27 @@ def test_a_field_of_one_metre_is_in_metres(tmp_path):
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        ("", "two columns without a unit: begin the file with the line `# x [m], height [m]`"),
-        ("x, z", "two columns without a unit"),
-        ("x [mm], z [um]", "numbers in units 'mm', 'um', not all in m: convert them first"),
-        ("x (m), z (µm)", "numbers in units 'm', 'µm', not all in m"),
+        ("", "positions along x and heights without a unit: write units: {x: mm, z: um}"),
+        ("x, z", "positions along x and heights without a unit"),
+        ("x, z [um]", "positions along x without a unit: write units: {x: mm}"),
+        ("x [s], z [um]", "positions along x in 's', which is no unit of length: name theirs as units.x"),
+        ("x [L_x], z [um]", "some of positions along x and heights in L_x, not all"),
     ],
 )
-def test_two_columns_that_are_not_said_to_be_in_metres_are_refused(tmp_path, header, said):
+def test_two_columns_of_unknown_units_are_refused(tmp_path, header, said):
     columns = np.column_stack([X, HEIGHTS])
     np.savetxt(tmp_path / "p.csv", columns, delimiter=",", header=header, encoding="utf-8")
     assert said in complaint(tmp_path, make_surface, "surface: {method: measured, file: p.csv}\n")
 
 
-def test_a_header_in_another_unit_is_refused_for_one_column_too(tmp_path):
+def test_the_unit_of_a_header_counts_for_one_column_too(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS, header="by hand (A. Name)\nz [nm]")
-    with pytest.raises(InputError, match="numbers in units 'nm', not all in m"):
-        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.csv")}, "length": 1e-3})
-    with pytest.raises(ValueError, match="heights in units 'nm', not in m, as the scene's length"):
-        read_profile(tmp_path / "p.csv", 1e-3)
-    np.savetxt(tmp_path / "p.csv", HEIGHTS, header="z [m]")
-    np.testing.assert_allclose(read_profile(tmp_path / "p.csv", 1e-3), HEIGHTS)
-    with pytest.raises(ValueError, match="heights in units 'm', not in 1, as the scene has no length"):
-        read_profile(tmp_path / "p.csv")
+    record = Measured(method="measured", file=str(tmp_path / "p.csv"))
+    found = measured_surface(record, 1e-3)
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-15)
+    assert (found.lengths, found.unit) == ((1e-3,), "m")
+    with pytest.raises(ValueError, match=r"heights in nm as the file says, not um as units\.z does"):
+        measured_surface(record.model_copy(update={"units": FileUnits(z="um")}), 1e-3)
     with pytest.raises(InputError, match="heights in m without positions, so that length is needed"):
         made(tmp_path / "p.csv")
 
@@ -81,9 +84,9 @@ def netcdf(folder, units, x_units, positions=True):
 @pytest.mark.parametrize(
     ("units", "x_units", "said"),
     [
-        (None, None, "positions and heights without units: give both the attribute units, m or 1"),
-        ("um", "mm", "numbers in units 'um', 'mm', not all in m"),
-        ("m", "1", "numbers in units 'm', '1', not all in m"),
+        (None, None, "positions along x and heights without a unit"),
+        ("volt", "mm", "heights in 'volt', which is no unit of length"),
+        ("m", "1", "some of positions along x and heights in L_x, not all"),
     ],
 )
 def test_netcdf_of_unknown_units_is_refused(tmp_path, units, x_units, said):
@@ -93,7 +96,9 @@ def test_netcdf_of_unknown_units_is_refused(tmp_path, units, x_units, said):
 
 def test_netcdf_is_in_the_units_it_states(tmp_path):
     assert made(netcdf(tmp_path, "m", "m"))["x"].units == "m"
-    assert made(netcdf(tmp_path, "1", "1"))["x"].units == "1"
+    assert made(netcdf(tmp_path, "um", "mm"))["x"].units == "m"
+    with pytest.raises(InputError, match="positions over a period of 4, one spacing for each of the 32 points, not 1"):
+        made(netcdf(tmp_path, "1", "1"))
     with pytest.raises(InputError, match="heights in m without positions, so that length is needed"):
         made(netcdf(tmp_path, "m", None, positions=False))
     file = {"surface": {"method": "measured", "file": str(netcdf(tmp_path, "1", None, positions=False))}}
@@ -101,8 +106,28 @@ def test_netcdf_is_in_the_units_it_states(tmp_path):
         make_surface(file | {"length": 1e-3})
 
 
-def test_a_mirrored_field_in_units_of_its_half_is_no_period_of_a_scene(tmp_path):
+@pytest.mark.parametrize("periodic", ["none", "mirror", "window"])
+def test_a_written_surface_in_units_of_its_period_is_read_again(tmp_path, periodic):
     np.savetxt(tmp_path / "p.csv", HEIGHTS)
-    made(tmp_path / "p.csv", periodic="mirror").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
-    with pytest.raises(ValueError, match="x over 2, not over 1, the period"):
-        read_profile(tmp_path / "s.nc")
+    first = made(tmp_path / "p.csv", periodic=periodic)
+    first.to_netcdf(tmp_path / "s.nc", engine="netcdf4")
+    again = measured_surface(Measured(method="measured", file=str(tmp_path / "s.nc")), None)
+    np.testing.assert_allclose(again.in_periods, first["height"], rtol=1e-14)
+    assert (again.lengths, again.unit) == (pytest.approx((1.0,)), "1")
+
+
+def test_moduli_in_pascal_do_not_go_with_heights_without_a_unit(tmp_path):
+    np.save(tmp_path / "p.npy", HEIGHTS)
+    rough = {"method": "measured", "file": str(tmp_path / "p.npy")}
+    wall = {"interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
+    soft, stiff = {"poissons_ratio": 0.3}, {"poissons_ratio": 0.3, "youngs_modulus": 1e9}
+    assert int(solve({**wall, "body": soft, "roughness": rough})["status"]) == 0
+    for scene in ({"body": stiff, "roughness": rough}, {"body": stiff | {"roughness": rough}}):
+        with pytest.raises(InputError, match=r"heights without a unit beside moduli in Pa: write units: \{z: um\}"):
+            solve({**wall, **scene})
+    in_periods = solve({**wall, "body": stiff, "roughness": rough | {"units": {"z": "L_x"}}})
+    np.testing.assert_allclose(in_periods["height"], HEIGHTS, rtol=1e-12)
+    in_mm = {"body": stiff, "roughness": rough | {"units": {"z": "mm"}, "detrend": "mean"}, "length": 1e-3}
+    found = solve({**wall, **in_mm})
+    np.testing.assert_allclose(found["height"], 1e-3 * (HEIGHTS - HEIGHTS.mean()), atol=1e-18)
+    assert found.attrs["processing"].startswith("subtracted the mean fitted by least squares")

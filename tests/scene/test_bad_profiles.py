@@ -17,7 +17,7 @@ MEASURED = SCENE.replace("method: psd\n    hurst: 0.8\n    rms_gradient: 0.01", 
         ),
         (
             "steel.txt",
-            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: a file ending in .npy, .csv, .nc",
+            "bad.yaml:5:11: scene.roughness.file: given 'steel.txt'; allowed: an existing file, unlike ",
         ),
         ("steal.npy", "; did you mean 'steels.npy'?"),
         ("a/b/steel.npy", "allowed: an existing file, unlike a/b/steel.npy"),

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.campaign.results import read_results
-from gfmd_numba.roughness.measured import load_netcdf
+from gfmd_numba.roughness.surface_files import load_netcdf
 from gfmd_numba.scene import InputError, netcdf_trial
 
 # a profile, some bytes of which were altered: the library reads its attribute for ever (HDF5 2.0)

@@ -200,11 +200,11 @@ def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
     [
         ("gaps.csv", "# [m]\n0,1\n1,nan\n2,1\n3,nan\n4,2\n", "height nan at index 1 and 1 more, not a finite number"),
         ("uneven.csv", "0,1\n1,2\n2,1\n3.5,0\n4.5,1\n", "a spacing of 1.5 in x at index 2, where 1.125 is the mean"),
-        ("falling.csv", "4,1\n3,2\n2,1\n1,0\n", "positions x that do not increase"),
+        ("falling.csv", "4,1\n3,2\n2,1.0\n3,0\n", "positions x that are in no order from index 2 on"),
         ("few.csv", "# [m]\n0,1\n1,2\n2,1\n", "3 heights, not at least 4"),
         ("three.csv", "0,1,2\n1,2,2\n2,1,2\n3,1,2\n", "3 columns"),
         ("flat.csv", "1\n1\n1\n1\n", "flat surface"),
-        ("words.csv", "one\ntwo\n", "could not convert string 'one'"),
+        ("words.csv", "one\ntwo\n", "no row of numbers, but 'one'"),
         ("broken.npy", "no array", "no .npy array"),
         ("broken.nc", "no dataset", "no netCDF file"),
     ],
@@ -226,10 +226,10 @@ def test_a_map_with_uneven_rows_is_refused(tmp_path):
 
 
 def test_a_file_that_is_not_there_and_a_length_too_many_are_told(tmp_path):
-    (tmp_path / "steel.csv").write_text("# [m]\n0,1\n1,2\n2,1\n3,0\n")
+    (tmp_path / "steel.csv").write_text("# [m]\n0,1\n1,2\n2,1\n3,1\n")
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: stel.csv}\n")
     assert "did you mean 'steel.csv'?" in message
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\nlength: 1e-3\n")
-    assert "so that length has to be left out" in message
+    assert "positions over a period of 4 m, one spacing for each of the 4 points, not length = 0.001 m" in message
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\ndimension: 1\n")
     assert "dimension: given 1; allowed: nothing" in message

@@ -30,6 +30,7 @@ SHAPES = {
 }
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # that such heights are implausible
 @pytest.mark.parametrize("shape", SHAPES)
 def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
     """At every pressure all solvers end with the same contact, which carries its load."""
@@ -71,6 +72,7 @@ def test_flat_on_flat_is_refused_whatever_rounding_makes_of_it(tmp_path, nx, hei
         gfmd_numba.solve(scene)
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # that such heights are implausible
 def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
     scene = scene_file(roughness={"method": "measured", "file": str(tmp_path / "profile.npy")})
     del scene["discretisation"]

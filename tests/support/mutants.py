@@ -26,7 +26,7 @@ _PATH = "path: [{displacement: 3e-7}, {sliding: 1e-7}, {displacement: 1e-7}]\n"
 _LAW = "{work_of_adhesion: 0.05, range: 2e-5}"
 _COHESIVE = "{work_of_adhesion: 0.05, normal_length: 2e-5, tangential_length: 2e-5}"
 _COUNTER = f"counter_body: {{youngs_modulus: 3e9, poissons_ratio: 0.5, aspect_ratio: 0.1, roughness: {_PSD}}}\n"
-_MEASURED = "{method: measured, file: p.%s}"
+_MEASURED = "{method: measured, file: p.%s%s}"
 _CAMPAIGN = f"""
 name: tiny
 seed: 1
@@ -56,7 +56,7 @@ TEXTS = {
         _PRESSED.replace("0.5}", f"0.5, roughness: {_PSD}}}") + _PUNCHED + "numerics: {topography_order: 2}\n",
         _BODY + _COUNTER + _PUNCHED + _EPS,
         _PRESSED.replace("1/8", "1/4") + _PUNCHED + "dimension: 2\n",
-        _BODY + f"roughness: {_MEASURED % 'csv'}\n" + _PUNCHED,
+        _BODY + f"roughness: {_MEASURED % ('csv', ', units: {z: L_x}')}\n" + _PUNCHED,
         "scene:\n  body: {poissons_ratio: 0.3}\n  boundary: {normal_traction: 0.0, tangential_displacement: p.npy}\n",
     ],
     "campaign": [
@@ -69,7 +69,8 @@ TEXTS = {
         (_RANDOM % ("psd", _ANISOTROPIC)).replace("128", "24") + "dimension: 2\n",
         _RANDOM % ("psd", _SELF_AFFINE),
         f"surface: {_RECURSIVE}\nlength: 1e-4\n",
-        "surface: {method: measured, file: p.csv, detrend: tilt, periodic: mirror, points: 100}\nlength: 1e-4\n",
+        "surface: {method: measured, file: p.csv, units: {z: um}, detrend: tilt, periodic: mirror, points: 100}\n"
+        "length: 1e-4\n",
     ],
 }
 KINDS = (*TEXTS, "npy", "csv", "nc", "table")
@@ -140,15 +141,17 @@ def write_mutant(folder, kind, seed):
     boundary = numbers.suffix in (".npy", ".csv") and pick.random() < 0.3
     length = pick.choice(["", "length: 1.0\n", "length: 1.0\n", "length: 32e-6\n"])
     if kind == "table" or pick.random() < 0.4:
-        more = pick.choice(["", ", periodic: mirror", ", periodic: window, detrend: curvature"])
+        more = pick.choice(["", ", periodic: mirror", ", periodic: window, detrend: curvature", ", fill: interpolate"])
+        more += pick.choice(["", ", units: {z: um}", ", units: {x: mm, z: um}", ", points: 50", ", cutoff: 0.1"])
         text = f"surface: {{method: measured, file: {numbers.name}{more}}}\n{length}"
     elif boundary:
         name = pick.choice(["normal_traction", "tangential_displacement"])
         text = f"scene:\n  body: {{poissons_ratio: 0.3, aspect_ratio: 1}}\n  boundary: {{{name}: {numbers.name}}}\n"
     else:
-        own = pick.choice(["", f", roughness: {_MEASURED % kind}"])
+        rough = _MEASURED % (kind, pick.choice(["", "", ", units: {z: m}"]))
+        own = pick.choice(["", f", roughness: {rough}"])
         body = f"body: {{poissons_ratio: 0.33{own}}}\n"
-        text = f"{length}{body}{'' if 'file' in body else f'roughness: {_MEASURED % kind}' + chr(10)}{_PUNCHED}"
+        text = f"{length}{body}{'' if 'file' in body else f'roughness: {rough}' + chr(10)}{_PUNCHED}"
     path.write_text(text, encoding="utf-8")
     return path
 

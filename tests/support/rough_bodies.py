@@ -26,4 +26,4 @@ def rough(**changes):
 
 def measured(folder, heights, name="h.npy"):
     np.save(folder / name, heights)
-    return {"method": "measured", "file": str(folder / name)}
+    return {"method": "measured", "file": str(folder / name), "units": {"z": "L_x"}}

@@ -1,0 +1,57 @@
+"""Units of length that the header of a text file states for its columns: `x [mm]`, `height (um)`, `z/nm`."""
+
+import re
+
+from gfmd_numba.scene.length_units import length_unit
+
+_STATED = re.compile(r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;]{1,12})")
+_HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
+_POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
+_VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
+
+
+def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
+    """Unit of each column, of a table with one or two, or the one of a map; None where the header states none.
+
+    The last line that states units decides. What stands in brackets in the last line of all, and is no unit of length,
+    is returned as it is.
+    """
+    wanted = columns if columns < 3 else 1
+    for line in reversed(header):
+        found = _found(line, line is header[-1])
+        heights = [unit for label, unit in found if _HEIGHT.search(label)]
+        if found and len(found) == wanted:
+            return tuple(unit for _, unit in found)
+        if len(found) == 1:  # of two columns
+            return _of_one(line, *found[0])
+        if wanted == 1 and len(heights) == 1:
+            return (heights[0],)
+    return (None,) * wanted
+
+
+def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
+    """What stands before each unit of a line, and the unit's name."""
+    found, begin = [], 0
+    for match in _STATED.finditer(line):
+        square, round_, slashed = match.groups()
+        label, rest = line[begin : match.start()], line[match.end() :]
+        if _VALUE.search(label) or re.match(r"\s*[:=]\s*\S", rest):
+            continue  # an entry of a protocol, such as `scan length (mm): 4`
+        if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
+            continue  # a quotient, such as px/mm
+        unit = length_unit(square or round_ or slashed)
+        if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
+            unit = square or round_
+        if unit is not None:
+            found.append((label, unit))
+            begin = match.end()
+    return found
+
+
+def _of_one(line: str, label: str, unit: str) -> tuple[str | None, str | None]:
+    """Units of two columns of which a line states one: for both if it stands alone."""
+    if not label.strip():
+        alone = len(line.split()) == 1
+        return (unit, unit) if alone else (unit, None)
+    second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
+    return (None, unit) if second else (unit, None)

@@ -1,0 +1,174 @@
+"""What stands in the file of a surface, whatever its format: heights, positions or sizes, and the units of them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.roughness.surface_text import read_table
+from gfmd_numba.scene.length_units import PERIOD, length_unit
+from gfmd_numba.scene.netcdf_trial import can_be_read
+from gfmd_numba.scene.regular_file import check_regular, most_numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AXES = ("y", "x")  # of a map; of a profile the last
+
+
+@dataclass(frozen=True)
+class Content:
+    """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
+
+    `positions` along each axis or the physical `sizes` may be missing; `units` are those of x, y and z that the file
+    states: names of units of length, or the file's own words for another.
+    """
+
+    heights: npt.NDArray[Any]
+    positions: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    done: tuple[str, ...] = ()
+
+
+def read_content(path: Path) -> Content:
+    """Content of a .npy, .nc or text file, or of any format of SurfaceTopography if that is installed.
+
+    Text (.csv, .txt, .dat) holds heights in one column, positions and heights in two, or a map in four or more. Raises
+    ValueError, saying what is wrong and where, for anything else.
+    """
+    return _READERS.get(path.suffix.lower(), _read_instrument)(path)
+
+
+def read_column(path: Path) -> Reals:
+    """Values `[nx]` of a .npy or text file with one column, of which any may be not-a-number; raises ValueError."""
+    values = read_npy(path) if path.suffix == ".npy" else read_table(path).values
+    if values.ndim == 2 and path.suffix != ".npy":
+        if values.shape[1] > 1:
+            raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
+        values = values[:, 0]
+    if values.ndim != 1 or values.dtype.kind not in "fiu":
+        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
+    if len(values) < 4:
+        raise ValueError(f"{len(values)} values, not at least 4")
+    with np.errstate(over="ignore"):  # of more than double precision
+        return np.asarray(values, dtype=np.float64)
+
+
+def read_npy(path: Path) -> npt.NDArray[Any]:
+    """Array of a .npy file; raises ValueError for anything else."""
+    check_regular(path, most_numbers())
+    try:
+        with open(path, "rb") as file:
+            return np.asarray(np.lib.format.read_array(file, allow_pickle=False))
+    except Exception:  # the header is evaluated as Python: an altered one may end in any of its errors
+        raise ValueError("no .npy array of numbers") from None
+
+
+def load_netcdf(path: Path) -> "xr.Dataset":
+    """All of a netCDF file; raises ValueError for anything else and for one that is larger than it looks."""
+    import xarray as xr
+
+    check_regular(path, most_numbers())
+    if not can_be_read(path, most_numbers()):
+        raise ValueError("no netCDF file, or a damaged one")
+    try:
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+            size = dataset.nbytes  # compressed, or never written, it may be any
+            if size <= most_numbers():
+                return dataset.load()
+    except Exception:  # a damaged file may end in any error of HDF5, netCDF or xarray
+        raise ValueError("no netCDF file, or a damaged one") from None
+    raise ValueError(f"{size / 1e6:.4g} MB of numbers, more than {most_numbers() / 1e6:.4g} MB")
+
+
+def _read_text(path: Path) -> Content:
+    table = read_table(path)
+    match table.values.shape[1]:
+        case 1:
+            return Content(table.values[:, 0], units=_stated(z=table.units[0]), done=table.done)
+        case 2:
+            present = ~np.isnan(table.values).all(axis=1)  # an empty line between rows is no position
+            x, heights = table.values[present].T
+            units = _stated(x=table.units[0], z=table.units[1])
+            return Content(heights, {"x": x}, units=units, done=table.done)
+        case 3:
+            raise ValueError("3 columns, not one of heights, two of positions and heights, or a map of 4 or more")
+    return Content(table.values, units=_stated(z=table.units[0]), done=table.done)
+
+
+def _stated(**units: str | None) -> dict[str, str]:
+    return {axis: unit for axis, unit in units.items() if unit is not None}
+
+
+def _read_dat(path: Path) -> Content:
+    """Text, or the binary format of an interferometer that ends its names alike."""
+    check_regular(path, most_numbers())
+    with open(path, "rb") as file:
+        return _read_instrument(path) if b"\0" in file.read(2**16) else _read_text(path)
+
+
+def _read_npy(path: Path) -> Content:
+    return Content(read_npy(path))
+
+
+def _read_netcdf(path: Path) -> Content:
+    dataset = load_netcdf(path)
+    names = [str(name) for name in dataset.data_vars]
+    if "height" not in names and len([name for name in names if name != "x"]) != 1:
+        raise ValueError(f"variables {', '.join(names)}, not one named height")
+    height = dataset["height" if "height" in names else next(name for name in names if name != "x")]
+    positions = {axis: height[dim] for axis, dim in _axes(height) if dim in height.coords}
+    if height.ndim == 1 and "x" not in positions and "x" in dataset.variables and dataset["x"].dims == height.dims:
+        positions["x"] = dataset["x"]
+    units = {"z": height, **positions}
+    return Content(
+        height.values,
+        {axis: each.values for axis, each in positions.items()},
+        units={axis: _named(each.attrs["units"]) for axis, each in units.items() if "units" in each.attrs},
+    )
+
+
+def _axes(height: "xr.DataArray") -> list[tuple[str, Any]]:
+    return list(zip(AXES[-height.ndim :], height.dims, strict=False)) if height.ndim <= 2 else []
+
+
+def _named(attribute: object) -> str:
+    """Name of the unit of an attribute, in which 1 is the period."""
+    text = str(attribute)
+    return PERIOD if text == "1" else length_unit(text) or text
+
+
+def _read_instrument(path: Path) -> Content:
+    try:
+        from SurfaceTopography import read_topography
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat
+    except ImportError:
+        needs = "SurfaceTopography, which `pip install 'gfmd-numba[instruments]'` adds"
+        raise ValueError(f"a format {path.suffix} that is read only with {needs}") from None
+    check_regular(path, most_numbers())
+    try:
+        topography = read_topography(str(path))
+        heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+        positions = {} if topography.is_uniform else {"x": np.asarray(topography.positions())}
+        # its arrays and sizes are laid out [x, y]
+        sizes = dict(zip("xy", map(float, topography.physical_sizes), strict=False)) if topography.is_uniform else {}
+        units = {} if topography.unit is None else dict.fromkeys((*sizes, *positions, "z"), _named(topography.unit))
+    except CannotDetectFileFormat:
+        raise ValueError("no format that SurfaceTopography knows") from None
+    except Exception:  # a damaged file may end in any error of its readers
+        raise ValueError("a file that SurfaceTopography cannot read") from None
+    return Content(heights.T, positions, sizes, units)
+
+
+_READERS: dict[str, Callable[[Path], Content]] = {
+    ".npy": _read_npy,
+    ".csv": _read_text,
+    ".txt": _read_text,
+    ".dat": _read_dat,
+    ".nc": _read_netcdf,
+}

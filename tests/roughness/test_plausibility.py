@@ -1,0 +1,98 @@
+"""What makes a measured surface implausible, and that ordinary surfaces are not."""
+
+import re
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness import plausibility
+from gfmd_numba.roughness.one_surface import make
+from gfmd_numba.roughness.processing import mirrored
+from gfmd_numba.scene.surface_file import SurfaceFile
+from gfmd_numba.scene.surfaces import SelfAffine
+
+SEEDS = 200
+COSINE = 1e-3 * np.cos(2 * np.pi * np.arange(256) / 256)
+
+
+def doubts(heights, lengths=None):
+    lengths = (1.0,) * heights.ndim if lengths is None else lengths
+    return plausibility.of_field(heights) + plausibility.of_surface(heights, lengths)
+
+
+def ordinary(hurst, dimension, seed, points, roll_off, cut_on):
+    surface = SelfAffine(
+        method="psd", hurst=hurst, rms_gradient=0.05, points=points, roll_off=roll_off, cut_on=cut_on, plateau=False
+    )
+    return make(SurfaceFile(surface=surface, dimension=dimension, seed=seed)).heights
+
+
+@pytest.mark.parametrize("waves", ["all", "resolved", "few"])
+@pytest.mark.parametrize("hurst", [0.0, 0.3, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize(("dimension", "points"), [(1, 512), (2, 48)])
+def test_ordinary_surfaces_are_plausible(dimension, points, hurst, waves):
+    """200 seeds of each, down to Nyquist, on four points a wave, and with a few long waves; mirrored and small, too."""
+    shortest = {"all": 2.1, "resolved": 4.0, "few": points / 4}[waves] / points
+    for seed in range(SEEDS):
+        heights = ordinary(hurst, dimension, seed, points, 1.0, shortest)
+        assert doubts(heights) == ()
+        assert doubts(mirrored(1e-6 * heights), (2.0,) * dimension) == ()
+
+
+@pytest.mark.parametrize("n", [4, 5, 8, 16])
+def test_waves_on_few_points_are_plausible(n):
+    for phase in np.linspace(0, 6, 20):
+        heights = 1e-3 * np.cos(2 * np.pi * np.arange(n) / n + phase)
+        assert doubts(heights) == ()
+        assert doubts(np.add.outer(heights, heights)) == ()
+
+
+def test_punches_of_textbooks_are_plausible():
+    x = np.arange(256) / 256 - 0.5
+    for heights in (
+        -(x**2),
+        -abs(x),
+        np.where(abs(x) < 0.25, 0.0, -0.5 * (abs(x) - 0.25)),
+        COSINE,
+        np.round(COSINE, 4),
+    ):
+        assert doubts(0.05 * heights) == ()
+
+
+def test_a_wall_at_the_seam_is_one_of_several():
+    steps = 1e-4 * np.repeat([0.0, 1.0] * 8, 32)
+    assert doubts(steps) == ()
+
+
+@pytest.mark.parametrize(
+    ("heights", "said"),
+    [
+        (COSINE[:200], "the heights jump by 0.000829"),
+        (COSINE + 0.02 * np.arange(256) / 256, "a tilt makes up 98.5"),
+        (200 * COSINE, "an rms gradient of 0.889, above 0.3"),
+        (1e4 * COSINE, "heights over a range of 20 periods"),
+        (COSINE + np.where(np.arange(256) == 77, 0.1, 0.0), "the height at index 77 stands off its neighbours by 1"),
+        (np.where(np.arange(256) == 77, 1e-4, 0.0), "the height at index 77 .* where all others are level"),
+        (np.add.outer(COSINE[::4], COSINE[:200]), "where the period along x closes"),
+        (np.add.outer(COSINE[:200], COSINE[::4]), "where the period along y closes"),
+        (np.add.outer(np.arange(64) / 6400, COSINE[::4]), "a tilt makes up"),
+        (
+            np.add.outer(COSINE[::4], COSINE[::4]) + 0.2 * (np.arange(4096) == 130).reshape(64, 64),
+            "at index 2, 2 stands",
+        ),
+    ],
+)
+def test_signs_are_told_with_their_numbers(heights, said):
+    assert any(re.search(said, sentence) for sentence in doubts(heights)), doubts(heights)
+
+
+def test_a_share_that_was_filled_is_told_from_the_threshold_on():
+    assert plausibility.of_field(COSINE, plausibility.FILLED) == ()
+    assert plausibility.of_field(COSINE, 0.06)[0].startswith("6 % of the heights were missing")
+
+
+@pytest.mark.parametrize("n", [12, 16, 32])
+def test_noise_on_few_points_is_plausible(n):
+    """The largest of few steps is small; the seam, one of them, then exceeds it by half in one case of twenty."""
+    for seed in range(SEEDS):
+        assert doubts(1e-4 * np.random.default_rng(seed).normal(size=n)) == ()

@@ -1,0 +1,156 @@
+"""Gaps, short waves and instruments' files of measured surfaces."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba import make_surface
+from gfmd_numba.roughness.gaps import fill_gaps
+from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.processing import made_periodic
+from gfmd_numba.scene import InputError
+from gfmd_numba.scene.surfaces import FileUnits, Measured
+from support.command_line import gfmd
+
+
+def test_gaps_of_profiles_are_linear_and_level_at_the_ends():
+    nan = np.nan
+    filled, done, share = fill_gaps(np.array([nan, 1.0, nan, nan, 4.0, 2.0, 3.0, nan]), "interpolate")
+    np.testing.assert_allclose(filled, [1, 1, 2, 3, 4, 2, 3, 3], rtol=1e-15)
+    assert (done, share) == (("filled 4 missing heights of 8 (50 %) linearly",), 0.5)
+
+
+def test_holes_of_maps_are_harmonic():
+    """A harmonic polynomial of the grid, 4-point Laplacian 0, comes back; at an edge the normal derivative is none."""
+    y, x = np.mgrid[:30, :40].astype(float)
+    heights = x**2 - y**2 + 0.5 * x * y + 3 * x
+    spoilt = heights.copy()
+    spoilt[5:12, 7:20] = spoilt[20, 30] = np.nan
+    filled, _, share = fill_gaps(spoilt, "interpolate")
+    np.testing.assert_allclose(filled, heights, atol=1e-9)
+    assert share == pytest.approx((7 * 13 + 1) / 1200)
+    level = np.where(x < 3, np.nan, 2.0)
+    np.testing.assert_allclose(fill_gaps(level, "interpolate")[0], 2.0, rtol=1e-12)
+    even = np.where((y > 10) & (y < 20) & (x < 5), np.nan, 3.0 * y)
+    np.testing.assert_allclose(fill_gaps(even, "interpolate")[0], 3.0 * y, rtol=1e-9)
+
+
+def test_heights_without_gaps_are_left_alone():
+    heights = np.arange(8.0)
+    assert fill_gaps(heights, "refuse") == (heights, (), 0.0)
+
+
+@pytest.mark.parametrize("shape", [(64,), (63,), (16, 32), (15, 21)])
+def test_a_cutoff_leaves_exactly_the_longer_waves(shape):
+    rng = np.random.default_rng(0)
+    lengths = tuple(0.5 + i for i in range(len(shape)))
+    places = np.meshgrid(*[np.arange(n) / n for n in shape], indexing="ij")
+    long, short = np.zeros(shape), np.zeros(shape)
+    for _ in range(40):
+        k = [int(rng.integers(-(n // 2) + 1, n // 2)) for n in shape]
+        if not any(k):
+            continue
+        wave = np.cos(2 * np.pi * sum(i * place for i, place in zip(k, places, strict=True)) + rng.uniform(0, 6))
+        wavelength = 1 / np.hypot.reduce([i / length for i, length in zip(k, lengths, strict=True)])
+        if wavelength >= 0.2:
+            long += wave
+        else:
+            short += wave
+    assert long.any()
+    assert short.any()
+    found = made_periodic(long + short + 3.0, lengths, cutoff=0.2)
+    np.testing.assert_allclose(found.heights, long + 3.0, atol=1e-12)
+    assert found.done == ("left out all waves shorter than 0.2 of its Fourier series",)
+
+
+def test_a_cutoff_without_effect_or_survivors_is_an_error(tmp_path):
+    heights = np.random.default_rng(0).normal(size=32)
+    for cutoff, said in ((1 / 16, "no wave shorter than cutoff = 0.0625"), (1.5, "no wave as long as cutoff = 1.5")):
+        with pytest.raises(ValueError, match=said):
+            made_periodic(heights, (1.0,), cutoff=cutoff)
+    np.save(tmp_path / "p.npy", 1e-3 * heights)
+    with pytest.raises(InputError, match=r"no wave shorter than cutoff = 0\.01"):
+        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.npy"), "cutoff": 0.01}})
+
+
+def test_a_wavelength_is_kept_at_the_cutoff_itself():
+    """cos(2 pi 5 x / L) with L = 0.3: 2 pi / (2 pi 5 / 0.3) rounds to either side of 0.06."""
+    for length, k in ((0.3, 5), (0.7, 3), (1e-4, 7)):
+        wave = np.cos(2 * np.pi * k * np.arange(64) / 64)
+        np.testing.assert_allclose(made_periodic(wave, (length,), cutoff=length / k).heights, wave, atol=1e-14)
+
+
+HEIGHTS = np.random.default_rng(0).normal(size=(6, 8))  # [y, x], in um
+
+
+@pytest.mark.parametrize("writer", ["gwy", "x3p", "netcdf"])
+def test_files_of_instruments_have_their_own_sizes_and_units(tmp_path, writer):
+    """Gwyddion's, ISO 25178-72 and its own, written by the writers of SurfaceTopography."""
+    library = pytest.importorskip("SurfaceTopography")
+    topography = library.Topography(HEIGHTS.T, (4.0, 3.0), unit="um")
+    name = f"map.{writer}"
+    getattr(topography, f"to_{writer}")(str(tmp_path / name))
+    found = measured_surface(Measured(method="measured", file=str(tmp_path / name), periodic="mirror"), 8e-6)
+    np.testing.assert_allclose(found.heights[:6, :8], 1e-6 * HEIGHTS, rtol=1e-6)
+    assert found.lengths == pytest.approx((6e-6, 8e-6))
+    assert found.unit == "m"
+    with pytest.raises(ValueError, match=r"heights in u?m as the file says, not nm"):
+        read_surface(tmp_path / name, {"z": "nm"})
+
+
+def test_an_instrument_that_states_no_unit_needs_them(tmp_path):
+    library = pytest.importorskip("SurfaceTopography")
+    library.Topography(HEIGHTS.T, (4.0, 3.0)).to_netcdf(str(tmp_path / "map.topo"))
+    with pytest.raises(ValueError, match=r"without a unit: write units: \{x: mm, y: mm, z: um\}"):
+        read_surface(tmp_path / "map.topo")
+    found = read_surface(tmp_path / "map.topo", {"x": "mm", "y": "mm", "z": "um"})
+    np.testing.assert_allclose(found.heights, 1e-6 * HEIGHTS)
+    assert found.lengths == pytest.approx((3e-3, 4e-3))
+
+
+@pytest.mark.parametrize(
+    ("given", "name"), [("µm", "um"), ("μm", "um"), ("micron", "um"), ("Å", "angstrom"), ("inch", "in")]
+)
+def test_a_unit_has_several_spellings(given, name):
+    assert FileUnits(z=given).z == name
+
+
+def test_an_unknown_unit_is_told_with_its_place(tmp_path):
+    np.save(tmp_path / "p.npy", HEIGHTS)
+    (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy, units: {z: furlong}}\n")
+    done = gfmd("check", tmp_path / "s.yaml")
+    assert done.exit_code == 2
+    assert "s.yaml:1:53: surface.units.z: given 'furlong'; allowed: a unit of length: m, km, dm," in done.output
+
+
+def test_doubts_stay_in_the_result_and_are_said(tmp_path):
+    np.save(tmp_path / "p.npy", 1e-3 * np.random.default_rng(0).normal(size=64) + np.arange(64) / 640)
+    (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy}\n")
+    done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
+    assert done.exit_code == 0
+    assert "gfmd: a tilt makes up" in done.stderr
+    with warnings.catch_warnings(record=True, action="always") as warned:
+        found = make_surface(tmp_path / "s.yaml")
+    assert found.attrs["validity"].splitlines() == [str(each.message) for each in warned]
+    assert len(warned) == 3
+    (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy, detrend: tilt, periodic: mirror}\n")
+    assert make_surface(tmp_path / "s.yaml").attrs["validity"] == ""
+
+
+def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
+    page = (Path(gfmd_numba.__file__).parents[1] / "docs" / "surfaces.md").read_text(encoding="utf-8")
+    example = page.partition("## Measured surfaces")[2].partition("```yaml\n")[2].partition("```")[0]
+    (tmp_path / "s.yaml").write_text(example)
+    rough = np.convolve(np.random.default_rng(0).normal(size=1050), np.hanning(51), "valid")[:1000]
+    rough[100:110] = np.nan
+    np.savetxt(tmp_path / "steel.csv", np.column_stack([np.arange(1000) * 1e-3, 0.05 * rough]), delimiter=",")
+    found = make_surface(tmp_path / "s.yaml")
+    assert found.attrs["validity"] == ""
+    done = [sentence.split()[0] for sentence in found.attrs["processing"].splitlines()]
+    assert done == ["filled", "subtracted", "mirrored", "left", "resampled"]
+    assert found.sizes == {**found.sizes, "x": 4096}
+    assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)

@@ -1,0 +1,133 @@
+"""Text files of surfaces: how their columns, decimals, headers and gaps are read."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.surface_text import read_table
+
+X = 0.5 * np.arange(40)
+Z = np.random.default_rng(0).normal(size=40)
+MAP = np.random.default_rng(1).normal(size=(6, 9))
+LAYOUTS = [(separator, ".") for separator in (",", ", ", ";", "; ", "\t", "   ")]
+LAYOUTS += [(separator, ",") for separator in (";", "; ", "\t", "   ")]
+
+
+def written(folder, rows, separator=",", decimal=".", header="", name="p.csv"):
+    lines = [separator.join(f"{value:.17g}".replace(".", decimal) for value in row) for row in rows]
+    (folder / name).write_text(header + "\n".join(lines) + "\n", encoding="utf-8")
+    return folder / name
+
+
+@pytest.mark.parametrize("name", ["p.csv", "p.txt", "p.dat"])
+@pytest.mark.parametrize("header", ["", "# made by hand, on Monday 3.5\n", "Sample 7\nx [mm]{0}z [um]\n", "\n%\n\n"])
+@pytest.mark.parametrize(("separator", "decimal"), LAYOUTS)
+def test_every_layout_gives_the_same_numbers_bit_by_bit(tmp_path, separator, decimal, header, name):
+    columns = written(tmp_path, np.column_stack([X, Z]), separator, decimal, header.format(separator), name)
+    np.testing.assert_array_equal(read_table(columns).values, np.column_stack([X, Z]))
+    stated = ("mm", "um") if "mm" in header else (None, None)
+    assert read_table(columns).units == stated
+    rows = written(tmp_path, MAP, separator, decimal, "# z [nm]\n", name)
+    assert read_table(rows).units == ("nm",)
+    np.testing.assert_array_equal(read_table(rows).values, MAP)
+    one = written(tmp_path, Z[:, None], separator, decimal, "z/µm\n", name)
+    np.testing.assert_array_equal(read_table(one).values[:, 0], Z)
+    assert read_table(one).units == ("um",)
+
+
+@pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("x [mm], height (um)", ("mm", "um")),
+        ("x/µm;z/nm", ("um", "nm")),
+        ("position (Å)\theight [inch]", ("angstrom", "in")),
+        ("# [m]", ("m", "m")),
+        ("x [mm] z", ("mm", None)),
+        ("x, z [μm]", (None, "um")),
+        ("x, z", (None, None)),
+        ("scan length (mm): 4\nx, z", (None, None)),
+        ("resolution 12 px/mm", (None, None)),
+        ("speed 3 [mm]", (None, None)),
+        ("x [mm], z [um]\n# second line of a header", ("mm", "um")),
+        ("x [px], z [V]", ("px", "V")),
+    ],
+)
+def test_units_of_two_columns_in_a_header(tmp_path, header, units):
+    rows = np.column_stack([X, Z])
+    assert read_table(written(tmp_path, rows, header=header + "\n")).units == units
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("z [um]", "um"),
+        ("Width (mm): 3\n# heights in (nm)", "nm"),
+        ("width [mm] height [um]", "um"),
+        ("x [mm] y [mm]", None),
+    ],
+)
+def test_unit_of_a_map_in_a_header(tmp_path, header, unit):
+    assert read_table(written(tmp_path, MAP, header=header + "\n")).units == (unit,)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("z\n0,5\n1,5\n2,5\n", [[0.5], [1.5], [2.5]]),  # one name: one column
+        ("x,z\n0,5\n1,5\n2,5\n", [[0, 5], [1, 5], [2, 5]]),  # two names
+        ("0,5\n1,5\n2,5\n", [[0, 5], [1, 5], [2, 5]]),  # positions
+        ("0,5\n0,7\n1,25\n", [[0.5], [0.7], [1.25]]),  # no position comes twice
+        ("1,5\n-0,5\n3,5\n", [[1.5], [-0.5], [3.5]]),  # none is -0
+        ("1e-3,2e-3\n2e-3,5\n", [[1e-3, 2e-3], [2e-3, 5]]),
+        ("1,-2\n3,4\n", [[1, -2], [3, 4]]),
+        ("1;2;\n3;4;\n", [[1, 2], [3, 4]]),  # a separator at the end of each row
+        ('"1","2.5"\n"3","4"\n', [[1, 2.5], [3, 4]]),
+        ("1 # first\n\n# a comment\n3\n\n\n", [[1], [np.nan], [3]]),
+        ("1,nan\n2,\n3,Bad\n4,--\n5,1\n", [[1, np.nan], [2, np.nan], [3, np.nan], [4, np.nan], [5, 1]]),
+        ("1\r\n2\r\n", [[1], [2]]),
+    ],
+)
+def test_small_tables(tmp_path, text, values):
+    (tmp_path / "p.csv").write_bytes(text.encode())
+    np.testing.assert_array_equal(read_table(tmp_path / "p.csv").values, values)
+
+
+def test_a_micro_sign_in_one_byte(tmp_path):
+    (tmp_path / "p.txt").write_bytes("z [µm]\n1\n2\n".encode("latin-1"))
+    assert read_table(tmp_path / "p.txt").units == ("um",)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "no number"),
+        (b"x,z\n", "no row of numbers, but 'x,z'"),
+        (b"1,5\n3,5\n8,5\n", "rows like '1,5' that are one column with a decimal comma or two columns"),
+        (b"1\n2\nthree\n4\n", "'three' in line 3, not a number"),
+        (b"# a\nz\n1\n# b\n2\n1.2.3\n", "'1.2.3' in line 6, not a number"),
+        (b"1.5,2\n2.5,3\n1,2,3\n", "3 columns in line 3, where line 1 has 2"),
+        (b"1\n2\n\0\n4\n", "a zero byte at byte 4: no text"),
+        (b"1," * 70_000 + b"1\n", "70001 columns, more than 65536"),
+        (b"1," * 2**22 + b"1\n", "a line 1 of 8388609 characters, more than 4194304"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(range(1, 256)), "no row of numbers, but"),
+    ],
+)
+def test_what_is_no_table_is_told_with_its_line(tmp_path, content, said):
+    (tmp_path / "p.csv").write_bytes(content)
+    with pytest.raises(ValueError) as caught:  # noqa: PT011, what it says is looked at below
+        read_surface(tmp_path / "p.csv")
+    assert said in str(caught.value)
+
+
+def test_any_bytes_are_numbers_or_told(tmp_path):
+    pick = np.random.default_rng(0)
+    alphabet = np.frombuffer(b'0123456789.,;-+eE \t\n\n\n#%"[]()xzm/nau\xb5\xff\0', dtype=np.uint8)
+    said = set()
+    for _ in range(300):
+        (tmp_path / "p.csv").write_bytes(pick.choice(alphabet, pick.integers(1, 120)).tobytes())
+        try:
+            read_surface(tmp_path / "p.csv", resample=bool(pick.integers(2)))
+        except ValueError as error:
+            said.add(str(error))
+    assert len(said) > 20
+    assert max(map(len, said)) < 300

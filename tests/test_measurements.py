@@ -49,6 +49,7 @@ def test_instrument_format_without_the_extra(tmp_path, monkeypatch):
             raise ImportError
         return load(name, *arguments)
 
+    (tmp_path / "map.opd").touch()
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(ValueError, match=r"SurfaceTopography, which `pip install 'gfmd-numba\[instruments\]'` adds"):
         read_surface(tmp_path / "map.opd")

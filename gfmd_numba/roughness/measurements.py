@@ -53,6 +53,8 @@ def read_surface(path: Path, units: Mapping[str, str] | None = None, resample: b
         sizes = [content.sizes[axis] for axis in axes]
         if not all(0.0 < size <= LARGEST for size in sizes):
             raise ValueError(f"physical sizes {' x '.join(map(str, sizes))} that are not all positive")
+    elif content.positions:
+        raise ValueError("a map with positions along one direction: give them along both, or along none")
     scales, unit = _scales(content, units or {})
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
     return Measurement(heights * scales["z"], lengths, unit, tuple(done))

@@ -144,13 +144,13 @@ def _named(attribute: object) -> str:
 
 
 def _read_instrument(path: Path) -> Content:
+    check_regular(path, most_numbers())
     try:
         from SurfaceTopography import read_topography
         from SurfaceTopography.Exceptions import CannotDetectFileFormat
     except ImportError:
         needs = "SurfaceTopography, which `pip install 'gfmd-numba[instruments]'` adds"
         raise ValueError(f"a format {path.suffix} that is read only with {needs}") from None
-    check_regular(path, most_numbers())
     try:
         topography = read_topography(str(path))
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)

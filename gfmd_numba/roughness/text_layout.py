@@ -34,7 +34,10 @@ class Layout:
 
 
 def is_row(line: str) -> bool:
-    """Whether all that stands in a line are numbers, or words for missing ones, and at least one is a number."""
+    """Whether all that stands in a line are numbers or signs for missing ones, and one is a number or a word like nan.
+
+    A line of dashes may be part of a header.
+    """
     cells = [cell for cell in re.split(r"[;\t]|,?\s+|,(?=[^\d])|,$", line.partition("#")[0].strip()) if cell]
     found = False
     for cell in cells:
@@ -43,7 +46,7 @@ def is_row(line: str) -> bool:
             number = _NUMBER.fullmatch(part) is not None
             if not number and not _WORD.fullmatch(part.strip('" ')):
                 return False
-            found = found or number
+            found = found or number or any(map(str.isalpha, part))
     return found
 
 

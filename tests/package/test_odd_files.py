@@ -122,7 +122,7 @@ def test_a_damaged_header_of_an_array_is_told(tmp_path, name):
 
 def test_a_link_is_of_the_kind_its_name_says(tmp_path):
     """The file it leads to was asked for its kind: KeyError ''."""
-    (tmp_path / "heights").write_text("\n".join(map(str, np.sin(np.arange(32.0)))))
+    (tmp_path / "heights").write_text("\n".join(map(str, 1e-3 * np.sin(np.arange(32.0)))))
     (tmp_path / "shadow").write_text("root:*:19000:0:99999:7:::\nbin:*:1\n")
     (tmp_path / "p.csv").symlink_to(tmp_path / "heights")
     (tmp_path / "q.csv").symlink_to(tmp_path / "shadow")

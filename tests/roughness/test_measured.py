@@ -84,6 +84,13 @@ def test_positions_beside_a_bare_dimension_are_checked(tmp_path):
         read(tmp_path / "profile.nc")
 
 
+def test_a_map_with_positions_along_one_direction_is_refused(tmp_path):
+    dataset = xr.Dataset({"height": (("y", "x"), np.outer(HEIGHTS[:8], HEIGHTS), {"units": "m"})}, {"x": X})
+    dataset.to_netcdf(tmp_path / "map.nc")
+    with pytest.raises(ValueError, match="positions along one direction: give them along both"):
+        read(tmp_path / "map.nc")
+
+
 def test_a_dimension_that_the_caller_cannot_use_is_refused(tmp_path):
     np.save(tmp_path / "map.npy", np.outer(HEIGHTS[:8], HEIGHTS))
     record = Measured(method="measured", file=str(tmp_path / "map.npy"))

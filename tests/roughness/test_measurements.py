@@ -49,6 +49,7 @@ def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_p
             raise ImportError
         return load(name, *arguments)
 
+    (tmp_path / "map.opd").touch()
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(ValueError, match=r"SurfaceTopography, which `pip install 'gfmd-numba\[instruments\]'` adds"):
         read_surface(tmp_path / "map.opd")

@@ -1,5 +1,7 @@
 """Text files of surfaces: how their columns, decimals, headers and gaps are read."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,8 @@ def test_unit_of_a_map_in_a_header(tmp_path, header, unit):
         ("1 # first\n\n# a comment\n3\n\n\n", [[1], [np.nan], [3]]),
         ("1,nan\n2,\n3,Bad\n4,--\n5,1\n", [[1, np.nan], [2, np.nan], [3, np.nan], [4, np.nan], [5, 1]]),
         ("1\r\n2\r\n", [[1], [2]]),
+        ("z\nnan\nNaN\n1\n", [[np.nan], [np.nan], [1]]),  # missing from the start
+        ("x;z\n---\n1;2\n3;4\n", [[1, 2], [3, 4]]),
     ],
 )
 def test_small_tables(tmp_path, text, values):
@@ -131,3 +135,28 @@ def test_any_bytes_are_numbers_or_told(tmp_path):
             said.add(str(error))
     assert len(said) > 20
     assert max(map(len, said)) < 300
+
+
+@pytest.mark.parametrize("suffix", ["csv", "txt", "dat", "npy", "nc", "opd"])
+def test_what_is_no_regular_file_is_not_opened(tmp_path, suffix):
+    os.mkfifo(tmp_path / f"pipe.{suffix}")
+    (tmp_path / f"zero.{suffix}").symlink_to("/dev/zero")
+    (tmp_path / f"folder.{suffix}").mkdir()
+    with open(tmp_path / f"wide.{suffix}", "wb") as file:
+        file.truncate(2**42)
+    kinds = {
+        "pipe": "a device, pipe or socket",
+        "zero": "a device",
+        "folder": "cannot be read",
+        "wide": "MB, more than",
+    }
+    for kind, said in kinds.items():
+        with pytest.raises(ValueError, match=said):
+            read_surface(tmp_path / f"{kind}.{suffix}")
+
+
+def test_a_binary_file_named_like_text_is_an_instruments_or_none(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    (tmp_path / "p.dat").write_bytes(b"\x88\x1b\x03\x6f\0\0" + bytes(4000))
+    with pytest.raises(ValueError, match="SurfaceTopography"):
+        read_surface(tmp_path / "p.dat")

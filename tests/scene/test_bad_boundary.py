@@ -37,7 +37,7 @@ LOADS = {
     "quoted number": (("pull.csv", "'0.1'"), f"{BEFORE}'0.1'; allowed: {VALUES}; did you mean 0.1 without quotes?"),
     "file of another kind": (("pull.csv", "pull.nc"), f"{BEFORE}'pull.nc'; allowed: {VALUES}"),
     "no such file": (("pull.csv", "pul.csv"), f"{BEFORE}'pul.csv'; allowed: an existing file, unlike pul.csv; did"),
-    "text in a file": (("pull.csv", "words.csv"), f"{BEFORE}words.csv (could not convert string 'one' to float64"),
+    "text in a file": (("pull.csv", "words.csv"), f"{BEFORE}words.csv (no row of numbers, but 'one')"),
     "infinity in a file": (
         ("pull.csv", "endless.csv"),
         f"{BEFORE}endless.csv (inf at index 3); allowed: finite numbers of at most 1e+30, and not-a-number "

@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Iterator, Mapping
-from math import isinf
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +38,7 @@ def solve_scene(source: str | Path | Mapping[str, Any] | SceneFile) -> xr.Datase
             continue
         sliding /= (scene.length or 1.0) * rms_gradient
         solved = solution.solve(reduced, range(file.realisation, file.realisation + 1), before, sliding)
-        if reduced.displacement is not None and reduced.body.poissons_ratio == 0.5 and solved.punch.mean() < 0.0:
+        if reduced.displacement is not None and reduced.body.has_rigid_mean and solved.punch.mean() < 0.0:
             place = ("path", i - 1, "displacement") if i else ("scene", "loading", "displacement")
             most = reduced.displacement + float(solved.punch.mean())
             raise scene_document(source).error(
@@ -132,8 +131,8 @@ def _tractions(
     arrays = read_boundary(document, scene.boundary, nx)
     if scene.loading.reduced_pressure is not None:
         arrays = balanced(document, arrays, "normal", "as loading.reduced_pressure prescribes the mean pressure")
-    if isinf(scene.body.aspect_ratio):
-        arrays = balanced(document, arrays, "tangential", "or a finite aspect_ratio, as nothing holds a half-space")
+    if scene.body.is_half_space:
+        arrays = balanced(document, arrays, "tangential", f"or {scene.body.holder}, as nothing holds a half-space")
     scale = rms_gradient * problem.effective_modulus(scene.body)
     tangential, normal = (
         np.nan_to_num(arrays.get(f"{component}_traction", np.zeros(nx)), nan=0.0) / scale

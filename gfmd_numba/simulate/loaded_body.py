@@ -1,7 +1,6 @@
 """One body without a punch, loaded and displaced as its boundary prescribes, from a file to a dataset."""
 
 from collections.abc import Mapping
-from math import isinf
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.contact.dataset import CONVENTIONS, measure_attributes, refuse_nonfinite, scales, units
+from gfmd_numba.contact.dataset import (
+    CONVENTIONS,
+    measure_attributes,
+    modulus_attributes,
+    refuse_nonfinite,
+    scales,
+    units,
+)
 from gfmd_numba.contact.problem import elastic_body, solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import balanced, read_boundary
@@ -39,7 +45,7 @@ def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Da
         for kind in ("traction", "displacement")
     )
     deformed = deform(
-        elastic_body(scene.body).coupled_stiffness(nx),
+        elastic_body(scene.body, scene.length).coupled_stiffness(nx),
         np.nan_to_num(traction, nan=0.0) / scale["pressure"],
         displacement / scale["height"],
         solver_options(file.numerics, SOLVER),
@@ -52,12 +58,12 @@ def solve_loaded(source: str | Path | Mapping[str, Any] | BoundaryFile) -> xr.Da
 def _balanced(document: Document, scene: LoadedBody, arrays: dict[str, Reals]) -> dict[str, Reals]:
     """Raise InputError for means that nothing holds, or that nothing tells."""
     body = scene.body
-    if isinf(body.aspect_ratio):
+    if body.is_half_space:
         for component in COMPONENTS:
             if f"{component}_displacement" not in arrays:
-                remedy = f"or a finite aspect_ratio or a {component}_displacement, as nothing holds a half-space"
+                remedy = f"or {body.holder} or a {component}_displacement, as nothing holds a half-space"
                 arrays = balanced(document, arrays, component, remedy)
-    elif body.effective_poissons_ratio == 0.5 and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
+    elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.error(
             ("scene", "boundary", "normal_displacement"),
             document.value(("scene", "boundary", "normal_displacement")),
@@ -87,5 +93,5 @@ def _dataset(scene: LoadedBody, deformed: Deformed) -> xr.Dataset:
     ):
         dataset[name] = ((), value, measure_attributes(name, kind, long_name))
     refuse_nonfinite(dataset)
-    dataset.attrs = {"Conventions": CONVENTIONS, "title": "loaded body"}
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": "loaded body"} | modulus_attributes(scene)
     return dataset

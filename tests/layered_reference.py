@@ -19,7 +19,8 @@ class Wave:
 def surface_and_inside(layers, base, q, load, depths=(), digits=60):
     """The waves at the surface and at some depths under tractions `load` = (t1, t3) on the surface.
 
-    `layers` are (height, Young's modulus, Poisson's ratio) from the surface downwards, `base` None or the latter two.
+    `layers` are (height, Young's modulus, Poisson's ratio) from the surface downwards, `base` None or the latter two. At
+    an interface the wave is that above it.
     In each layer phi = f(z) sin(qx) with f = (a + b y) exp(-y) + (c + d v) exp(-v), where y and v are q times the
     distances from its top and its bottom: sigma_33 = -q^2 f sin, sigma_13 = -q f' cos, sigma_11 = f'' sin.
     """
@@ -61,7 +62,7 @@ def surface_and_inside(layers, base, q, load, depths=(), digits=60):
         waves = []
         for depth in (0, *depths):
             left, i = mpf(depth), 0
-            while parts[i][0] is not None and left > parts[i][0] and i + 1 < len(parts):
+            while parts[i][0] is not None and left > parts[i][0] * (1 + mpf(10) ** -9) and i + 1 < len(parts):
                 left, i = left - parts[i][0], i + 1
             basis = _basis(parts[i], q, left)
             waves.append(

@@ -1,7 +1,7 @@
 """Displacement, strain and stress inside a body from the displacements of its surface (thesis 2.2, (2.6)).
 
-Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions. At an
-interface of layers the fields are those just above it.
+Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions. At
+an interface of layers the fields are those just above it.
 """
 
 from dataclasses import dataclass

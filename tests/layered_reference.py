@@ -19,8 +19,8 @@ class Wave:
 def surface_and_inside(layers, base, q, load, depths=(), digits=60):
     """The waves at the surface and at some depths under tractions `load` = (t1, t3) on the surface.
 
-    `layers` are (height, Young's modulus, Poisson's ratio) from the surface downwards, `base` None or the latter two. At
-    an interface the wave is that above it.
+    `layers` are (height, Young's modulus, Poisson's ratio) from the surface downwards, `base` None or the latter two.
+    At an interface the wave is that above it.
     In each layer phi = f(z) sin(qx) with f = (a + b y) exp(-y) + (c + d v) exp(-v), where y and v are q times the
     distances from its top and its bottom: sigma_33 = -q^2 f sin, sigma_13 = -q f' cos, sigma_11 = f'' sin.
     """

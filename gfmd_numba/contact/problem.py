@@ -199,11 +199,13 @@ def elastic_body(body: Body, length: float | None) -> ElasticBody:
     if body.layers is None:
         nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
         return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
-    unit = moduli.plane_modulus(body.layers[0].youngs_modulus, body.layers[0].poissons_ratio, body.state)
+    top = body.layers[0]
 
     def material(part: Layer | MaterialRecord) -> Material:
-        modulus = moduli.plane_modulus(part.youngs_modulus, part.poissons_ratio, body.state)
-        return Material(modulus / unit, body.effective_poissons_ratio(part.poissons_ratio))
+        # a quotient of Young's moduli does not depend on their unit, to the last digit
+        shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
+        modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
+        return Material(modulus, body.effective_poissons_ratio(part.poissons_ratio))
 
     return ElasticBody.layered(
         tuple(layer.height / (length or 1.0) for layer in body.layers),

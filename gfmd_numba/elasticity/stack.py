@@ -111,7 +111,10 @@ class Stack:
 
 
 def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Material | None) -> Stack:
-    """Stack whose neighbours differ: equal ones are one layer, and lowest layers of the base's material the base."""
+    """Stack whose neighbours differ: equal ones are one layer, and lowest layers of the base's material the base.
+
+    Heights are rounded to 15 digits, so that neither their sums nor their units make two bodies of one.
+    """
     kept: list[tuple[float, Material]] = []
     for height, material in zip(heights, materials, strict=True):
         if kept and kept[-1][1] == material:
@@ -119,4 +122,4 @@ def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Ma
         kept.append((height, material))
     if kept and kept[-1][1] == base:
         kept.pop()
-    return Stack(tuple(height for height, _ in kept), tuple(material for _, material in kept), base)
+    return Stack(tuple(float(f"{height:.15g}") for height, _ in kept), tuple(material for _, material in kept), base)

@@ -57,7 +57,8 @@ def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     if scene.body.layers is None:
         return {}
-    return {"effective_modulus": f"{effective_modulus(scene.body):.17g} Pa: E* is that of the topmost layer"}
+    modulus = effective_modulus(scene.body) / scene.body.stiffness_scale
+    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of the topmost layer"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -151,7 +152,7 @@ def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
 
 
 def _uniform_compression(scene: Scene, problem: Problem) -> float:
-    uniform = elastic_body(scene.body, scene.length).uniform_stiffness()[1]
+    uniform = float(elastic_body(scene.body, scene.length).condensed_stiffness(np.zeros(1))[0])
     return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
 
 

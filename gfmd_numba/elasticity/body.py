@@ -86,7 +86,8 @@ class ElasticBody:
         """Stiffness at wave numbers q of the normal displacement without tangential tractions, in E*/L_x (6.75)."""
         if self.stack is not None:
             found = np.full_like(q, self.uniform_stiffness()[1])
-            found[q > 0.0] = q[q > 0.0] / self.stack.compliance(q[q > 0.0])[2]
+            waves, places = np.unique(q[q > 0.0], return_inverse=True)  # on maps every length occurs several times
+            found[q > 0.0] = (waves / self.stack.compliance(waves)[2])[places]
             return found
         return stiffness.half_space(q) if self.aspect_ratio is None else stiffness.slab(q, self.nu, self.aspect_ratio)
 

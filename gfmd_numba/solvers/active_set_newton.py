@@ -28,7 +28,7 @@ _LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error of the first pressure on a cont
 _TIGHTEN = 0.1  # of the next one over that of the last,
 _TIGHTEN_MAP = 0.5  # at least, and at most
 _AHEAD = 0.1  # of the share of nodes that changed
-_INNER_ITERATIONS = 40
+_INNER_ITERATIONS, _SPARE_ITERATIONS = 40, 200  # the latter with the preconditioner that is farther off
 
 
 class ActiveSetNewton(PressureIterate):
@@ -115,7 +115,7 @@ class ActiveSetNewton(PressureIterate):
             z[:count] = 1.0
             inverse.solve(z, uniform)
         last = 0.0
-        for _ in range(_INNER_ITERATIONS):
+        for _ in range(_SPARE_ITERATIONS if inverse is self._spare else _INNER_ITERATIONS):
             inverse.solve(r, z)
             energy, error = kernels.newton_error(r, z, uniform, p, nodes, count, self.rounding[i], self.free_mean)
             if not error > self._tolerance[i]:

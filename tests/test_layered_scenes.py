@@ -248,8 +248,13 @@ def test_a_loaded_stack_moves_by_the_sum_of_its_layers():
     lateral = [2 * g * (1 - nu) / (1 - 2 * nu) for g, nu in zip(shear, (0.2, 0.45), strict=True)]
     np.testing.assert_allclose(loaded["normal_displacement"], -0.1 * (0.02 / lateral[0] + 0.1 / lateral[1]), rtol=1e-6)
     np.testing.assert_allclose(loaded["tangential_displacement"], 0.02 * (0.02 / shear[0] + 0.1 / shear[1]), rtol=1e-6)
-    inside = gfmd_numba.body_fields(loaded, [-0.02])
-    np.testing.assert_allclose(inside["displacement_3"], -0.1 * 0.1 / lateral[1], rtol=1e-6)
+    inside = gfmd_numba.body_fields(loaded, [-0.01, -0.07])
+    for i, left in ((0, 0.01 / lateral[0] + 0.1 / lateral[1]), (1, 0.05 / lateral[1])):
+        at = inside.isel(z=i)
+        np.testing.assert_allclose(at["displacement_3"], -0.1 * left, rtol=1e-6)
+        np.testing.assert_allclose(at["strain_3"], -0.1 / lateral[i], rtol=1e-6)
+        np.testing.assert_allclose(at["strain_5"], 0.02 / shear[i], rtol=1e-6)
+        np.testing.assert_allclose(at["stress_1"], -0.1 * (0.25, 9 / 11)[i], rtol=1e-6)
     assert "topmost" in loaded.attrs["effective_modulus"]
     with pytest.raises(InputError, match="or base rigid or a normal_displacement"):
         gfmd_numba.solve(file | {"body": SOFT_ON_HARD})

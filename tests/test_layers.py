@@ -11,6 +11,10 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.damped_dynamics import verlet_dynamics
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 NUS = (-0.5, 0.0, 0.33, 0.4999, 0.5)
 Q = np.geomspace(1e-6, 1e6, 121)
@@ -119,9 +123,23 @@ def test_the_stiffness_of_a_stack_over_q_has_neither_to_rise_nor_to_fall():
     assert soft_on_hard.argmin() > 5  # no solver may take the first wave for the softest
 
 
+def test_step_and_damping_are_those_of_the_softest_and_the_stiffest_of_all_waves():
+    body = body_of([(0.01, 1.0, 0.5)], (1e3, 0.2))
+    k = body.condensed_stiffness(grid.wavenumbers(256))
+    punch = np.zeros((1, 256))
+    batch = Batch(punch, k, np.ones(1), HARD_WALL, Start.at_rest(punch))
+    softest, stiffest = k[1:].min(), k.max()
+    assert softest < 0.5 * k[1]
+    options = Options("verlet")
+    dt = options.number("time_step") * stability_limit(softest, stiffest, options.number("damping"))
+    verlet = verlet_dynamics(batch, options)._integrator
+    assert verlet.push == pytest.approx(dt**2)
+    assert verlet.memory == pytest.approx(1 - options.number("damping") * critical_damping(softest, dt) * dt**2)
+
+
 def test_equal_neighbours_are_merged():
     a, b = Material(1.0, 0.3), Material(2.0, 0.4)
-    assert ElasticBody.layered((0.1, 0.2), (a, a), None) == ElasticBody(0.3, 0.1 + 0.2)
+    assert ElasticBody.layered((0.1, 0.2), (a, a), None) == ElasticBody(0.3, 0.3)  # to the last digit
     assert ElasticBody.layered((0.1, 0.2), (a, a), a) == ElasticBody(0.3, None)
     merged = ElasticBody.layered((0.1, 0.2, 0.3, 0.4), (a, b, b, a), a)
     assert merged == ElasticBody(None, None, Stack((0.1, 0.5), (a, b), a))

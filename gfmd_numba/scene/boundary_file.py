@@ -6,11 +6,12 @@ from typing import Any, Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.layer_records import check_layers
 from gfmd_numba.scene.quantities import RECORD, Size, broken_rule
-from gfmd_numba.scene.records import Body, Numerics, Scene
+from gfmd_numba.scene.records import Numerics, Scene
 from gfmd_numba.scene.scene_file import load_scene, located_boundary, scene_document
 from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate

@@ -6,9 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Document, InputError, Location, brief, read_document
-from gfmd_numba.scene.records import Body, Discretisation, Scene, SceneFile
+from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import nearest, validate
 

@@ -249,3 +249,25 @@ def test_fields_of_two_equal_layers_are_those_of_the_slab():
     for name in vars(one):
         expected = getattr(one, name)
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-12 * abs(expected).max(), err_msg=name)
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_no_stack_that_a_scene_allows_ends_in_anything_but_a_positive_stiffness(seed):
+    rng = np.random.default_rng(seed)
+    count = rng.integers(1, 6)
+    heights = 10.0 ** rng.uniform(-12, rng.choice([0, 30]), count)
+    nus = rng.choice([-0.999, -0.5, 0.0, 0.3, 0.499999, 0.5], count + 1)
+    moduli_ = 10.0 ** rng.uniform(-4, 4, count + 1)
+    layers = list(zip(heights, moduli_[:count], nus[:count], strict=True))
+    base = None if rng.random() < 0.5 else (moduli_[count], nus[count])
+    body = body_of(layers, base)
+    q = 2 * np.pi * np.geomspace(1, 2**21, 64)
+    s11, s13, s33 = body.stack.compliance(q)
+    assert np.isfinite([s11, s13, s33]).all()
+    assert (s11 > 0).all()
+    assert (s33 > 0).all()
+    assert (s11 * s33 - s13**2 > 0).all()
+    surface = fields.surface_under_tractions(np.eye(8)[0], np.eye(8)[3], body)
+    for depth in (0.0, heights[0], float(heights.sum())):
+        inside = fields.waves_at_depth(surface, depth, 8, body)
+        assert all(np.isfinite(each).all() for each in vars(inside).values())

@@ -7,15 +7,14 @@ from pydantic import BaseModel, Discriminator, Field, Tag, WithJsonSchema
 from gfmd_numba.scene.quantities import RECORD, PoissonsRatio, Size, broken_rule
 
 THINNEST, HIGHEST = 1e-12, 1e30  # heights over the period, as of a slab
-LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to ten digits
-_OWN_MODULUS = "Young's modulus in Pa"
+LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to eleven digits
 
 
 class Material(BaseModel):
     """Linear elastic isotropic material: modulus in Pa, ratio dimensionless."""
 
     model_config = RECORD
-    youngs_modulus: Size = Field(description=_OWN_MODULUS)
+    youngs_modulus: Size = Field(description="Young's modulus in Pa")
     poissons_ratio: PoissonsRatio
 
 

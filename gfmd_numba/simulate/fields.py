@@ -39,9 +39,9 @@ def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None, body: str =
     """Displacement, strain and stress `(z, x)`, of a path `(step, z, x)`, inside a body of a solved contact.
 
     `z` counts from the mean plane of the undeformed surface, negative inside, in m (L_x without a length); by default
-    101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface. At an
-    interface of layers stresses are those above it. Stresses are in
-    Pa (E* without a modulus), numbered as Voigt does. (x, z) of a rough body are labels, its places while it was flat:
+    101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface; at an
+    interface of layers stresses are those above it. Stresses are in Pa (E* without a modulus), numbered as Voigt does.
+    (x, z) of a rough body are labels, its places while it was flat:
     `formed_1` and `formed_3` (u'' of thesis 5.2) take them to the stress-free body. A `counter_body` is seen in axes of
     its own, z out of it. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the
     body and for a dataset that no contact was solved for. Thesis (2.4) to (2.6), (5.6).

@@ -70,7 +70,9 @@ class Axis:
         return attrgetter(".".join(self.place or (self.name,)))
 
     def value(self, scene: Scene, discretisation: Discretisation | None) -> float | None:
-        """Value of a case; None if it has no such parameter, or no discretisation."""
+        """Value of a case; None if it has no such parameter, as layers have ratios and heights of their own."""
+        if self.place[:1] == ("body",) and scene.body.layers is not None:
+            return None
         try:
             found: float | None = self._found(scene if self.place else discretisation)
         except AttributeError:

@@ -17,7 +17,15 @@ from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
-from gfmd_numba.contact.dataset import campaign_dataset, cf_attributes, dropped_effects, scaled, scales, units
+from gfmd_numba.contact.dataset import (
+    campaign_dataset,
+    cf_attributes,
+    dropped_effects,
+    modulus_attributes,
+    scaled,
+    scales,
+    units,
+)
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
@@ -71,7 +79,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
     scene = planned.campaign.scene
     dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
-    dataset = dataset.assign_attrs(attributes)
+    dataset = dataset.assign_attrs(attributes | modulus_attributes(scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",

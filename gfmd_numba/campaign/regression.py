@@ -9,6 +9,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.generators import RandomSurface
 
 SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
@@ -63,17 +64,13 @@ def kinds_of(problems: Sequence[Problem]) -> list[str]:
 def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
     """Return logarithms of what decides the run time [problem, feature], zero at the thesis's reference system."""
     rows = []
-    stiffening: dict[tuple[float | None, float | None], float] = {}
+    stiffening: dict[ElasticBody, float] = {}
     for problem in problems:
         surface, body = problem.surface, problem.body
         assert isinstance(surface, RandomSurface)  # a campaign has no other
-        slab = body.poissons_ratio, body.aspect_ratio
-        if slab not in stiffening:
-            ratio = 1.0
-            if body.aspect_ratio is not None and body.poissons_ratio is not None:
-                k = np.array([2.0 * np.pi * body.aspect_ratio])
-                ratio = float(stiffness.slab_factor(k, body.poissons_ratio)[0])
-            stiffening[slab] = np.log(ratio)
+        if body not in stiffening:
+            longest = np.array([2.0 * np.pi])
+            stiffening[body] = float(np.log(body.condensed_stiffness(longest) / stiffness.half_space(longest))[0])
         cut_on, cut_off = surface.generator.band
         size = np.log(_work(surface.nodes) / _work(8192))
         beyond = max(0.0, np.log(surface.nodes / _CACHED))
@@ -87,7 +84,7 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
             np.log(cut_off / cut_on / 1024),
             surface.generator.hurst - 0.5,
             0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
-            stiffening[slab],
+            stiffening[body],
             np.log(getattr(surface.generator, "anisotropy", 1.0)),
         ]
         rows.append(row + [float(_kind(problem) == kind) for kind in kinds])

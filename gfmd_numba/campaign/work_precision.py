@@ -150,7 +150,7 @@ def _sampling(problem: Problem, most: int) -> Iterator[Point]:
 
 def _effects(problem: Problem, realisations: int) -> Iterator[Point]:
     """What a slab changes and costs over the half-space."""
-    if problem.interface.couples or problem.mean_pressure is None:
+    if problem.interface.couples or problem.mean_pressure is None or problem.body.stack is not None:
         return
     nu = 0.33 if problem.body.poissons_ratio is None else problem.body.poissons_ratio
     half_space = _run(replace(problem, body=ElasticBody(None, None)), realisations)

@@ -88,6 +88,12 @@ REFUSALS = (
         "physics",
     ),
     Refusal(
+        "displacement",
+        "layers on a half-space",
+        f"rigid, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",
+        "physics",
+    ),
+    Refusal(
         "contact without reach",
         "negative displacement",
         "a finite number of at least 0, as nothing acts across an open gap",
@@ -95,6 +101,7 @@ REFUSALS = (
     ),
     Refusal("contact without drag", "sliding", "nothing without friction or a cohesive law", "physics"),
     Refusal("half-space", "sliding", f"nothing without a finite aspect_ratio, {_NO_REFERENCE}", "physics"),
+    Refusal("layers on a half-space", "sliding", f"nothing without base rigid, {_NO_REFERENCE}", "physics"),
     Refusal(
         "punch",
         "prescribed displacement",
@@ -114,6 +121,13 @@ REFUSALS = (
         "topography",
         "prescribed tractions",
         "nothing where a deformable body is rough or both deform",
+        "not built yet",
+    ),
+    Refusal(
+        "topography",
+        "layers",
+        "one material where a deformable body is rough or both deform: two-step GFMD knows no interfaces below a rough "
+        "surface; layers need a smooth body under a rigid punch",
         "not built yet",
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),

@@ -54,6 +54,8 @@ PHRASES = {
     "fields inside": "`gfmd fields`",
     "flat punch": "a flat punch",
     "half-space": "a half-space",
+    "layers": "`layers`",
+    "layers on a half-space": "`layers` on a half-space",
     "loaded body": "a body loaded without a punch",
     "measured punch": "a measured punch",
     "model of maps": "a model of two directions (like `length_anisotropy`)",

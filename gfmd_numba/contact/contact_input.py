@@ -1,7 +1,6 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
 from dataclasses import dataclass
-from math import isinf
 
 import numpy as np
 
@@ -67,8 +66,8 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
     arrays = read_boundary(document, scene.boundary, nx)
     if scene.loading.reduced_pressure is not None:
         arrays = balanced(document, arrays, "normal", "as loading.reduced_pressure prescribes the mean pressure")
-    if isinf(scene.body.aspect_ratio):
-        arrays = balanced(document, arrays, "tangential", "or a finite aspect_ratio, as nothing holds a half-space")
+    if scene.body.is_half_space:
+        arrays = balanced(document, arrays, "tangential", f"or {scene.body.holder}, as nothing holds a half-space")
     scale = surfaces.rms_gradient * effective_modulus(scene.body)
     tangential, normal = (
         np.nan_to_num(arrays.get(f"{component}_traction", np.zeros(nx)), nan=0.0) / scale
@@ -84,8 +83,8 @@ def _check_room(file: SceneFile, surfaces: PressedSurfaces, document: Document) 
         (scene.loading.displacement, ("scene", "loading", "displacement")),
         *((step.displacement, ("path", i, "displacement")) for i, step in enumerate(file.path)),
     ]
-    incompressible_slab = scene.body.effective_poissons_ratio == 0.5 and not isinf(scene.body.aspect_ratio)
-    if scene.loading.displacement is None or not incompressible_slab or surfaces.bodies is not None:
+    rigid_mean = scene.body.is_incompressible and not scene.body.is_half_space
+    if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
         return
     surface = surfaces.surface
     one = range(file.realisation, file.realisation + 1)

@@ -10,9 +10,8 @@ import xarray as xr
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
+from gfmd_numba.contact.problem import Effect, Problem, contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.quantities import PUNCH_DISPLACEMENT, REDUCED_PRESSURE, RMS_GRADIENT_TARGET
 from gfmd_numba.solvers import status
@@ -41,7 +40,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
 
 def units(scene: Scene | LoadedBody) -> dict[str, str]:
     """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
-    height, pressure = "m" if scene.length else "1", "Pa" if scene.body.youngs_modulus else "1"
+    height, pressure = "m" if scene.length else "1", "Pa" if scene.body.surface_modulus else "1"
     named = [unit for unit in (pressure, height) if unit != "1"]
     return {
         "1": "1",
@@ -52,6 +51,14 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
         "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
         "s": "s",
     }
+
+
+def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+    """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
+    if scene.body.layers is None:
+        return {}
+    modulus = effective_modulus(scene.body) / scene.body.stiffness_scale
+    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of the topmost layer"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -129,7 +136,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
     refuse_nonfinite(dataset)
-    dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"}
+    dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
     return dataset
 
 
@@ -145,10 +152,8 @@ def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
 
 
 def _uniform_compression(scene: Scene, problem: Problem) -> float:
-    body = scene.body
-    if problem.mean_pressure is None or np.isinf(body.aspect_ratio):
-        return 0.0
-    return problem.mean_pressure / stiffness.uniform(body.effective_poissons_ratio, body.aspect_ratio)
+    uniform = float(elastic_body(scene.body, scene.length).condensed_stiffness(np.zeros(1))[0])
+    return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
 
 
 def campaign_dataset(

@@ -1,7 +1,6 @@
 """A body that is loaded and displaced without a punch: what its file prescribes, as a dimensionless problem."""
 
 from dataclasses import dataclass
-from math import isinf
 
 import numpy as np
 
@@ -33,12 +32,12 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> Prescribed:
     check_combination(document, file.scene, file.numerics)
     body = file.scene.body
     arrays = read_boundary(document, file.scene.boundary, file.points)
-    if isinf(body.aspect_ratio):
+    if body.is_half_space:
         for component in COMPONENTS:
             if f"{component}_displacement" not in arrays:
-                remedy = f"or a finite aspect_ratio or a {component}_displacement, as nothing holds a half-space"
+                remedy = f"or {body.holder} or a {component}_displacement, as nothing holds a half-space"
                 arrays = balanced(document, arrays, component, remedy)
-    elif body.effective_poissons_ratio == 0.5 and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
+    elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.error(
             ("scene", "boundary", "normal_displacement"),
             document.value(("scene", "boundary", "normal_displacement")),
@@ -55,7 +54,7 @@ def reduce_loaded_body(file: BoundaryFile, prescribed: Prescribed) -> BoundaryVa
         for kind in ("traction", "displacement")
     )
     return BoundaryValueProblem(
-        elastic_body(file.scene.body),
+        elastic_body(file.scene.body, file.scene.length),
         np.nan_to_num(traction, nan=0.0) / contact_modulus(file.scene),
         displacement / (file.scene.length or 1.0),
         solver_options(file.numerics, able(["prescribed"])[0]),

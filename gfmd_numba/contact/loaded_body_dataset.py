@@ -3,7 +3,15 @@
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes, measure_attributes, refuse_nonfinite, scales, units
+from gfmd_numba.contact.dataset import (
+    CONVENTIONS,
+    cf_attributes,
+    measure_attributes,
+    modulus_attributes,
+    refuse_nonfinite,
+    scales,
+    units,
+)
 from gfmd_numba.contact.loaded_body import BoundaryValueProblem
 from gfmd_numba.scene import COMPONENTS, BoundaryFile
 from gfmd_numba.solvers.boundary_value_problem import Deformed
@@ -37,5 +45,6 @@ def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, defor
         "title": "loaded body",
         "scene": file.model_dump_json(),
         "solver": problem.options.solver,
+        **modulus_attributes(scene),
     }
     return dataset

@@ -1,7 +1,8 @@
 """The plan of one contact: the dimensionless problem a scene reduces to, what was dropped, and its identity.
 
 A frictionless hard wall on a linear body scales: with heights in g L_x and stresses in g E* (g the rms gradient)
-neither E, L_x nor g is left, and Poisson's ratio matters only through the stiffness of a finite slab.
+neither E, L_x nor g is left, and Poisson's ratio matters only through the stiffness of a finite slab. E* of layers is
+that of the topmost one.
 """
 
 import hashlib
@@ -17,14 +18,19 @@ from gfmd_numba.contact.results_version import results_version
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import recipe, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
+from gfmd_numba.scene.layer_records import Layer
+from gfmd_numba.scene.layer_records import Material as MaterialRecord
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
+
+_ROUNDING = float(np.finfo(float).eps) / 2
 
 
 @dataclass(frozen=True)
@@ -87,7 +93,7 @@ class Problem:
         content = {
             "results_version": results_version(),
             "surface": surface,
-            "body": asdict(self.body),
+            "body": _content(self.body),
             "interface": asdict(self.interface) | {"laws": self.interface.laws},
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
@@ -96,8 +102,16 @@ class Problem:
         if self.tractions is not None:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
-            content["counter"] = asdict(self.counter)
+            content["counter"] = {"body": _content(self.counter.body), "share": self.counter.share}
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _content(body: ElasticBody) -> dict[str, object]:
+    """What tells a body from others; nothing is said of layers where there are none."""
+    content = asdict(body)
+    if body.stack is None:
+        del content["stack"]
+    return content
 
 
 def random_surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> tuple[RandomSurface, float]:
@@ -150,15 +164,17 @@ def reduce(
         displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
     length = rms_gradient * (scene.length or 1.0)
     energy = length * rms_gradient * contact_modulus(scene)
-    interface, interactions = _interface(scene.interface, scene.body, length, energy)
+    given = elastic_body(scene.body, scene.length)
+    interface, interactions = _interface(scene.interface, given, length, energy)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
-    body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
+    body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
     options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:
-        other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
+        counter_body = elastic_body(scene.counter_body, scene.length)
+        other = _body(counter_body, interface, displacement is not None, False, tolerance)[0]
         counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
     problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
     effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
@@ -169,15 +185,34 @@ def reduce(
 
 
 def effective_modulus(body: Body) -> float:
-    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`."""
-    if body.youngs_modulus is None:
+    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
+
+    Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
+    """
+    if body.surface_modulus is None:
         return body.stiffness_scale
-    return moduli.plane_modulus(body.stiffness_scale * body.youngs_modulus, body.poissons_ratio, body.state)
+    return moduli.plane_modulus(body.stiffness_scale * body.surface_modulus, body.surface_poissons_ratio, body.state)
 
 
-def elastic_body(body: Body) -> ElasticBody:
-    """The body of a record in units of L_x and E*, with all that is known of it."""
-    return ElasticBody(body.effective_poissons_ratio, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
+@lru_cache(maxsize=4096)
+def elastic_body(body: Body, length: float | None) -> ElasticBody:
+    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known."""
+    if body.layers is None:
+        nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
+        return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
+    top = body.layers[0]
+
+    def material(part: Layer | MaterialRecord) -> Material:
+        # a quotient of Young's moduli does not depend on their unit, to the last digit
+        shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
+        modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
+        return Material(modulus, body.effective_poissons_ratio(part.poissons_ratio))
+
+    return ElasticBody.layered(
+        tuple(layer.height / (length or 1.0) for layer in body.layers),
+        tuple(material(layer) for layer in body.layers),
+        None if body.base is None or body.base == "rigid" else material(body.base),
+    )
 
 
 def contact_modulus(scene: Scene | LoadedBody) -> float:
@@ -197,13 +232,14 @@ def solver_options(numerics: Numerics, automatic: str) -> Options:
 
 @lru_cache(maxsize=4096)
 def _body(
-    asked: Body, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
+    body: ElasticBody, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
-    body = elastic_body(asked)
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
     )
     coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
+    if body.stack is not None:
+        return _stack(body, coupled if interface.couples else condensed, mean_matters or loaded, tolerance)
     if body.aspect_ratio is None:
         off = Effect("slab", "off", "the body is a half-space")
         if interface.couples:
@@ -217,18 +253,37 @@ def _body(
     effect = stiffness.stiffening(body.nu, body.aspect_ratio)
     name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
     bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
-    rounding = np.finfo(float).eps / 2
-    if mean_matters or loaded or effect > max(rounding, tolerance):
+    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
         return body, (condensed, Effect(name, "on", bound))
-    below = "double precision" if effect <= rounding else f"numerics.effects = {tolerance:g}"
-    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, below {below}"))
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
+
+
+def _stack(
+    body: ElasticBody, tangential: Effect, all_matters: bool, tolerance: float
+) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    assert body.stack is not None
+    n = len(body.stack.heights)
+    name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
+    if tangential.state == "on":
+        return body, (tangential, Effect(name, "on", "both displacements feel them"))
+    effect = stiffness.deviation(body.condensed_stiffness, body.stack.heights[0])
+    bound = f"what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most {effect:.1e}"
+    if all_matters or effect > max(_ROUNDING, tolerance):
+        return body, (tangential, Effect(name, "on", bound))
+    return ElasticBody(None, None), (tangential, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
+
+
+def _below(effect: float, tolerance: float) -> str:
+    return "below " + ("double precision" if effect <= _ROUNDING else f"numerics.effects = {tolerance:g}")
 
 
 @lru_cache(maxsize=4096)
-def _interface(asked: Interface, body: Body, length: float, energy: float) -> tuple[Interactions, tuple[Effect, ...]]:
+def _interface(
+    asked: Interface, body: ElasticBody, length: float, energy: float
+) -> tuple[Interactions, tuple[Effect, ...]]:
     interactions = Interactions.scaled(asked, length, energy)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
-    incompressible = math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5
+    incompressible = body.aspect_ratio is None and body.poissons_ratio == 0.5
     if interactions.friction is not None and incompressible:
         interactions = replace(interactions, friction=None)
         reason = "an incompressible half-space has no tangential displacement under normal load"

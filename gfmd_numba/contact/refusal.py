@@ -157,8 +157,14 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
             yield "stiffness_scale", ("scene", name, "stiffness_scale")
         if getattr(body.roughness, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
-        if isinf(body.aspect_ratio) and not (name == "body" and "aspect_ratio" in grid):
-            yield "half-space", ("scene", name, "aspect_ratio")
+        if body.layers is not None:
+            yield "layers", ("scene", name, "layers")
+        if body.is_half_space and not (name == "body" and "aspect_ratio" in grid):
+            whole = body.layers is None
+            yield (
+                "half-space" if whole else "layers on a half-space",
+                ("scene", name, "aspect_ratio" if whole else "base"),
+            )
     for i, value in enumerate(grid.get("aspect_ratio", ())):
         if isinf(value):
             yield "half-space", ("grid", "aspect_ratio", i)
@@ -167,11 +173,12 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:
     """Where the file says that no body changes its volume."""
     if "poissons_ratio" not in grid:
-        if all(body.effective_poissons_ratio == 0.5 for body in scene.deformable):
-            yield ("scene", "body", "poissons_ratio")
+        if all(body.is_incompressible for body in scene.deformable):
+            place = () if scene.body.layers is None else ("layers", 0)
+            yield ("scene", "body", *place, "poissons_ratio")
         return
     for i, value in enumerate(grid["poissons_ratio"]):
-        if scene.body.model_copy(update={"poissons_ratio": value}).effective_poissons_ratio == 0.5:
+        if scene.body.model_copy(update={"poissons_ratio": value}).is_incompressible:
             yield ("grid", "poissons_ratio", i)
 
 

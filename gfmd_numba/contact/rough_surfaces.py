@@ -140,7 +140,7 @@ def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: st
         given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
         allowed = f"one within the height of the body, aspect_ratio = {body.aspect_ratio:g}, of its mean plane"
         raise InputError(document.line(("scene", name, "roughness"), given, allowed))
-    return RoughBody(elastic_body(body), heights, contact_modulus(scene) / effective_modulus(body))
+    return RoughBody(elastic_body(body, scene.length), heights, contact_modulus(scene) / effective_modulus(body))
 
 
 def _unusable(document: Document, place: Place, error: ValueError) -> InputError:

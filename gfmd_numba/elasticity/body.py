@@ -1,27 +1,49 @@
-"""The elastic body: a half-space, or a slab bonded to a rigid base, whose surface is flat.
+"""The elastic body: a half-space, a slab bonded to a rigid base, or a stack of layers on either; its surface is flat.
 
-Lengths in L_x, stresses in E*. Nothing beyond this file needs to know which of the two a body is.
+Lengths in L_x, stresses in E*, of a stack that of its topmost layer. Nothing beyond this file needs to know which of
+the three a body is.
 """
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, isinf
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import coupled, stiffness, transfer
+from gfmd_numba.elasticity import coupled, moduli, stiffness, transfer
 from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
+from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.stack import Stack, merged
 from gfmd_numba.elasticity.transfer import Transfer
 from gfmd_numba.fourier import grid
 
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """Poisson's ratio up to 1/2, None where it does not matter; height over L_x, None for a half-space."""
+    """Poisson's ratio up to 1/2, None where it does not matter; height over L_x, None if no rigid base is below.
+
+    A body of several materials is a `stack`, and has no Poisson's ratio of its own.
+    """
 
     poissons_ratio: float | None
     aspect_ratio: float | None
+    stack: Stack | None = None
+
+    @classmethod
+    def layered(
+        cls, heights: tuple[float, ...], materials: tuple[Material, ...], base: Material | None
+    ) -> "ElasticBody":
+        """Layers from the surface downwards (heights in L_x) on a half-space of the base, or a rigid one if None.
+
+        Layers that are one slab or half-space together make that.
+        """
+        stack = merged(heights, materials, base)
+        if not stack.heights:
+            return cls(stack.top.poissons_ratio, None)
+        if len(stack.heights) == 1 and base is None:
+            return cls(stack.top.poissons_ratio, stack.height)
+        return cls(None, stack.height if base is None else None, stack)
 
     @property
     def nu(self) -> float:
@@ -36,14 +58,37 @@ class ElasticBody:
         return -inf if self.aspect_ratio is None else -self.aspect_ratio
 
     def uniform_stiffness(self) -> tuple[float, float]:
-        """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66); a half-space has none."""
+        """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66); on a half-space there is none."""
         if self.aspect_ratio is None:
             return 0.0, 0.0
-        tangential, normal = coupled.uniform_stiffness(self.nu, self.aspect_ratio)
-        return float(tangential), float(normal)
+        if self.stack is not None:
+            tangential, normal = self.stack.softness()
+            return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
+        along, out = coupled.uniform_stiffness(self.nu, self.aspect_ratio)
+        return float(along), float(out)
+
+    @property
+    def has_rigid_mean(self) -> bool:
+        """Whether no pressure changes the mean normal displacement: all is incompressible, and the base rigid."""
+        return isinf(self.uniform_stiffness()[1]) if self.aspect_ratio is not None else False
+
+    def uniform_displacement(self, depth: float) -> tuple[float, float]:
+        """Tangential and normal displacement over a depth under uniform unit tractions, in L_x/E*."""
+        if self.stack is not None:
+            return self.stack.softness(depth)
+        return depth / float(moduli.c44(self.nu)), depth / float(moduli.c11(self.nu))
+
+    def material(self, depth: float) -> Material:
+        """Material at a depth, at an interface that above it; raises ValueError without a Poisson's ratio."""
+        return Material(1.0, self.nu) if self.stack is None else self.stack.material(depth)
 
     def condensed_stiffness(self, q: Reals) -> Reals:
         """Stiffness at wave numbers q of the normal displacement without tangential tractions, in E*/L_x (6.75)."""
+        if self.stack is not None:
+            found = np.full_like(q, self.uniform_stiffness()[1])
+            waves, places = np.unique(q[q > 0.0], return_inverse=True)  # on maps every length occurs several times
+            found[q > 0.0] = (waves / self.stack.compliance(waves)[2])[places]
+            return found
         return stiffness.half_space(q) if self.aspect_ratio is None else stiffness.slab(q, self.nu, self.aspect_ratio)
 
     def coupled_stiffness(self, nx: int) -> CoupledStiffness:
@@ -68,16 +113,25 @@ class ElasticBody:
 
     def transfer(self, depth: float, q: Reals) -> Transfer:
         """Transfer of waves q > 0 from the surface to a depth (2.4)."""
+        if self.stack is not None:
+            return self.stack.transfer(depth, q)
         if self.aspect_ratio is None:
             return transfer.half_space_transfer(q * depth, self.nu)
         return transfer.slab_transfer(depth, q, self.aspect_ratio, self.nu)
 
     def _elements(self, q: Reals) -> tuple[Reals, Reals, Reals]:
+        if self.stack is not None:
+            s11, s13, s33 = self.stack.compliance(q)
+            determinant = s11 * s33 - s13**2
+            return s33 / determinant, s13 / determinant, s11 / determinant
         if self.aspect_ratio is None:
             return coupled.half_space_elements(self.nu)
         return coupled.slab_elements(q * self.aspect_ratio, self.nu)
 
     def _condensed_elements(self, q: Reals) -> tuple[Reals, Reals] | tuple[float, float]:
+        if self.stack is not None:
+            s11, _, s33 = self.stack.compliance(q)
+            return 1.0 / s11, 1.0 / s33
         if self.aspect_ratio is None:
             return 0.5, 0.5
         return coupled.condensed_elements(q * self.aspect_ratio, self.nu)

@@ -1,6 +1,7 @@
 """Displacement, strain and stress inside a body from the displacements of its surface (thesis 2.2, (2.6)).
 
-Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions.
+Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions. At
+an interface of layers the fields are those just above it.
 """
 
 from dataclasses import dataclass
@@ -89,7 +90,8 @@ def fields_inside(surface: DeformedSurface, nx: int, z: Reals, body: ElasticBody
 
 def waves_at_depth(surface: DeformedSurface, depth: float, nx: int, body: ElasticBody) -> Fields[Complexes]:
     """Coefficients `[nx // 2 + 1]` of all fields at one depth."""
-    q, shear, kolosov = grid.wavenumbers(nx)[1:], float(moduli.c44(body.nu)), moduli.kolosov(body.nu)
+    q, material = grid.wavenumbers(nx)[1:], body.material(depth)
+    shear, kolosov = material.shear, moduli.kolosov(material.poissons_ratio)
     waves = body.transfer(depth, q)
     # a term X sin(qx) has the coefficient -i X
     cosine, sine = surface.u1[1:], 1j * surface.u3[1:]
@@ -116,11 +118,12 @@ def _with_mean(mean: float, waves: Complexes) -> Complexes:
 def _means(surface: DeformedSurface, depth: float, body: ElasticBody) -> Fields[float]:
     """The uniform part: tractions do not change with depth, the periodic body cannot widen."""
     along, normal = surface.mean_traction
-    strain3, strain5 = normal / float(moduli.c11(body.nu)), along / float(moduli.c44(body.nu))
-    across = body.nu / (1.0 - body.nu) * normal
+    material, (sheared, stretched) = body.material(depth), body.uniform_displacement(depth)
+    nu, strain3, strain5 = material.poissons_ratio, normal / material.c11, along / material.shear
+    across = nu / (1.0 - nu) * normal
     return Fields(
-        u1=float(surface.u1[0].real) - strain5 * depth,
-        u3=float(surface.u3[0].real) - strain3 * depth,
+        u1=float(surface.u1[0].real) - along * sheared,
+        u3=float(surface.u3[0].real) - normal * stretched,
         strain1=0.0,
         strain3=strain3,
         strain5=strain5,

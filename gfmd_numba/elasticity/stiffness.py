@@ -7,6 +7,7 @@ the closed form of a layer bonded to a rigid base; with x = 2 q z_m and kolosov 
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -55,6 +56,16 @@ def stiffening(poissons_ratio: float, aspect_ratio: float) -> float:
     kolosov = moduli.kolosov(poissons_ratio)
     tail = (1.0 + kolosov**2 + 4.0 * k**2 + 4.0 * kolosov * k) * math.exp(-2.0 * k) / kolosov
     return float(ratio) if abs(ratio) > 1e-12 else tail
+
+
+def deviation(of: Callable[[Reals], Reals], height: float) -> float:
+    """Largest relative difference of a stiffness over q from that of the half-space, for waves of one period L_x.
+
+    The difference stems from below the `height`; it fades with exp(-2 q height), so that longer waves have it.
+    """
+    index = np.unique(np.round(np.geomspace(1.0, max(1.0, 6.0 / height), 256)))
+    q = 2.0 * np.pi * index
+    return float(np.abs(of(q) / half_space(q) - 1.0).max())
 
 
 def in_series(own: Reals, other: Reals, share: float) -> Reals:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gfmd_numba.scene.layer_records import check_layers
 from gfmd_numba.scene.quantities import broken_rule
 
 if TYPE_CHECKING:
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
 def check_bodies(scene: Scene) -> None:
     """Raise a located PydanticCustomError for bodies that cannot be pressed together."""
     counter = scene.counter_body
+    for name, body in (("body", scene.body), ("counter_body", counter)):
+        if body is not None and body.layers is not None:
+            check_layers((name,), body.layers, body.base or "rigid", scene.length)
     if not scene.surfaces:
         raise broken_rule(
             ("roughness",),
@@ -22,7 +26,7 @@ def check_bodies(scene: Scene) -> None:
         if scene.roughness is not None:
             raise broken_rule(("roughness",), "nothing beside a counter_body, which has a roughness of its own")
         for name, body in (("body", scene.body), ("counter_body", counter)):
-            if body.youngs_modulus is None:
+            if body.surface_modulus is None:
                 raise broken_rule((name, "youngs_modulus"), "a number above 0 for both bodies, as they share the load")
         if counter.state != scene.body.state:
             raise broken_rule(("counter_body", "state"), f"{scene.body.state!r}, as that of the body")

@@ -4,9 +4,11 @@ from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
+from gfmd_numba.scene.layer_records import check_layers
 from gfmd_numba.scene.quantities import RECORD, Size, broken_rule
-from gfmd_numba.scene.records import Body, Numerics
+from gfmd_numba.scene.records import Numerics
 
 
 class LoadedBody(BaseModel):
@@ -16,6 +18,12 @@ class LoadedBody(BaseModel):
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
     length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+
+    @model_validator(mode="after")
+    def _layers_fit(self) -> Self:
+        if self.body.layers is not None:
+            check_layers(("body",), self.body.layers, self.body.base or "rigid", self.length)
+        return self
 
 
 class BoundaryFile(BaseModel):

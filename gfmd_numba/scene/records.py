@@ -1,24 +1,23 @@
 """Frozen records of what the user describes; an effect absent from the scene is `None`."""
 
 from fractions import Fraction
-from math import ceil, floor, inf, isclose
+from math import ceil, floor, isclose
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.bodies import check_bodies
+from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.quantities import (
     RECORD,
     REDUCED_PRESSURE,
-    AspectRatio,
     Damping,
     Dimension,
     EpsC,
     EpsF,
     EpsT,
-    PoissonsRatio,
     ReducedPressure,
     Seed,
     Signed,
@@ -27,29 +26,6 @@ from gfmd_numba.scene.quantities import (
     broken_rule,
 )
 from gfmd_numba.scene.surfaces import Surface
-
-
-class Body(BaseModel):
-    """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
-
-    model_config = RECORD
-    youngs_modulus: Size | None = Field(None, description="Young's modulus in Pa; None: stresses are in units of E*")
-    poissons_ratio: PoissonsRatio
-    aspect_ratio: AspectRatio = inf
-    stiffness_scale: Size = Field(
-        1.0,
-        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
-    )
-    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
-    roughness: Surface | None = Field(
-        None, description="Topography of the body itself, peaks towards the punch; aspect_ratio is of its mean plane"
-    )
-
-    @property
-    def effective_poissons_ratio(self) -> float:
-        """Poisson's ratio of the plane strain body that deforms alike (dimensionless)."""
-        nu = self.poissons_ratio
-        return nu if self.state == "plane_strain" else nu / (1.0 + nu)
 
 
 class Loading(BaseModel):

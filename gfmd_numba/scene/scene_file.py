@@ -4,11 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_file import BoundaryFile
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.records import Body, Discretisation, Scene, SceneFile
+from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import validate

@@ -57,11 +57,22 @@ def _at(schema: dict[str, Any], loc: Iterable[str | int]) -> tuple[Location, dic
         tagged = node.get("discriminator", {}).get("mapping", {})
         if part in tagged:
             node = _tagged(schema, tagged[part])
+        elif (kind := _of_kind(node, part)) is not None:
+            node = _resolved(schema, kind)
         else:
             location += (part,)
             inner = node.get("items", {}) if isinstance(part, int) else node.get("properties", {}).get(part, {})
             node = _resolved(schema, inner)
     return location, node
+
+
+def _of_kind(node: dict[str, Any], part: str | int) -> dict[str, Any] | None:
+    """Member of a union without a tag of its own in the document, by the name of its record or by its text."""
+    return next((kind for kind in node.get("oneOf", ()) if part in (_name(kind), kind.get("const"))), None)
+
+
+def _name(node: dict[str, Any]) -> str:
+    return str(node.get("$ref", "")).rpartition("/")[2]
 
 
 def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.contact.problem import effective_modulus, elastic_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Document
 from gfmd_numba.text.input_error import brief
@@ -38,8 +39,9 @@ def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None, body: str =
     """Displacement, strain and stress `(z, x)`, of a path `(step, z, x)`, inside a body of a solved contact.
 
     `z` counts from the mean plane of the undeformed surface, negative inside, in m (L_x without a length); by default
-    101 levels from the surface down to the base or, in a half-space, to L_x, denser near the surface. Stresses are in
-    Pa (E* without a modulus), numbered as Voigt does. (x, z) of a rough body are labels, its places while it was flat:
+    101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface; at an
+    interface of layers stresses are those above it. Stresses are in Pa (E* without a modulus), numbered as Voigt does.
+    (x, z) of a rough body are labels, its places while it was flat:
     `formed_1` and `formed_3` (u'' of thesis 5.2) take them to the stress-free body. A `counter_body` is seen in axes of
     its own, z out of it. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the
     body and for a dataset that no contact was solved for. Thesis (2.4) to (2.6), (5.6).
@@ -48,9 +50,10 @@ def body_fields(contact: xr.Dataset, z: npt.ArrayLike | None = None, body: str =
     asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
     assert asked is not None  # _described's promise
     length = scene.length or 1.0
-    heights = _levels(asked, length) if z is None else _checked(asked, length, _numbers(z))
+    elastic = elastic_body(asked, scene.length)
+    heights = _levels(elastic, length) if z is None else _checked(elastic, length, _numbers(z))
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
-    steps = [_one(asked, length, order, whole.isel(step=i), heights, body) for i in range(whole.sizes["step"])]
+    steps = [_one(asked, elastic, length, order, whole.isel(step=i), heights, body) for i in range(whole.sizes["step"])]
     if "step" not in contact.dims:
         return steps[0]
     joined = xr.concat(steps, "step", data_vars="all", coords="minimal", compat="override", join="exact")
@@ -98,8 +101,9 @@ def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
         ) from None
 
 
-def _levels(body: Body, length: float) -> Reals:
-    lowest = 1.0 if np.isinf(body.aspect_ratio) else body.aspect_ratio
+def _levels(body: ElasticBody, length: float) -> Reals:
+    layers = 0.0 if body.stack is None else body.stack.height
+    lowest = max(1.0, layers) if body.aspect_ratio is None else body.aspect_ratio
     return 0.0 - lowest * length * np.linspace(0.0, 1.0, _LEVELS) ** 2
 
 
@@ -110,8 +114,8 @@ def _numbers(z: npt.ArrayLike) -> Reals:
         raise InputError(f"z: given {brief(z)}; allowed: a number, or one row of numbers") from None
 
 
-def _checked(body: Body, length: float, z: Reals) -> Reals:
-    lowest = -body.aspect_ratio * length
+def _checked(body: ElasticBody, length: float, z: Reals) -> Reals:
+    lowest = body.base * length
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
     if z.ndim != 1 or outside.any():
         given = f"{z[outside][0]:g}" if z.ndim == 1 else f"an array of shape {z.shape}"
@@ -120,9 +124,10 @@ def _checked(body: Body, length: float, z: Reals) -> Reals:
     return z
 
 
-def _one(body: Body, length: float, order: int, contact: xr.Dataset, z: Reals, name: str) -> xr.Dataset:
+def _one(
+    body: Body, elastic: ElasticBody, length: float, order: int, contact: xr.Dataset, z: Reals, name: str
+) -> xr.Dataset:
     modulus = effective_modulus(body)
-    elastic = elastic_body(body)
     nx = contact.sizes["x"]
     along = contact.get("tangential_traction", xr.zeros_like(contact["x"])).values / modulus
     normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values

@@ -1,6 +1,7 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.preconditioners.far_field import FarField
+from gfmd_numba.solvers.preconditioners.restricted_stiffness import RestrictedStiffness
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Rows = npt.NDArray[np.int64]
@@ -26,7 +28,7 @@ _LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error of the first pressure on a cont
 _TIGHTEN = 0.1  # of the next one over that of the last,
 _TIGHTEN_MAP = 0.5  # at least, and at most
 _AHEAD = 0.1  # of the share of nodes that changed
-_INNER_ITERATIONS = 40
+_INNER_ITERATIONS, _SPARE_ITERATIONS = 40, 200  # the latter with the preconditioner that is farther off
 
 
 class ActiveSetNewton(PressureIterate):
@@ -34,10 +36,10 @@ class ActiveSetNewton(PressureIterate):
 
     Nodes under tension leave, overlapping ones join. Where neighbours are drawn along by a displaced node, as on a
     half-space, the contact of exact solutions shrinks towards that of the equilibrium. The linear problems are
-    solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles, they take some
-    transforms whatever the grid; on maps, by near and far field, a few more for each doubling of nx. The first guess
-    comes from the waves that a coarser grid holds. The run ends when `equilibrium.py` finds the residual small enough,
-    not when the contact stops changing.
+    solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles (by the stiffness
+    itself where that cannot be used), they take some transforms whatever the grid; on maps, by near and far field, a
+    few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
+    `equilibrium.py` finds the residual small enough, not when the contact stops changing.
     """
 
     check_every = 1
@@ -52,6 +54,8 @@ class ActiveSetNewton(PressureIterate):
             self._guess(batch, options)
         self._contact = self.pressure > 0.0
         self._inverse: ExponentialSum | FarField
+        self._spare: RestrictedStiffness | None = None  # where the other cannot be used
+        self._normal_stiffness = batch.normal_stiffness
         self._is_map = len(self.field.shape) == 2
         if self._is_map:
             self._inverse = FarField(batch.normal_stiffness, self.field.shape)
@@ -67,15 +71,20 @@ class ActiveSetNewton(PressureIterate):
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
         return self.field.n_transforms + np.ceil(self._coarse_transforms).astype(np.int64)
 
+    @property
+    def _spent(self) -> float:
+        """Transforms made so far by preconditioners."""
+        return self._inverse.transforms + (0.0 if self._spare is None else self._spare.transforms)
+
     def advance(self, active: Rows) -> None:
         """Solve for the pressure on the contact of each active row, and revise its contact."""
         n = self.field.n
         for row in active.reshape(-1, 1):
             i = row[0]
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
-            spent = self._inverse.transforms
+            spent = self._spent
             self._close_gap(row, count)
-            self._coarse_transforms[i] += self._inverse.transforms - spent
+            self._coarse_transforms[i] += self._spent - spent
             changed = kernels.revise_contact(
                 self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, n, self.load[i],
                 self.rounding[i], self.free_mean,
@@ -94,19 +103,19 @@ class ActiveSetNewton(PressureIterate):
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
         field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
         p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
-        r, z, uniform, inverse = self._closing, self._pressure_change, self._uniform, self._inverse
+        r, z, uniform = self._closing, self._pressure_change, self._uniform
         if self.changed[i]:
             field.apply(self.compliance, row, source=0)
             kernels.open_gap(field.result[i], self.wall[i], n, gap)
         if count == 0:
             return
         kernels.closing_displacement(gap, nodes, count, r, self.free_mean)
-        inverse.factor(nodes, count)
+        inverse = self._factored(nodes, count)
         if self.free_mean:
             z[:count] = 1.0
             inverse.solve(z, uniform)
         last = 0.0
-        for _ in range(_INNER_ITERATIONS):
+        for _ in range(_SPARE_ITERATIONS if inverse is self._spare else _INNER_ITERATIONS):
             inverse.solve(r, z)
             energy, error = kernels.newton_error(r, z, uniform, p, nodes, count, self.rounding[i], self.free_mean)
             if not error > self._tolerance[i]:
@@ -115,6 +124,27 @@ class ActiveSetNewton(PressureIterate):
             last = energy
             field.apply(self.compliance, row, source=1)
             kernels.newton_update(p, gap, t, field.result[i], energy, nodes, count, n, r, self.free_mean)
+
+    def _factored(self, nodes: Rows, count: int) -> ExponentialSum | RestrictedStiffness | FarField:
+        """Preconditioner that can be used on the first `count` of the nodes, prepared for them."""
+        decays = self._inverse
+        decays.factor(nodes, count)
+        if isinstance(decays, FarField) or decays.is_positive or not self._needs_spare:
+            return decays
+        if self._spare is None:
+            self._spare = RestrictedStiffness(self._normal_stiffness, self.field.n)
+        self._spare.factor(nodes, count)
+        return self._spare
+
+    @cached_property
+    def _needs_spare(self) -> bool:
+        """Whether no sum of decays is close to the compliance, whatever that of the mean, which is one wave of many."""
+        if self.free_mean:
+            return True
+        n, compliance = self.field.n, self.compliance.astype(np.float64)
+        decays = ExponentialSum(np.concatenate(([0.0], compliance[1:])) * n, n)
+        decays.factor(np.arange(n), n)
+        return not decays.is_positive
 
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""

@@ -45,6 +45,16 @@ class ExponentialSum:
         self._carried = np.empty((self._rates.size, self._rates.size))
         self._count = 0
 
+    @property
+    def is_positive(self) -> bool:
+        """Whether the sum is positive definite on the nodes it was factored for.
+
+        Where a compliance falls faster than 1/q^2, as below a stiff coating, decays of both signs cancel each other,
+        but no longer where the period is cut: without a wide gap there pivots have to be lifted, and the factors may
+        grow beyond all bounds.
+        """
+        return bool((self._diagonal[: self._count] > self._floor).all())
+
     def factor(self, nodes: Rows, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         if count > len(self._diagonal):

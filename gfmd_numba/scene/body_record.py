@@ -1,0 +1,89 @@
+"""The record of one elastic body: of one material, or of layers."""
+
+from math import inf, isfinite, isinf
+from typing import Literal, Self
+
+from pydantic import BaseModel, Field, model_validator
+
+from gfmd_numba.scene.layer_records import Base, Layer, Material
+from gfmd_numba.scene.quantities import RECORD, AspectRatio, PoissonsRatio, Size, broken_rule
+from gfmd_numba.scene.surfaces import Surface
+
+
+class Body(BaseModel):
+    """Linear elastic body, of one isotropic material or of layers: moduli in Pa, ratios dimensionless."""
+
+    model_config = RECORD
+    youngs_modulus: Size | None = Field(None, description="Young's modulus in Pa; None: stresses are in units of E*")
+    poissons_ratio: PoissonsRatio | None = Field(
+        None, description="Poisson's ratio (dimensionless); None: the layers have their own"
+    )
+    aspect_ratio: AspectRatio = inf
+    layers: tuple[Layer, ...] | None = Field(
+        None,
+        strict=False,
+        min_length=1,
+        description="Layers from the surface downwards, in place of one material; E* in reduced_pressure and kappa, "
+        "and wherever stresses count in E*, is then that of the first one, E/(1 - nu^2) in plane strain",
+    )
+    base: Base | None = Field(None, description="What layers rest on: rigid, or the material of a half-space")
+    stiffness_scale: Size = Field(
+        1.0,
+        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
+    )
+    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
+    roughness: Surface | None = Field(
+        None, description="Topography of the body itself, peaks towards the punch; aspect_ratio is of its mean plane"
+    )
+
+    @property
+    def surface_modulus(self) -> float | None:
+        """Young's modulus (Pa) at the surface, of whose E* stresses are multiples; None: stresses stay in E*."""
+        return self.youngs_modulus if self.layers is None else self.layers[0].youngs_modulus
+
+    @property
+    def surface_poissons_ratio(self) -> float:
+        """Poisson's ratio at the surface (dimensionless)."""
+        nu = self.poissons_ratio if self.layers is None else self.layers[0].poissons_ratio
+        assert nu is not None  # the rule below
+        return nu
+
+    @property
+    def is_half_space(self) -> bool:
+        """Whether it has no end below, so that nothing holds its mean displacement."""
+        return isinf(self.aspect_ratio) if self.layers is None else isinstance(self.base, Material)
+
+    @property
+    def holder(self) -> str:
+        """What would hold its mean displacement, as a file says it."""
+        return "a finite aspect_ratio" if self.layers is None else "base rigid"
+
+    @property
+    def is_incompressible(self) -> bool:
+        """Whether nothing in it changes its volume."""
+        if self.state == "plane_stress":
+            return False
+        parts = [self] if self.layers is None else [*self.layers, self.base]
+        return all(part.poissons_ratio == 0.5 for part in parts if isinstance(part, Body | Material))
+
+    @model_validator(mode="after")
+    def _one_material_or_layers(self) -> Self:
+        if self.layers is None:
+            if self.poissons_ratio is None:
+                raise broken_rule(("poissons_ratio",), "a number above -1 and at most 0.5")
+            if self.base is not None:
+                raise broken_rule(("base",), "nothing without layers: a body of one material has an aspect_ratio")
+            return self
+        own = {"youngs_modulus": self.youngs_modulus, "poissons_ratio": self.poissons_ratio}
+        if isfinite(self.aspect_ratio):
+            own["aspect_ratio"] = self.aspect_ratio
+        for name, value in own.items():
+            if value is not None:
+                raise broken_rule((name,), "nothing beside layers, which have their own moduli, ratios and heights")
+        if self.base is None:
+            raise broken_rule(("base",), "'rigid' or a mapping of 'youngs_modulus', 'poissons_ratio' beside layers")
+        return self
+
+    def effective_poissons_ratio(self, nu: float) -> float:
+        """Poisson's ratio of the plane strain material that deforms like one of nu (dimensionless)."""
+        return nu if self.state == "plane_strain" else nu / (1.0 + nu)

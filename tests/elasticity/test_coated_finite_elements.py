@@ -1,0 +1,92 @@
+"""A coated body is that of the finite-element reference, to the mesh's error and converging with it."""
+
+import numpy as np
+import pytest
+from finite_elements import Body
+from skfem import BilinearForm
+from skfem.helpers import ddot, eye, sym_grad, trace
+
+from gfmd_numba.elasticity import fields
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.options import Options
+
+COATING, BELOW = 0.1, 0.3
+HARD, SOFT = Material(1.0, 0.2), Material(0.02, 0.45)
+STACKS = {
+    "hard on soft": ElasticBody.layered((COATING, BELOW), (HARD, SOFT), None),
+    "soft on hard": ElasticBody.layered((COATING, BELOW), (Material(1.0, 0.45), Material(50.0, 0.2)), None),
+}
+
+
+class Coated(Body):
+    """A mesh whose elements above the interface are of one material and those below of another."""
+
+    def __init__(self, columns, z_edges, stack):
+        self._stack = stack
+        super().__init__(columns, z_edges, stack.material(0.0).poissons_ratio)
+
+    def _assemble(self):
+        upper, lower = self._stack.material(0.0), self._stack.material(0.3)
+
+        @BilinearForm
+        def energy(u, v, w):
+            above = w.x[1] > -COATING
+            shear = np.where(above, upper.shear, lower.shear)
+            nu = np.where(above, upper.poissons_ratio, lower.poissons_ratio)
+            strain = sym_grad(u)
+            stress = 2.0 * shear * strain + eye(2.0 * shear * nu / (1.0 - 2.0 * nu) * trace(strain), 2)
+            return ddot(stress, sym_grad(v))
+
+        return energy.assemble(self.basis)
+
+
+def edges(rows):
+    return np.concatenate((np.linspace(-COATING - BELOW, -COATING, rows)[:-1], np.linspace(-COATING, 0.0, rows)))
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
+    body, errors = STACKS[name], []
+    for columns, rows in ((8, 7), (16, 13), (32, 25)):
+        mesh = Coated(columns, edges(rows), body)
+        wave = -0.01 - 1e-3 * np.cos(2 * np.pi * mesh.x)
+        solution = mesh.press(wave, np.ones(len(mesh.top), dtype=bool))
+        x, z, u1, u3, *_ = mesh.inside(solution)
+        nx = 2 * columns
+        levels, row = np.unique(np.round(z, 12), return_inverse=True)
+        normal = -0.01 - 1e-3 * np.cos(2 * np.pi * np.arange(nx) / nx)
+        traction = grid.signal(body.condensed_stiffness(grid.wavenumbers(nx)) * grid.coefficients(normal), nx)
+        under = fields.surface_under_tractions(0 * traction, traction, body)
+        exact = fields.fields_inside(under, nx, levels, body)
+        column = np.rint(x * nx).astype(int)
+        found = [abs(each - true[row, column]).max() for each, true in ((u1, exact.u1), (u3, exact.u3))]
+        along_top = mesh.traction(solution)
+        found.append(abs(along_top - traction).max() / abs(traction).max())
+        errors.append(found)
+    errors = np.array(errors)
+    assert (errors[-1] < [1e-6, 1e-6, 1e-3]).all(), errors  # of displacements of 1e-2
+    assert (np.log2(errors[:-1, :2] / errors[1:, :2]) > 1.7).all(), errors
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver(name):
+    nx, delta, body, errors = 1024, 2e-3, STACKS[name], []
+    wall = 0.005 * (1 - np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5))) - delta
+    k = body.condensed_stiffness(grid.wavenumbers(nx))
+    found = equilibrate(wall[np.newaxis], k, None, Options("conjugate_gradients", residual=1e-9))
+    assert found.status[0] == 0
+    touching = (found.pressure[0] > 0).mean()
+    assert 0.05 < touching < 0.5
+    lengths = []
+    for columns, rows in ((32, 13), (64, 25), (128, 49)):
+        over = nx // (2 * columns)
+        mesh = Coated(columns, edges(rows), body)
+        solution = mesh.press(wall[::over], wall[::over] < 0.0)
+        errors.append(abs(mesh.along_top(solution)[1] - found.displacement[0][::over]).max())
+        lengths.append(solution.touching.mean())
+    assert errors[-1] < 5e-6, errors
+    assert errors[-1] < errors[0] / 4, errors
+    assert lengths[-1] == pytest.approx(touching, abs=2 / 256)

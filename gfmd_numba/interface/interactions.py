@@ -49,6 +49,7 @@ class Interactions:
     normal_law: NormalLaw | None = None
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
+    hardness: float | None = None
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:

@@ -27,12 +27,12 @@ class ConjugateGradients(PressureIterate):
         field, n = self.field, self.field.n
         kernels.cg_direction(
             self.pressure, self.gap, self.direction, self._norm, self._keep, self.rounding, active, n,
-            self.free_mean,
+            self.free_mean, self.hardness,
         )  # fmt: skip
         field.apply(self.compliance, active, source=1)
         kernels.cg_update(
             self.pressure, field.result, self.gap, self.direction, self.load, self._step, self._keep, active, n,
-            self.free_mean,
+            self.free_mean, self.hardness,
         )  # fmt: skip
 
     def residual(self, active: Rows) -> Reals:
@@ -43,4 +43,6 @@ class ConjugateGradients(PressureIterate):
     def _open_gap(self, active: Rows) -> None:
         field = self.field
         field.apply(self.compliance, active, source=0)
-        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean)
+        kernels.cg_gap(
+            self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean, self.hardness
+        )

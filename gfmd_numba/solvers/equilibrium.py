@@ -9,7 +9,6 @@ from pkgutil import resolve_name
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import kernels
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -198,7 +197,7 @@ def _iterate(solver: Iteration, rows: Rows, blown_up: Reals, options: Options, r
         ended = (status != Status.not_converged) | (iterations >= limit)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more
-        kernels.wall_pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
+        solver.certificate.pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
         where = rows[done]
         shape = (len(done), *solver.field.shape)
         result.displacement[where] = solver.displacement[done, :n].reshape(shape)

@@ -51,7 +51,7 @@ SOLVERS = {
     "active_set_newton": Solver(
         "guesses which nodes touch and solves the linear problem that is left, preconditioned",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
+        condensed="gfmd_numba.solvers.bounded_newton:newton",
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",

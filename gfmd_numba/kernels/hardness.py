@@ -1,0 +1,194 @@
+"""Compiled parts of contact under a hardness: plastic nodes carry exactly that, open ones nothing, the others between.
+
+A plastic node may penetrate. Arrays are `[x]`.
+"""
+
+import numpy as np
+
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.kernels.compilation import jit
+
+_BELOW = 1.0 - 2.0**-20  # of the hardness, where a plastic node begins to be free: less in either precision
+
+
+@jit
+def approach_without_free_nodes(p: Reals, gap: Reals, n: int) -> float:
+    """Approach half way between the highest gap of a plastic node and the lowest one of an open node."""
+    highest = -np.inf
+    lowest = np.inf
+    for j in range(n):
+        if p[j] > 0.0:
+            highest = max(highest, gap[j])
+        else:
+            lowest = min(lowest, gap[j])
+    return 0.5 * (highest + lowest)
+
+
+@jit
+def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> None:
+    """Move pressures by one number so that all add up to `total` between their bounds: the nearest pressures that do.
+
+    Nodes that are not `movable` are at a bound, and move only if the others cannot carry the rest; `total` is less than
+    n times the hardness. The sum grows with the number: Newton's method, or halves of where it is.
+    """
+    fixed = 0.0
+    count = 0
+    for j in range(n):
+        if movable[j]:
+            count += 1
+        else:
+            fixed += p[j]
+    some = fixed < total < fixed + count * hardness
+    if not some:
+        fixed = 0.0
+    shift = 0.0
+    low = -np.inf
+    high = np.inf
+    for _ in range(200):
+        carried = fixed
+        inside = 0
+        below = -np.inf
+        above = np.inf
+        for j in range(n):
+            if some and not movable[j]:
+                continue
+            moved = p[j] + shift
+            if moved <= 0.0:
+                below = max(below, moved)
+            elif moved < hardness:
+                carried += moved
+                inside += 1
+            else:
+                carried += hardness
+                above = min(above, moved - hardness)
+        missing = total - carried
+        if missing > 0.0:
+            low = shift
+        else:
+            high = shift
+        if abs(missing) <= 1e-15 * total:
+            break
+        if inside > 0:
+            following = shift + missing / inside
+        else:
+            following = shift - below + 0.5 * hardness if missing > 0.0 else shift - above - 0.5 * hardness
+        if not low < following < high:
+            following = 0.5 * (low + high)
+            if not low < following < high:
+                break
+        shift = following
+    for j in range(n):
+        if movable[j] or not some:
+            p[j] = min(max(p[j] + shift, 0.0), hardness)
+
+
+@jit
+def bounded_step(
+    p: Reals, gap: Reals, t: Reals, step: float, load: float, hardness: float, n: int, free_mean: bool
+) -> float:
+    """Step of free nodes along t and of those at their bounds along the gap, to the nearest pressures between bounds.
+
+    Return 0 if the nodes that are free have changed, so that the old direction says nothing of the new ones, and 1
+    otherwise.
+    """
+    for j in range(n):
+        p[j] -= step * (t[j] if 0.0 < p[j] < hardness else gap[j])
+    if free_mean:
+        bound(p, np.ones(n, dtype=np.bool_), load * n, hardness, n)
+    else:
+        for j in range(n):
+            p[j] = min(max(p[j], 0.0), hardness)
+    for j in range(n):
+        if (t[j] != 0.0) != (0.0 < p[j] < hardness):
+            return 0.0
+    return 1.0
+
+
+@jit
+def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, contact: Flags, n: int, hardness: float) -> None:
+    """Go back towards the last pressure, between its bounds too, if the energy has not decreased, and remember the new.
+
+    The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell.
+    """
+    before = 0.0
+    after = 0.0
+    for j in range(n):
+        change = p[j] - last_p[j]
+        before += change * last_gap[j]
+        after += change * gap[j]
+    if before < 0.0 and after > -before:
+        share = before / (before - after)
+        for j in range(n):
+            p[j] = last_p[j] + share * (p[j] - last_p[j])
+            gap[j] = last_gap[j] + share * (gap[j] - last_gap[j])
+            contact[j] = 0.0 < p[j] < hardness
+    for j in range(n):
+        last_p[j] = p[j]
+        last_gap[j] = gap[j]
+
+
+@jit
+def violations(p: Reals, gap: Reals, nodes: Indices, count: int, n: int, rounding: float, free_mean: bool, t: Reals) -> float:
+    """Take the approach off the gap, and fill t with what violates it: overlap of open nodes, gaps of plastic ones; its square.
+
+    Under a prescribed load the free nodes fix the approach.
+    """
+    if free_mean:
+        approach = 0.0
+        for k in range(count):
+            approach += gap[nodes[k]]
+        if count > 0:
+            approach /= count
+        else:
+            approach = approach_without_free_nodes(p, gap, n)
+        for j in range(n):
+            gap[j] -= approach
+    for j in range(n):
+        t[j] = gap[j]
+    for k in range(count):
+        t[nodes[k]] = 0.0
+    square = 0.0
+    for j in range(n):
+        if (gap[j] > -rounding if p[j] <= 0.0 else gap[j] < rounding):
+            t[j] = 0.0
+        square += t[j] * t[j]
+    return square
+
+
+@jit
+def revise_nodes(
+    p: Reals, gap: Reals, t: Reals, st: Reals, square: float, contact: Flags, n: int, load: float, hardness: float, free_mean: bool,
+) -> int:
+    """Nearest pressures between their bounds after a step along the violations t, whose displacement is st; how many nodes changed sides."""
+    step = 0.0
+    if square > 0.0:
+        curvature = 0.0
+        for j in range(n):
+            curvature += t[j] * st[j]
+        step = square / curvature
+    before = 0
+    violating = 0
+    for j in range(n):
+        before += contact[j]
+        violating += t[j] != 0.0
+    across = step * step * square > violating * hardness * hardness
+    for j in range(n):
+        if across and not contact[j]:
+            p[j] -= step * gap[j]
+        elif t[j] != 0.0:
+            p[j] -= step * t[j]
+        contact[j] |= across or t[j] != 0.0
+    outside = 0
+    for j in range(n):
+        if contact[j] and not 0.0 < p[j] < hardness:
+            outside += 1
+    if outside == 0 and square == 0.0:
+        return 0
+    if free_mean:
+        bound(p, contact, load * n, hardness, n)
+    after = 0
+    for j in range(n):
+        p[j] = min(max(p[j], 0.0), hardness)
+        contact[j] = 0.0 < p[j] < hardness
+        after += contact[j]
+    return max(outside, abs(after - before), 1)

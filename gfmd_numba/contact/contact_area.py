@@ -17,6 +17,21 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     return contact.equilibrium.touching
 
 
+def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
+    """Touching nodes below the hardness `[realisation, (y,) x]`.
+
+    At an edge their pressure goes to zero, and counted nodes reach beyond it. That of plastic nodes ends at a step,
+    where they do not: the nodes of a wholly plastic contact are its area, the load over the hardness.
+    """
+    plastic = contact.equilibrium.plastic
+    return touching(contact) if plastic is None else touching(contact) & ~plastic
+
+
+def plastic_area_fraction(contact: Contact) -> Reals:
+    """Nodes at the hardness over all nodes `[realisation]`."""
+    return np.asarray(mean_of_nodes(touching(contact) & ~elastic_nodes(contact)))
+
+
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
     now = touching(contact)
@@ -36,10 +51,20 @@ def _clusters(flags: npt.NDArray[np.bool_]) -> int:
 
 
 def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Number of neighbours along x, and along y, of a map of which one is in contact, one is not `[realisation]`."""
-    now = touching(contact)
-    along_x, along_y = (np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (2, 1))
+    """Number of neighbours along x, and along y, of a map of which one touches elastically, one not `[realisation]`."""
+    now, elastic = touching(contact), elastic_nodes(contact)
+    along_x, along_y = (
+        sum(np.count_nonzero(elastic & ~np.roll(now, side, axis=axis), axis=(1, 2)) for side in (1, -1))
+        for axis in (2, 1)
+    )
     return along_x, along_y
+
+
+def _elastic_ends(contact: Contact) -> npt.NDArray[np.int64]:
+    """Number of ends of the stretches of a profile whose last node is elastic `[realisation]`."""
+    now, elastic = touching(contact), elastic_nodes(contact)
+    ends = (np.count_nonzero(elastic & ~np.roll(now, side, axis=1), axis=1) for side in (1, -1))
+    return np.asarray(sum(ends))
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -54,7 +79,7 @@ def contact_area_fraction(contact: Contact) -> Reals:
         edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
         return np.asarray(contact_area_fraction_counted(contact) - edges)
     nx = contact.heights.shape[1]
-    return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
+    return np.asarray(contact_area_fraction_counted(contact) - EDGE_BIAS * _elastic_ends(contact) / nx)
 
 
 def contact_area_fraction_error(contact: Contact) -> Reals:
@@ -68,14 +93,14 @@ def contact_area_fraction_edges(contact: Contact) -> Reals:
     """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact))[0]
+    return contact_length(contact.equilibrium.pressure, touching(contact), elastic_nodes(contact))[0]
 
 
 def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact))[1]
+    return contact_length(contact.equilibrium.pressure, touching(contact), elastic_nodes(contact))[1]
 
 
 def mean_segment_length(contact: Contact) -> Reals:

@@ -21,7 +21,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import recipe, statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
+from gfmd_numba.scene import Body, Discretisation, InputError, Interface, LoadedBody, Numerics, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
@@ -84,11 +84,14 @@ class Problem:
         if isinstance(self.surface, RandomSurface):
             # its text names the classes: models with equal numbers differ in nothing else
             surface["generator"] = repr(self.surface.generator)
+        interface = asdict(self.interface) | {"laws": self.interface.laws}
+        if self.interface.hardness is None:
+            del interface["hardness"]
         content = {
             "results_version": results_version(),
             "surface": surface,
             "body": asdict(self.body),
-            "interface": asdict(self.interface) | {"laws": self.interface.laws},
+            "interface": interface,
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
             "numerics": asdict(self.numerics),
@@ -142,7 +145,10 @@ def reduce(
     numerics: Numerics,
     tractions: Tractions | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's."""
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    Raises InputError for a mean pressure that the hardness cannot carry.
+    """
     loading = scene.loading
     displacement = None
     if loading.displacement is not None:
@@ -155,6 +161,10 @@ def reduce(
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
     options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
+    if pressure is not None and interface.hardness is not None and pressure >= interface.hardness:
+        most = interface.hardness * scene.body.stiffness_scale
+        given = f"scene.loading.reduced_pressure: given {loading.reduced_pressure:g}"
+        raise InputError(f"{given}; allowed: below {most:.6g}, the hardness over g E*, which no mean pressure reaches")
     counter = None
     if scene.counter_body is not None:
         other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
@@ -232,6 +242,8 @@ def _interface(asked: Interface, body: Body, length: float, energy: float) -> tu
         interactions = replace(interactions, friction=None)
         reason = "an incompressible half-space has no tangential displacement under normal load"
         effects["friction"] = Effect("friction", "dropped", reason)
+    if interactions.hardness is not None:
+        effects["hardness"] = Effect("hardness", "on", f"the pressure is at most {interactions.hardness:.4g} g E*")
     return interactions, tuple(effects.values())
 
 

@@ -13,7 +13,7 @@ from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
-from gfmd_numba.kernels.hardness import bound, damp, revise_nodes, violations
+from gfmd_numba.kernels.hardness import bound, damp, revise_bounds, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.spectral import couple, multiply
@@ -45,10 +45,10 @@ __all__ = [
     "open_gap",
     "prescribed_step",
     "prescribed_violation",
+    "revise_bounds",
     "revise_contact",
-    "revise_nodes",
     "verlet_step",
-    "violations",
     "wall_pressure",
+    "wrong_gaps",
     "xu_needleman_pull",
 ]

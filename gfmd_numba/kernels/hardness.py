@@ -1,4 +1,4 @@
-"""Compiled parts of contact under a hardness: plastic nodes carry exactly that, open ones nothing, the others between.
+"""Compiled parts of contact under a hardness: plastic nodes carry exactly that, open ones nothing, free ones between.
 
 A plastic node may penetrate. Arrays are `[x]`.
 """
@@ -7,8 +7,6 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-
-_BELOW = 1.0 - 2.0**-20  # of the hardness, where a plastic node begins to be free: less in either precision
 
 
 @jit
@@ -70,7 +68,7 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
             break
         if inside > 0:
             following = shift + missing / inside
-        else:
+        else:  # half way into the nodes that come next
             following = shift - below + 0.5 * hardness if missing > 0.0 else shift - above - 0.5 * hardness
         if not low < following < high:
             following = 0.5 * (low + high)
@@ -86,10 +84,9 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
 def bounded_step(
     p: Reals, gap: Reals, t: Reals, step: float, load: float, hardness: float, n: int, free_mean: bool
 ) -> float:
-    """Step of free nodes along t and of those at their bounds along the gap, to the nearest pressures between bounds.
+    """Step of free nodes along t, of the others along the gap, to the nearest pressures between bounds.
 
-    Return 0 if the nodes that are free have changed, so that the old direction says nothing of the new ones, and 1
-    otherwise.
+    Return 1 if the same nodes are free as before, so that the next direction may be conjugate to this one, or else 0.
     """
     for j in range(n):
         p[j] -= step * (t[j] if 0.0 < p[j] < hardness else gap[j])
@@ -106,9 +103,10 @@ def bounded_step(
 
 @jit
 def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, contact: Flags, n: int, hardness: float) -> None:
-    """Go back towards the last pressure, between its bounds too, if the energy has not decreased, and remember the new.
+    """Go back towards the last pressure, to the least energy on the way, if the energy has not decreased.
 
-    The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell.
+    The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell. The last
+    pressure and gap become the present ones.
     """
     before = 0.0
     after = 0.0
@@ -128,10 +126,12 @@ def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, contact: Flags, n
 
 
 @jit
-def violations(p: Reals, gap: Reals, nodes: Indices, count: int, n: int, rounding: float, free_mean: bool, t: Reals) -> float:
-    """Take the approach off the gap, and fill t with what violates it: overlap of open nodes, gaps of plastic ones; its square.
+def wrong_gaps(
+    p: Reals, gap: Reals, nodes: Indices, count: int, n: int, rounding: float, free_mean: bool, t: Reals
+) -> float:
+    """Fill t with the gaps of open nodes that overlap and of plastic nodes that do not, and zero; sum of its squares.
 
-    Under a prescribed load the free nodes fix the approach.
+    Under a prescribed load the free nodes fix the approach, which is taken off the gap.
     """
     if free_mean:
         approach = 0.0
@@ -144,51 +144,57 @@ def violations(p: Reals, gap: Reals, nodes: Indices, count: int, n: int, roundin
         for j in range(n):
             gap[j] -= approach
     for j in range(n):
-        t[j] = gap[j]
+        wrong = gap[j] > rounding if p[j] > 0.0 else gap[j] < -rounding
+        t[j] = gap[j] if wrong else 0.0
     for k in range(count):
         t[nodes[k]] = 0.0
     square = 0.0
     for j in range(n):
-        if (gap[j] > -rounding if p[j] <= 0.0 else gap[j] < rounding):
-            t[j] = 0.0
         square += t[j] * t[j]
     return square
 
 
 @jit
-def revise_nodes(
-    p: Reals, gap: Reals, t: Reals, st: Reals, square: float, contact: Flags, n: int, load: float, hardness: float, free_mean: bool,
+def revise_bounds(
+    p: Reals,
+    gap: Reals,
+    t: Reals,
+    st: Reals,
+    square: float,
+    contact: Flags,
+    n: int,
+    load: float,
+    hardness: float,
+    free_mean: bool,
 ) -> int:
-    """Nearest pressures between their bounds after a step along the violations t, whose displacement is st; how many nodes changed sides."""
-    step = 0.0
-    if square > 0.0:
-        curvature = 0.0
-        for j in range(n):
-            curvature += t[j] * st[j]
-        step = square / curvature
-    before = 0
-    violating = 0
+    """Step against the wrong gaps t to the nearest pressures between bounds, and mark which nodes are free; how many
+    were wrong.
+
+    The step is the best along t, whose displacement is st. Under a prescribed load, nodes with a right gap keep their
+    bound; unless the step carries nodes across both bounds, as punches too rough to deform do: then all may move.
+    """
+    curvature = 0.0
+    wrong = 0
     for j in range(n):
-        before += contact[j]
-        violating += t[j] != 0.0
-    across = step * step * square > violating * hardness * hardness
-    for j in range(n):
-        if across and not contact[j]:
-            p[j] -= step * gap[j]
-        elif t[j] != 0.0:
-            p[j] -= step * t[j]
-        contact[j] |= across or t[j] != 0.0
+        curvature += t[j] * st[j]
+        wrong += t[j] != 0.0
+    step = square / curvature if wrong > 0 else 0.0
+    across = step * step * square > wrong * hardness * hardness
     outside = 0
     for j in range(n):
-        if contact[j] and not 0.0 < p[j] < hardness:
-            outside += 1
-    if outside == 0 and square == 0.0:
+        if contact[j]:
+            outside += not 0.0 < p[j] < hardness
+        elif across:
+            p[j] -= step * gap[j]
+        else:
+            p[j] -= step * t[j]
+    if wrong + outside == 0:
         return 0
     if free_mean:
+        for j in range(n):
+            contact[j] |= across or t[j] != 0.0
         bound(p, contact, load * n, hardness, n)
-    after = 0
     for j in range(n):
         p[j] = min(max(p[j], 0.0), hardness)
         contact[j] = 0.0 < p[j] < hardness
-        after += contact[j]
-    return max(outside, abs(after - before), 1)
+    return wrong + outside

@@ -42,12 +42,12 @@ class BoundedNewton(ActiveSetNewton):
 
     def _revise(self, row: Rows, count: int) -> int:
         i, n, t = row[0], self.field.n, self.direction[row[0]]
-        square = kernels.violations(
+        square = kernels.wrong_gaps(
             self.pressure[i], self.gap[i], self._nodes, count, n, self.rounding[i], self.free_mean, t
         )
         if square > 0.0:
             self.field.apply(self.compliance, row, source=1)
-        changed = kernels.revise_nodes(
+        changed = kernels.revise_bounds(
             self.pressure[i], self.gap[i], t, self.field.result[i], square, self._contact[i], n, self.load[i],
             self.hardness, self.free_mean,
         )  # fmt: skip

@@ -43,6 +43,4 @@ class ConjugateGradients(PressureIterate):
     def _open_gap(self, active: Rows) -> None:
         field = self.field
         field.apply(self.compliance, active, source=0)
-        kernels.cg_gap(
-            self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean, self.hardness
-        )
+        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean, self.hardness)

@@ -36,6 +36,11 @@ class PressureIterate:
         softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if batch.load is None else batch.load
         self.load = batch.loads
+        hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
+        self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
+        # between its bounds, where every node is free to move
+        if batch.load is None:
+            start = np.minimum(start, 0.5 * self.hardness)
         self.pressure[:, :n] = start[:, np.newaxis]
         with np.errstate(divide="ignore"):
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
@@ -43,8 +48,6 @@ class PressureIterate:
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n, punch.dtype)
-        hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
-        self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
         self.certificate = Certificate(rows, self.hardness)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 

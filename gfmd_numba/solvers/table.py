@@ -19,6 +19,7 @@ ABILITIES = {
     "prescribed": ", the solver of both displacements",
     "normal law": ", as the others know the hard wall only",
     "hard wall": " with a hard_wall",
+    "hardness": " with a hardness, the second bound of the pressure",
     "single": " in single precision",
 }
 
@@ -43,7 +44,7 @@ class Solver:
     successor: str | None = None
 
 
-_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "rigid mean", "single"})
+_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
 _DISPLACEMENT = frozenset({"dimension 1", "hard wall", "normal law", "single"})
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 

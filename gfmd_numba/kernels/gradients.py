@@ -7,38 +7,24 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.hardness import approach_without_free_nodes, bounded_step
+from gfmd_numba.kernels.hardness import bounded_step
 
 
 @jit
-def cg_gap(
-    p: Reals,
-    sp: Reals,
-    punch: Reals,
-    gap: Reals,
-    active: Indices,
-    n: int,
-    free_mean: bool,
-    hardness: float = np.inf,
-) -> None:
+def cg_gap(p: Reals, sp: Reals, punch: Reals, gap: Reals, active: Indices, n: int, free_mean: bool) -> None:
     """Gap left by the pressure p whose displacement is sp (Polonsky & Keer 1999, eqs 5-6).
 
-    `free_mean`: the load is prescribed, so the gap is known up to the approach, which the free nodes fix.
+    `free_mean`: the load is prescribed, so the gap is known up to the approach, which the touching nodes fix.
     """
     for i in active:
         approach = 0.0
         if free_mean:
             touching = 0
             for j in range(n):
-                if 0.0 < p[i, j] < hardness:
+                if p[i, j] > 0.0:
                     approach += punch[i, j] + sp[i, j]
                     touching += 1
-            if touching > 0:
-                approach /= touching
-            else:
-                for j in range(n):
-                    gap[i, j] = punch[i, j] + sp[i, j]
-                approach = approach_without_free_nodes(p[i], gap[i], n)
+            approach /= touching
         for j in range(n):
             gap[i, j] = punch[i, j] + sp[i, j] - approach
 

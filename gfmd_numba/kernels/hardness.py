@@ -23,6 +23,23 @@ def approach_without_free_nodes(p: Reals, gap: Reals, n: int) -> float:
 
 
 @jit
+def level(p: Reals, gap: Reals, hardness: float, n: int) -> None:
+    """Take the approach off the gap under a prescribed load, which the free nodes fix."""
+    approach = 0.0
+    count = 0
+    for j in range(n):
+        if 0.0 < p[j] < hardness:
+            approach += gap[j]
+            count += 1
+    if count > 0:
+        approach /= count
+    else:
+        approach = approach_without_free_nodes(p, gap, n)
+    for j in range(n):
+        gap[j] -= approach
+
+
+@jit
 def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> None:
     """Move pressures by one number so that all add up to `total` between their bounds: the nearest pressures that do.
 
@@ -102,8 +119,8 @@ def bounded_step(
 
 
 @jit
-def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, contact: Flags, n: int, hardness: float) -> None:
-    """Go back towards the last pressure, to the least energy on the way, if the energy has not decreased.
+def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> bool:
+    """Go back towards the last pressure, to the least energy on the way, if the energy has increased; whether it had.
 
     The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell. The last
     pressure and gap become the present ones.
@@ -114,15 +131,16 @@ def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, contact: Flags, n
         change = p[j] - last_p[j]
         before += change * last_gap[j]
         after += change * gap[j]
-    if before < 0.0 and after > -before:
+    uphill = before < 0.0 and after > -before
+    if uphill:
         share = before / (before - after)
         for j in range(n):
             p[j] = last_p[j] + share * (p[j] - last_p[j])
             gap[j] = last_gap[j] + share * (gap[j] - last_gap[j])
-            contact[j] = 0.0 < p[j] < hardness
     for j in range(n):
         last_p[j] = p[j]
         last_gap[j] = gap[j]
+    return uphill
 
 
 @jit

@@ -6,6 +6,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.last_pressure import LastPressure
 from gfmd_numba.solvers.options import Options
 
 Rows = npt.NDArray[np.int64]
@@ -26,19 +27,14 @@ class BoundedNewton(ActiveSetNewton):
 
     def __init__(self, batch: Batch, options: Options) -> None:
         super().__init__(batch, options)
-        self._last_pressure, self._last_gap = np.zeros((2, *self.pressure.shape))
-        self._begun = np.zeros(len(self.pressure), dtype=np.bool_)
+        self._last = LastPressure(self.pressure)
 
     def _open_gap(self, row: Rows) -> None:
         super()._open_gap(row)
         i = row[0]
-        if not self._begun[i]:
-            self._last_pressure[i], self._last_gap[i] = self.pressure[i], self.gap[i]
-            self._begun[i] = True
-        kernels.damp(
-            self.pressure[i], self.gap[i], self._last_pressure[i], self._last_gap[i], self._contact[i],
-            self.field.n, self.hardness,
-        )  # fmt: skip
+        p = self.pressure[i]
+        if self._last.damp(i, p, self.gap[i], self.field.n):
+            self._contact[i] = (p > 0.0) & (p < self.hardness)
 
     def _revise(self, row: Rows, count: int) -> int:
         i, n, t = row[0], self.field.n, self.direction[row[0]]

@@ -5,11 +5,18 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.last_pressure import LastPressure
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Reals = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.int64]
+
+
+def conjugate_gradients(batch: Batch, options: Options) -> "ConjugateGradients":
+    """Begin the method for as many bounds as the pressure has."""
+    bounded = batch.interface.hardness is not None
+    return BoundedConjugateGradients(batch, options) if bounded else ConjugateGradients(batch, options)
 
 
 class ConjugateGradients(PressureIterate):
@@ -43,4 +50,27 @@ class ConjugateGradients(PressureIterate):
     def _open_gap(self, active: Rows) -> None:
         field = self.field
         field.apply(self.compliance, active, source=0)
-        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean, self.hardness)
+        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean)
+
+
+class BoundedConjugateGradients(ConjugateGradients):
+    """Pressure of a batch between 0 and the hardness.
+
+    Each step goes to the nearest pressure between the bounds that carries the load, and is cut short where it would
+    increase the energy.
+    """
+
+    def __init__(self, batch: Batch, options: Options) -> None:
+        super().__init__(batch, options)
+        self._last = LastPressure(self.pressure)
+
+    def _open_gap(self, active: Rows) -> None:
+        field, n = self.field, self.field.n
+        field.apply(self.compliance, active, source=0)
+        for i in active:
+            p, gap = self.pressure[i], self.gap[i]
+            kernels.open_gap(field.result[i], self.wall[i], n, gap)
+            if self._last.damp(i, p, gap, n):
+                self._keep[i] = 0.0
+            if self.free_mean:
+                kernels.level(p, gap, self.hardness, n)

@@ -60,7 +60,7 @@ SOLVERS = {
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.conjugate_gradients:ConjugateGradients",
+        condensed="gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",
     ),
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",

@@ -103,7 +103,7 @@ def bounded_step(
 ) -> float:
     """Step of free nodes along t, of the others along the gap, to the nearest pressures between bounds.
 
-    Return 1 if the same nodes are free as before, so that the next direction may be conjugate to this one, or else 0.
+    Return 0 if nodes have become free, of which t says nothing, so that the next direction begins anew, or else 1.
     """
     for j in range(n):
         p[j] -= step * (t[j] if 0.0 < p[j] < hardness else gap[j])
@@ -113,7 +113,7 @@ def bounded_step(
         for j in range(n):
             p[j] = min(max(p[j], 0.0), hardness)
     for j in range(n):
-        if (t[j] != 0.0) != (0.0 < p[j] < hardness):
+        if t[j] == 0.0 and 0.0 < p[j] < hardness:
             return 0.0
     return 1.0
 

@@ -21,6 +21,7 @@ FACTORS = {
     "dimension": {"profile": {"dimension": 1}, "map": {"dimension": 2}},
     "law": {
         "hard wall": {"interface": WALL},
+        "hardness": {"interface": {"hard_wall": {"hardness": 0.02}}},
         "exponential repulsion": {"interface": {"exponential": {"work_of_adhesion": -1e-4, "range": 0.02}}},
         "exponential attraction": {"interface": WALL | ATTRACTION},
         "cohesive": {"interface": COHESIVE},

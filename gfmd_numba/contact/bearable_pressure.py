@@ -6,8 +6,6 @@ from gfmd_numba.contact.problem import contact_modulus
 from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 
-BEYOND = "where the mean pressure would reach the hardness: no pressure between 0 and the hardness carries more"
-
 
 def check_bearable(document: Document, scene: Scene, grid: Mapping[str, Sequence[float]]) -> None:
     """Raise InputError for a pressure of a scene, or of its grid, that the least hardness beside it cannot bear.
@@ -24,7 +22,7 @@ def check_bearable(document: Document, scene: Scene, grid: Mapping[str, Sequence
     most = min(hardnesses) * scene.body.stiffness_scale / (max(gradients) * stiffest)
     for location, pressure in _pressures(scene, grid):
         if pressure >= most:
-            raise document.error(location, pressure, f"below {most:.6g}, {BEYOND}")
+            raise document.error(location, pressure, f"below {most:.6g}, at which the mean pressure is the hardness itself")
 
 
 def _bodies(scene: Scene, ratios: Sequence[float]) -> list[Scene]:

@@ -164,7 +164,7 @@ def reduce(
     if pressure is not None and interface.hardness is not None and pressure >= interface.hardness:
         most = interface.hardness * scene.body.stiffness_scale
         given = f"scene.loading.reduced_pressure: given {loading.reduced_pressure:g}"
-        raise InputError(f"{given}; allowed: below {most:.6g}, the hardness over g E*, which no mean pressure reaches")
+        raise InputError(f"{given}; allowed: below {most:.6g}, at which the mean pressure is the hardness itself")
     counter = None
     if scene.counter_body is not None:
         other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]

@@ -22,7 +22,9 @@ def check_bearable(document: Document, scene: Scene, grid: Mapping[str, Sequence
     most = min(hardnesses) * scene.body.stiffness_scale / (max(gradients) * stiffest)
     for location, pressure in _pressures(scene, grid):
         if pressure >= most:
-            raise document.error(location, pressure, f"below {most:.6g}, at which the mean pressure is the hardness itself")
+            raise document.error(
+                location, pressure, f"below {most:.6g}, at which the mean pressure is the hardness itself"
+            )
 
 
 def _bodies(scene: Scene, ratios: Sequence[float]) -> list[Scene]:

@@ -18,18 +18,43 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
 
 
 def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
-    """Touching nodes below the hardness `[realisation, (y,) x]`.
+    """Touching nodes that are neither plastic nor in a fringe `[realisation, (y,) x]`.
 
-    At an edge their pressure goes to zero, and counted nodes reach beyond it. That of plastic nodes ends at a step,
-    where they do not: the nodes of a wholly plastic contact are its area, the load over the hardness.
+    Where such nodes are the last, pressure goes to zero as under an elastic body, and counted nodes reach too far.
     """
     plastic = contact.equilibrium.plastic
-    return touching(contact) if plastic is None else touching(contact) & ~plastic
+    return touching(contact) if plastic is None else touching(contact) & ~plastic & ~_fringe(contact, plastic)
+
+
+def filled(contact: Contact) -> npt.NDArray[Any]:
+    """Share of each node that is in contact `[realisation, (y,) x]`, but for the edges of elastic nodes.
+
+    Around a plastic spot pressure falls from the hardness to zero within a fringe. One narrower than a node is a
+    node that the edge of the spot crosses: it is in contact where it bears the hardness, a share p / p_H of it. So the
+    area of a wholly plastic contact is the load over the hardness.
+    """
+    plastic = contact.equilibrium.plastic
+    if plastic is None:
+        return touching(contact)
+    pressure, axes = contact.equilibrium.pressure, tuple(range(1, plastic.ndim))
+    hardness = pressure.max(axis=axes, keepdims=True)  # that of a fringe, which has plastic neighbours
+    share = np.divide(pressure, hardness, out=np.zeros(pressure.shape), where=hardness > 0.0)
+    return np.where(_fringe(contact, plastic), share, touching(contact))
+
+
+def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Elastic nodes with both plastic and open neighbours."""
+    now = touching(contact)
+    beside_plastic, beside_open = (
+        np.logical_or.reduce([np.roll(some, side, axis=axis) for axis in range(1, now.ndim) for side in (1, -1)])
+        for some in (plastic, ~now)
+    )
+    return np.asarray(now & ~plastic & beside_plastic & beside_open)
 
 
 def plastic_area_fraction(contact: Contact) -> Reals:
     """Nodes at the hardness over all nodes `[realisation]`."""
-    return np.asarray(mean_of_nodes(touching(contact) & ~elastic_nodes(contact)))
+    return mean_of_nodes(np.asarray(contact.equilibrium.plastic))
 
 
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
@@ -77,30 +102,35 @@ def contact_area_fraction(contact: Contact) -> Reals:
     if contact.heights.ndim == 3:
         sides = perimeter(contact)
         edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
-        return np.asarray(contact_area_fraction_counted(contact) - edges)
+        return np.asarray(mean_of_nodes(filled(contact)) - edges)
     nx = contact.heights.shape[1]
-    return np.asarray(contact_area_fraction_counted(contact) - EDGE_BIAS * _elastic_ends(contact) / nx)
+    return np.asarray(mean_of_nodes(filled(contact)) - EDGE_BIAS * _elastic_ends(contact) / nx)
 
 
 def contact_area_fraction_error(contact: Contact) -> Reals:
     """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return np.asarray(np.sqrt(2.0 * n_segments(contact) / 12.0) / contact.heights.shape[1])
+    return np.asarray(np.sqrt(_elastic_ends(contact) / 12.0) / contact.heights.shape[1])
 
 
 def contact_area_fraction_edges(contact: Contact) -> Reals:
     """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact), elastic_nodes(contact))[0]
+    return _located(contact)[0]
 
 
 def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact), elastic_nodes(contact))[1]
+    return _located(contact)[1]
+
+
+def _located(contact: Contact) -> tuple[Reals, Reals]:
+    found = contact.equilibrium
+    return contact_length(found.pressure, found.touching, elastic_nodes(contact), filled(contact))
 
 
 def mean_segment_length(contact: Contact) -> Reals:

@@ -12,6 +12,7 @@ from gfmd_numba.contact.contact_area import (
     contact_area_fraction_edges,
     contact_area_fraction_edges_error,
     elastic_nodes,
+    filled,
     mean_of_nodes,
     perimeter,
     touching,
@@ -92,7 +93,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     now = touching(contact)
     axes = tuple(range(1, now.ndim))
     bias = EDGE_BIAS if now.ndim == 2 else np.expand_dims(perimeter_bias(*perimeter(contact)), axes)
-    share = now.astype(float)
+    share = filled(contact).astype(float)
     elastic = elastic_nodes(contact)
     for axis in axes:
         for side in (1, -1):

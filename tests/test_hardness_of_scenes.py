@@ -114,11 +114,10 @@ def flattened(nx, dimension, load, hardness, shifts):
     return pressed
 
 
-@pytest.mark.parametrize(
-    ("dimension", "load", "shares"), [(1, 0.02, (0.1, 0.3, 0.5, 0.85)), (2, 0.02, (0.2, 0.4, 1.0))]
-)
-def test_the_area_of_a_flattened_sinusoid_does_not_depend_on_the_grid(dimension, load, shares):
-    """Fringes far below, near and above a node; half of what counted nodes are off by, a tenth where it is far below."""
+@pytest.mark.parametrize(("dimension", "shares"), [(1, (0.1, 0.3, 0.5, 0.85)), (2, (0.2, 0.4, 1.0))])
+def test_the_area_of_a_flattened_sinusoid_does_not_depend_on_the_grid(dimension, shares):
+    """Fringes far below, near and above a node: at most half of the error of counted nodes is left."""
+    load = 0.02
     shifts = (np.arange(16) + 0.5) / 16
     fine, coarse = ((2**14, 128), (512, 64))[dimension - 1]
     for share in shares:

@@ -92,9 +92,16 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
             if not low < following < high:
                 break
         shift = following
+    inside = 0
+    missing = total - fixed
     for j in range(n):
         if movable[j] or not some:
             p[j] = min(max(p[j] + shift, 0.0), hardness)
+            missing -= p[j]
+            inside += 0.0 < p[j] < hardness
+    for j in range(n):  # what rounding took, where pressures were far beyond their bounds
+        if inside > 0 and 0.0 < p[j] < hardness and (movable[j] or not some):
+            p[j] = min(max(p[j] + missing / inside, 0.0), hardness)
 
 
 @jit

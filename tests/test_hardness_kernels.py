@@ -85,17 +85,35 @@ def test_damp_goes_back_to_the_least_energy_only_from_beyond_twice_the_way(kerne
     def energy(p):
         return 0.5 * p @ matrix @ p + punch @ p
 
-    for way, back in ((0.5, False), (1.9, False), (2.1, True), (9.0, True), (-1.0, False)):
+    for way, back in ((0.5, 0), (1.9, 0), (2.1, 1), (9.0, 1), (-1.0, 2)):
         p = start - way * best * slope
         far, gap = p.copy(), matrix @ p + punch
         last_p, last_gap = start.copy(), slope.copy()
         assert kernel(p, gap, last_p, last_gap, N) == back
-        np.testing.assert_allclose(p, start - best * slope if back else far, rtol=1e-9)
+        np.testing.assert_allclose(p, start - best * slope if back == 1 else far, rtol=1e-9)
         np.testing.assert_allclose(gap, matrix @ p + punch, atol=1e-9)
-        np.testing.assert_array_equal(last_p, p)
-        np.testing.assert_array_equal(last_gap, gap)
+        np.testing.assert_array_equal(last_p, start if back == 2 else p)
+        np.testing.assert_array_equal(last_gap, slope if back == 2 else gap)
         if way > 0.0:
             assert energy(p) < energy(start)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.stop_at_first_bound))
+def test_a_careful_step_ends_where_the_first_free_node_reaches_a_bound(kernel, rng):
+    last = pressures(rng)
+    contact = (last > 0.0) & (last < HARDNESS)
+    p = np.where(contact, last + rng.normal(size=N), last)
+    change = (p - last)[contact]
+    room = np.where(change > 0.0, HARDNESS - last[contact], -last[contact]) / change
+    expected = np.where(contact, last + room.min() * (p - last), last)
+    first = np.flatnonzero(contact)[room.argmin()]
+    free = contact.copy()
+    assert kernel(p, last, free, HARDNESS, N) == 1
+    np.testing.assert_allclose(p, expected, atol=1e-12)
+    assert p[first] in (0.0, HARDNESS)
+    np.testing.assert_array_equal(np.flatnonzero(contact & ~free), [first])
+    inside = np.where(contact, 0.5 * (last + 0.3), last)
+    assert kernel(inside.copy(), last, contact, HARDNESS, N) == 0
 
 
 @pytest.mark.parametrize("kernel", both(kernels.wrong_gaps))

@@ -8,6 +8,8 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
+_ROUNDED = 1e-12  # of all that is added up
+
 
 @jit
 def approach_without_free_nodes(p: Reals, gap: Reals, n: int) -> float:
@@ -126,19 +128,24 @@ def bounded_step(
 
 
 @jit
-def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> bool:
-    """Go back towards the last pressure, to the least energy on the way, if the energy has increased; whether it had.
+def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> int:
+    """Go back towards the last pressure, to the least energy on the way, if the energy has increased.
 
-    The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell. The last
-    pressure and gap become the present ones.
+    The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell. Return 0 if
+    it has not increased, 1 if it has and the pressure now is on the way, 2 if it increases from the start: nothing has
+    then been changed. Otherwise the last pressure and gap become the present ones.
     """
     before = 0.0
     after = 0.0
+    size = 0.0
     for j in range(n):
         change = p[j] - last_p[j]
         before += change * last_gap[j]
         after += change * gap[j]
-    uphill = before < 0.0 and after > -before
+        size += abs(change) * (abs(last_gap[j]) + abs(gap[j]))
+    uphill = before + after > _ROUNDED * size
+    if uphill and before >= 0.0:
+        return 2
     if uphill:
         share = before / (before - after)
         for j in range(n):
@@ -147,7 +154,41 @@ def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> bool:
     for j in range(n):
         last_p[j] = p[j]
         last_gap[j] = gap[j]
-    return uphill
+    return 1 if uphill else 0
+
+
+@jit
+def room(p: float, last_p: float, hardness: float) -> float:
+    """Share of the way from the last pressure to p that stays between the bounds."""
+    if p < 0.0:
+        return last_p / (last_p - p)
+    if p > hardness:
+        return (hardness - last_p) / (p - last_p)
+    return 1.0
+
+
+@jit
+def stop_at_first_bound(p: Reals, last_p: Reals, contact: Flags, hardness: float, n: int) -> int:
+    """Go from the last pressure of free nodes only as far as the first of them reaches a bound, where it stays.
+
+    Return how many did; 0 if none is beyond its bounds.
+    """
+    first = 1.0
+    for j in range(n):
+        if contact[j]:
+            first = min(first, room(p[j], last_p[j], hardness))
+    if first == 1.0:
+        return 0
+    stopped = 0
+    for j in range(n):
+        if contact[j]:
+            if room(p[j], last_p[j], hardness) == first:
+                p[j] = 0.0 if p[j] < 0.0 else hardness
+                contact[j] = False
+                stopped += 1
+            else:
+                p[j] = last_p[j] + first * (p[j] - last_p[j])
+    return stopped
 
 
 @jit

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.last_pressure import LastPressure
+from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
@@ -70,7 +70,10 @@ class BoundedConjugateGradients(ConjugateGradients):
         for i in active:
             p, gap = self.pressure[i], self.gap[i]
             kernels.open_gap(field.result[i], self.wall[i], n, gap)
-            if self._last.damp(i, p, gap, n):
+            uphill = self._last.damp(i, p, gap, n)
+            if uphill:
                 self._keep[i] = 0.0
+            if uphill == UPHILL_FROM_THE_START:
+                self._last.remember(i, p, gap)
             if self.free_mean:
                 kernels.level(p, gap, self.hardness, n)

@@ -7,17 +7,23 @@ from gfmd_numba import kernels
 
 Reals = npt.NDArray[np.float64]
 
+UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
+
 
 class LastPressure:
     """Pressures between two bounds and their gaps `[realisation, x]`, up to the approach, as they last were."""
 
     def __init__(self, pressure: Reals) -> None:
-        self._pressure, self._gap = np.zeros((2, *pressure.shape), dtype=pressure.dtype)
+        self.pressure, self.gap = np.zeros((2, *pressure.shape), dtype=pressure.dtype)
         self._known = np.zeros(len(pressure), dtype=np.bool_)
 
-    def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> bool:
-        """Go back to the least energy on the way from the last pressure of row i, if it has increased; whether."""
-        if not self._known[i]:
-            self._pressure[i], self._gap[i], self._known[i] = pressure, gap, True
-            return False
-        return bool(kernels.damp(pressure, gap, self._pressure[i], self._gap[i], n))
+    def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:
+        """What `kernels.damp` does and returns for row i; 0 for its first pressure."""
+        if self._known[i]:
+            return int(kernels.damp(pressure, gap, self.pressure[i], self.gap[i], n))
+        self.remember(i, pressure, gap)
+        return 0
+
+    def remember(self, i: int, pressure: Reals, gap: Reals) -> None:
+        """Make a pressure the last one of row i."""
+        self.pressure[i], self.gap[i], self._known[i] = pressure, gap, True

@@ -177,6 +177,15 @@ AXES = (
         "tangential over normal traction at which a node slides",
     ),
     Axis(
+        "hardness",
+        Size,
+        ("interface", "hard_wall", "hardness"),
+        "p_H",
+        "$p_H$",
+        "contact pressure at which the hard wall gives way",
+        "pressure",
+    ),
+    Axis(
         "work_of_adhesion",
         Signed,
         ("interface", "exponential", "work_of_adhesion"),

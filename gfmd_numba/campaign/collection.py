@@ -26,7 +26,7 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, recorded
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -114,12 +114,14 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 def in_file_units(case: Case, measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
-    return {name: scaled(measured[name], scale[row.unit]) for name, row in OBSERVABLES.items()}
+    rows = recorded(case.problem.interface.hardness is not None)
+    return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path) -> Measures:
     """Measures of a problem `[longest]` from its blocks, dimensionless, and the seconds of each block."""
     parts = []
+    names = (*recorded(blocks[0].problem.interface.hardness is not None), SECONDS)
     for block in blocks:
         part = shards.read(shard_path(directory, block))
         if part is None:
@@ -130,7 +132,7 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         parts.append({name: values[:asked] for name, values in part.items()})
     if longest > realisations:
         parts.append(_nothing(longest - realisations, Outcome.not_asked))
-    return {name: np.concatenate([part[name] for part in parts]) for name in (*OBSERVABLES, SECONDS)}
+    return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
 def _nothing(count: int, status: Outcome) -> Measures:

@@ -96,5 +96,7 @@ def _work(nodes: int) -> float:
 
 
 def _kind(problem: Problem) -> str:
-    laws, surface = "+".join(problem.interface.laws), problem.surface
+    surface, laws = problem.surface, "+".join(problem.interface.laws)
+    if problem.interface.hardness is not None:
+        laws += "+hardness"
     return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}"

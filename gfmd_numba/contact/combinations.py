@@ -81,6 +81,18 @@ REFUSALS = (
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
+    *(
+        Refusal("hardness", law, f"a hard_wall without hardness beside {law}", "not built yet")
+        for law in LAWS
+        if not able(("hardness", LAWS[law].ability))
+    ),
+    Refusal(
+        "hardness",
+        "path",
+        "nothing beside a hardness, as plastic nodes keep their dents when they are unloaded",
+        "not built yet",
+    ),
+    Refusal("topography", "hardness", "null where a deformable body is rough or both deform", "not built yet"),
     Refusal(
         "displacement",
         "half-space",

@@ -75,6 +75,7 @@ PHRASES = {
     "topography": "a rough body or two elastic bodies",
     "topography_order": "`topography_order`",
     "hard wall": "a hard wall",
+    "hardness": "a hard wall with a `hardness`",
     "normal law": "a law of the gap alone",
     "cohesive law": "a law of gap and slip",
     **{name: law.title for name, law in LAWS.items()},

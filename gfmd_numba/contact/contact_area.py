@@ -16,6 +16,46 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     return contact.equilibrium.touching
 
 
+def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
+    """Touching nodes that are neither plastic nor in a fringe `[realisation, (y,) x]`.
+
+    Where such nodes are the last, pressure goes to zero as under an elastic body, and counted nodes reach too far.
+    """
+    plastic = contact.equilibrium.plastic
+    return touching(contact) if plastic is None else touching(contact) & ~plastic & ~_fringe(contact, plastic)
+
+
+def filled(contact: Contact) -> npt.NDArray[Any]:
+    """Share of each node that is in contact `[realisation, (y,) x]`, but for the edges of elastic nodes.
+
+    Around a plastic spot pressure falls from the hardness to zero within a fringe. One narrower than a node is a
+    node that the edge of the spot crosses: it is in contact where it bears the hardness, a share p / p_H of it. So the
+    area of a wholly plastic contact is the load over the hardness.
+    """
+    plastic = contact.equilibrium.plastic
+    if plastic is None:
+        return touching(contact)
+    pressure, axes = contact.equilibrium.pressure, tuple(range(1, plastic.ndim))
+    hardness = pressure.max(axis=axes, keepdims=True)  # that of a fringe, which has plastic neighbours
+    share = np.divide(pressure, hardness, out=np.zeros(pressure.shape), where=hardness > 0.0)
+    return np.where(_fringe(contact, plastic), share, touching(contact))
+
+
+def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Elastic nodes with both plastic and open neighbours."""
+    now = touching(contact)
+    beside_plastic, beside_open = (
+        np.logical_or.reduce([np.roll(some, side, axis=axis) for axis in range(1, now.ndim) for side in (1, -1)])
+        for some in (plastic, ~now)
+    )
+    return np.asarray(now & ~plastic & beside_plastic & beside_open)
+
+
+def plastic_area_fraction(contact: Contact) -> Reals:
+    """Nodes at the hardness over all nodes `[realisation]`."""
+    return mean_of_nodes(np.asarray(contact.equilibrium.plastic))
+
+
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
     now = touching(contact)
@@ -35,10 +75,20 @@ def _clusters(flags: npt.NDArray[np.bool_]) -> int:
 
 
 def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Number of neighbours along x, and along y, of a map of which one is in contact, one is not `[realisation]`."""
-    now = touching(contact)
-    along_x, along_y = (np.count_nonzero(now != np.roll(now, 1, axis=axis), axis=(1, 2)) for axis in (2, 1))
+    """Number of neighbours along x, and along y, of a map of which one touches elastically, one not `[realisation]`."""
+    now, elastic = touching(contact), elastic_nodes(contact)
+    along_x, along_y = (
+        sum(np.count_nonzero(elastic & ~np.roll(now, side, axis=axis), axis=(1, 2)) for side in (1, -1))
+        for axis in (2, 1)
+    )
     return along_x, along_y
+
+
+def _elastic_ends(contact: Contact) -> npt.NDArray[np.int64]:
+    """Number of ends of the stretches of a profile whose last node is elastic `[realisation]`."""
+    now, elastic = touching(contact), elastic_nodes(contact)
+    ends = (np.count_nonzero(elastic & ~np.roll(now, side, axis=1), axis=1) for side in (1, -1))
+    return np.asarray(sum(ends))
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -51,30 +101,35 @@ def contact_area_fraction(contact: Contact) -> Reals:
     if contact.heights.ndim == 3:
         sides = perimeter(contact)
         edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
-        return np.asarray(contact_area_fraction_counted(contact) - edges)
+        return np.asarray(mean_of_nodes(filled(contact)) - edges)
     nx = contact.heights.shape[1]
-    return np.asarray(contact_area_fraction_counted(contact) - 2.0 * EDGE_BIAS * n_segments(contact) / nx)
+    return np.asarray(mean_of_nodes(filled(contact)) - EDGE_BIAS * _elastic_ends(contact) / nx)
 
 
 def contact_area_fraction_error(contact: Contact) -> Reals:
     """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return np.asarray(np.sqrt(2.0 * n_segments(contact) / 12.0) / contact.heights.shape[1])
+    return np.asarray(np.sqrt(_elastic_ends(contact) / 12.0) / contact.heights.shape[1])
 
 
 def contact_area_fraction_edges(contact: Contact) -> Reals:
     """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact))[0]
+    return _located(contact)[0]
 
 
 def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return contact_length(contact.equilibrium.pressure, touching(contact))[1]
+    return _located(contact)[1]
+
+
+def _located(contact: Contact) -> tuple[Reals, Reals]:
+    found = contact.equilibrium
+    return contact_length(found.pressure, found.touching, elastic_nodes(contact), filled(contact))
 
 
 def mean_segment_length(contact: Contact) -> Reals:

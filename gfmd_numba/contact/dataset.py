@@ -9,7 +9,7 @@ import xarray as xr
 
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.problem import Effect, Problem, contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.scene import LoadedBody, Scene
@@ -129,7 +129,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
     values = measure(contact)
-    for name, row in OBSERVABLES.items():
+    for name, row in recorded(problem.interface.hardness is not None).items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)
         dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
@@ -164,7 +164,7 @@ def campaign_dataset(
     """Dataset `(case, realisation)` of the measures of every case, already in file units."""
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
     values = [case | {"status": finite_status(case)} for case in values]
-    for name, row in OBSERVABLES.items():
+    for name, row in recorded("plastic_area_fraction" in values[0]).items():
         stacked = np.stack([case[name] for case in values])
         dataset[name] = (("case", "realisation"), stacked, measure_attributes(name, unit[row.unit], row.long_name))
     return indexed(dataset).assign_coords(coordinates)

@@ -41,23 +41,28 @@ def perimeter_bias(facing_x: Indices, facing_y: Indices) -> Reals:
     return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, np.linspace(0.0, 1.0, 11), _PERIMETER_BIAS))
 
 
-def contact_length(pressure: Reals, touching: Flags) -> tuple[Reals, Reals]:
+def contact_length(
+    pressure: Reals, touching: Flags, elastic: Flags | None = None, filled: Reals | None = None
+) -> tuple[Reals, Reals]:
     """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
 
-    The error `[realisation]` is one standard deviation, of the edges whose position between two nodes is unknown.
+    The error `[realisation]` is one standard deviation, of the edges whose position between two nodes is unknown. Those
+    of nodes that are not `elastic`, by default none, are where the share says by which such nodes are `filled`.
     """
     nx = pressure.shape[1]
+    elastic = touching if elastic is None else elastic
+    shares = touching.sum(axis=1) if filled is None else filled.sum(axis=1)
     beyond = np.zeros(len(pressure))
     unknown = np.zeros(len(pressure))
     for inward in (1, -1):
-        edge = touching & ~np.roll(touching, inward, axis=1)
+        edge = elastic & ~np.roll(touching, inward, axis=1)
         resolved = edge.copy()
         for m in range(1, _LEAST_NODES):
-            resolved &= np.roll(touching, -m * inward, axis=1)
+            resolved &= np.roll(elastic, -m * inward, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = pressure / np.roll(pressure, -inward, axis=1)
             b = (1.0 - ratio * _A1) / (ratio * (_A1 - 1.0) - 1.0)
         position = np.where(resolved, np.clip(_FARTHEST + b, _FARTHEST - 1.0, _FARTHEST), 0.5 - EDGE_BIAS)
         beyond += np.where(edge, position - 0.5, 0.0).sum(axis=1)
         unknown += (edge & ~resolved).sum(axis=1)
-    return (touching.sum(axis=1) + beyond) / nx, np.sqrt(unknown / 12.0) / nx
+    return (shares + beyond) / nx, np.sqrt(unknown / 12.0) / nx

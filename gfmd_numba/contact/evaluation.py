@@ -12,13 +12,15 @@ from gfmd_numba.contact.contact_area import (
     contact_area_fraction_counted,
     contact_area_fraction_edges,
     contact_area_fraction_edges_error,
+    elastic_nodes,
+    filled,
     mean_of_nodes,
     perimeter,
     touching,
 )
 from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
 from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
@@ -90,10 +92,11 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     now = touching(contact)
     axes = tuple(range(1, now.ndim))
     bias = EDGE_BIAS if now.ndim == 2 else np.expand_dims(perimeter_bias(*perimeter(contact)), axes)
-    share = now.astype(float)
+    share = filled(contact).astype(float)
+    elastic = elastic_nodes(contact)
     for axis in axes:
         for side in (1, -1):
-            share -= bias * (now & ~np.roll(now, side, axis=axis))
+            share -= bias * (elastic & ~np.roll(now, side, axis=axis))
     square = statistics.gradient(contact.heights) ** 2
     if now.ndim == 3:
         square += statistics.gradient(contact.heights.swapaxes(1, 2)).swapaxes(1, 2) ** 2
@@ -101,8 +104,12 @@ def rms_gradient_contact(contact: Contact) -> Reals:
 
 
 def gap(contact: Contact) -> Reals:
-    """Distance between the surfaces in g L_x `[realisation, (y,) x]`; exactly 0 where they touch."""
-    return contact.punch - contact.equilibrium.displacement
+    """Distance between the surfaces in g L_x `[realisation, (y,) x]`; exactly 0 where they touch.
+
+    That of plastic nodes is 0 too: what the displacement penetrates there, the punch has flattened by.
+    """
+    distance = contact.punch - contact.equilibrium.displacement
+    return distance if contact.equilibrium.plastic is None else np.maximum(distance, 0.0)
 
 
 def mean_gap(contact: Contact) -> Reals:
@@ -136,13 +143,14 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
     found = contact.equilibrium
+    rows = recorded(found.plastic is not None)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        values = {name: _value(name, row.function, contact) for name, row in OBSERVABLES.items()}
+        values = {name: _value(name, row.function, contact) for name, row in rows.items()}
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}
     if found.tangential is not None:
         fields |= {"traction": found.tangential.traction, "sideways": found.tangential.displacement}
     status = finite_status(values | fields)
-    for name, row in OBSERVABLES.items():
+    for name, row in rows.items():
         if row.of == "contact":
             values[name] = np.where(status != Status.ok, np.nan, values[name])
     return values | {"status": status}

@@ -10,7 +10,8 @@ class Observable:
 
     Units are 1, g, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a `stiffness_scale`.
     `function` is "module:function" of a contact, None for what its equilibrium says under that name. One that is
-    `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps.
+    `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One
+    that `needs_hardness` is recorded of contacts with a hardness alone.
     """
 
     of: Literal["contact", "surface", "run"]
@@ -18,6 +19,7 @@ class Observable:
     long_name: str
     function: str | None = None
     undefined_at_times: bool = False
+    needs_hardness: bool = False
 
 
 _AREA, _CONTACT = "gfmd_numba.contact.contact_area", "gfmd_numba.contact.evaluation"
@@ -66,6 +68,13 @@ OBSERVABLES = {
         "standard deviation of contact_area_fraction by edges between the nodes of profiles",
         f"{_AREA}:contact_area_fraction_error",
         undefined_at_times=True,
+    ),
+    "plastic_area_fraction": Observable(
+        "contact",
+        "1",
+        "nodes at the hardness over all nodes",
+        f"{_AREA}:plastic_area_fraction",
+        needs_hardness=True,
     ),
     "kappa_edges": Observable(
         "contact",
@@ -119,3 +128,8 @@ OBSERVABLES = {
     "n_transforms": Observable("run", "1", "fast Fourier transforms of the whole grid"),
     "wall_time": Observable("run", "s", "time spent in the solver"),
 }
+
+
+def recorded(hardness: bool) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness."""
+    return {name: row for name, row in OBSERVABLES.items() if hardness or not row.needs_hardness}

@@ -23,7 +23,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import recipe, statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
+from gfmd_numba.scene import Body, Discretisation, InputError, Interface, LoadedBody, Numerics, Random, Scene
 from gfmd_numba.scene.layer_records import Layer
 from gfmd_numba.scene.layer_records import Material as MaterialRecord
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
@@ -90,11 +90,14 @@ class Problem:
         if isinstance(self.surface, RandomSurface):
             # its text names the classes: models with equal numbers differ in nothing else
             surface["generator"] = repr(self.surface.generator)
+        interface = asdict(self.interface) | {"laws": self.interface.laws}
+        if self.interface.hardness is None:
+            del interface["hardness"]
         content = {
             "results_version": results_version(),
             "surface": surface,
             "body": _content(self.body),
-            "interface": asdict(self.interface) | {"laws": self.interface.laws},
+            "interface": interface,
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
             "numerics": asdict(self.numerics),
@@ -157,7 +160,10 @@ def reduce(
     numerics: Numerics,
     tractions: Tractions | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's."""
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    Raises InputError for a mean pressure that the hardness cannot carry.
+    """
     loading = scene.loading
     displacement = None
     if loading.displacement is not None:
@@ -171,6 +177,10 @@ def reduce(
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
     options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
     pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
+    if pressure is not None and interface.hardness is not None and pressure >= interface.hardness:
+        most = interface.hardness * scene.body.stiffness_scale
+        said = f"scene.loading.reduced_pressure: given {loading.reduced_pressure:g}"
+        raise InputError(f"{said}; allowed: below {most:.6g}, at which the mean pressure is the hardness itself")
     counter = None
     if scene.counter_body is not None:
         counter_body = elastic_body(scene.counter_body, scene.length)
@@ -288,6 +298,8 @@ def _interface(
         interactions = replace(interactions, friction=None)
         reason = "an incompressible half-space has no tangential displacement under normal load"
         effects["friction"] = Effect("friction", "dropped", reason)
+    if interactions.hardness is not None:
+        effects["hardness"] = Effect("hardness", "on", f"the pressure is at most {interactions.hardness:.4g} g E*")
     return interactions, tuple(effects.values())
 
 

@@ -35,6 +35,10 @@ def check_combination(
         listed, hint = "one of " + ", ".join(map(repr, names)), nearest(numerics.solver, names)
         raise document.error(("numerics", "solver"), numerics.solver, listed, hint)
     _raise(document, refusals(scene, numerics, path, grid))
+    if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
+        from gfmd_numba.contact.bearable_pressure import check_bearable  # numbers, which the tables do without
+
+        check_bearable(document, scene, grid or {})
 
 
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where) -> None:
@@ -101,6 +105,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     for name, law in scene.interface.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
             yield feature, ("scene", "interface", name)
+    if _has_hardness(scene, grid):
+        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
     if not scene.interface.couples:
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
@@ -117,11 +123,17 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
 
 
+def _has_hardness(scene: Scene, grid: Grid) -> bool:
+    return scene.interface.hardness is not None or "hardness" in grid
+
+
 def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
     if scene.loading.displacement is not None:
         yield "displacement", ("scene", "loading", "displacement")
         if scene.loading.displacement < 0.0:
             yield "negative displacement", ("scene", "loading", "displacement")
+    if path:
+        yield "path", ("path",)
     for i, step in enumerate(path):
         if step.sliding is not None:
             yield "sliding", ("path", i, "sliding")

@@ -42,13 +42,15 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
-    `laws` are the names of all that acts, as in the scene file.
+    `hardness` bounds the pressure of the hard wall, in g E*. `laws` are the names of all that acts, as in the scene
+    file.
     """
 
     hard_wall: bool
     normal_law: NormalLaw | None = None
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
+    hardness: float | None = None
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
@@ -59,7 +61,13 @@ class Interactions:
             if law.implementation is not None
         }
         friction = None if asked.friction is None else asked.friction.coefficient
-        return cls(asked.hard_wall is not None, computed.get("normal law"), friction, computed.get("cohesive law"))
+        return cls(
+            asked.hard_wall is not None,
+            computed.get("normal law"),
+            friction,
+            computed.get("cohesive law"),
+            None if asked.hardness is None else asked.hardness / (energy / length),
+        )
 
     @cached_property
     def laws(self) -> tuple[str, ...]:
@@ -71,7 +79,7 @@ class Interactions:
     @cached_property
     def abilities(self) -> tuple[str, ...]:
         """What the laws ask of a solver."""
-        return tuple(LAWS[name].ability for name in self.laws)
+        return tuple(LAWS[name].ability for name in self.laws) + (() if self.hardness is None else ("hardness",))
 
     @property
     def softening(self) -> float:

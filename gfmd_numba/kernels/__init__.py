@@ -13,12 +13,14 @@ from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
+from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.spectral import couple, multiply
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 
 __all__ = [
+    "bound",
     "cg_direction",
     "cg_gap",
     "cg_update",
@@ -27,6 +29,7 @@ __all__ = [
     "contact_nodes",
     "couple",
     "coupled_step",
+    "damp",
     "exponential_pull",
     "exponential_sum_factor",
     "exponential_sum_solve",
@@ -34,6 +37,7 @@ __all__ = [
     "free_mean",
     "friction_violation",
     "kkt_violation",
+    "level",
     "multiply",
     "near_field_pressure",
     "newton_direction",
@@ -42,8 +46,11 @@ __all__ = [
     "open_gap",
     "prescribed_step",
     "prescribed_violation",
+    "revise_bounds",
     "revise_contact",
+    "stop_at_first_bound",
     "verlet_step",
     "wall_pressure",
+    "wrong_gaps",
     "xu_needleman_pull",
 ]

@@ -17,10 +17,12 @@ def kkt_violation(
     worst: Reals,
     peak: Reals,
     imbalance: Reals,
+    hardness: float = np.inf,
 ) -> None:
-    """Largest traction on a free node or tension on a touching one, largest pressure, and mean unbalanced traction.
+    """Largest traction that no pressure the contact allows balances, largest pressure, and mean unbalanced traction.
 
-    For displacements that do not penetrate; not-a-number if any traction is not finite.
+    A free node allows none, a touching one from 0 to the hardness, one that penetrates exactly the hardness.
+    Not-a-number if any traction is not finite.
     """
     for i in active:
         largest = 0.0
@@ -30,7 +32,9 @@ def kkt_violation(
         for j in range(n):
             traction = load[i] - ku[i, j]
             total += traction
-            pressure = max(traction, 0.0) if u[i, j] >= punch[i, j] else 0.0
+            pressure = min(max(traction, 0.0), hardness) if u[i, j] >= punch[i, j] else 0.0
+            if u[i, j] > punch[i, j]:
+                pressure = hardness
             carried += pressure
             highest = max(highest, pressure)
             largest = max(largest, abs(traction - pressure))
@@ -78,8 +82,20 @@ def friction_violation(
 
 
 @jit
-def wall_pressure(u: Reals, ku: Reals, punch: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
-    """Pressure of the hard wall: on touching nodes under compression, zero elsewhere."""
+def wall_pressure(
+    u: Reals,
+    ku: Reals,
+    punch: Reals,
+    load: Reals,
+    active: Indices,
+    n: int,
+    p: Reals,
+    hardness: float = np.inf,
+) -> None:
+    """Pressure of the hard wall: on touching nodes under compression, the hardness where they penetrate, else zero."""
     for i in active:
         for j in range(n):
-            p[i, j] = max(load[i] - ku[i, j], 0.0) if u[i, j] >= punch[i, j] else 0.0
+            if u[i, j] > punch[i, j]:
+                p[i, j] = hardness
+            else:
+                p[i, j] = min(max(load[i] - ku[i, j], 0.0), hardness) if u[i, j] >= punch[i, j] else 0.0

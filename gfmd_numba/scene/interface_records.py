@@ -13,7 +13,7 @@ from gfmd_numba.scene.quantities import RECORD, FrictionCoefficient, Signed, Siz
 
 
 class HardWall(BaseModel):
-    """Non-overlap constraint, which has no parameters."""
+    """Non-overlap constraint; where a hardness is given, the pressure rises to it and the wall then gives way."""
 
     model_config = RECORD
     title: ClassVar = "hard wall"
@@ -24,6 +24,9 @@ class HardWall(BaseModel):
     across_open_gap: ClassVar = False
     needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = True
+    hardness: Size | None = Field(
+        None, description="Largest contact pressure in Pa (E* without moduli), where the wall gives way; None: no limit"
+    )
 
 
 class Exponential(BaseModel):
@@ -104,6 +107,11 @@ class Interface(BaseModel):
     def laws(self) -> dict[str, Law]:
         """The laws that act, by name."""
         return {name: law for name, law in self if law is not None}
+
+    @property
+    def hardness(self) -> float | None:
+        """Largest pressure of the hard wall in Pa (E* without moduli)."""
+        return None if self.hard_wall is None else self.hard_wall.hardness
 
     @property
     def couples(self) -> bool:

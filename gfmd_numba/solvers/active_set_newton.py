@@ -52,7 +52,7 @@ class ActiveSetNewton(PressureIterate):
         self._coarse_transforms = np.zeros(rows)
         if n > _COARSEST:
             self._guess(batch, options)
-        self._contact = self.pressure > 0.0
+        self._contact = (self.pressure > 0.0) & (self.pressure < self.hardness)
         self._inverse: ExponentialSum | FarField
         self._spare: RestrictedStiffness | None = None  # where the other cannot be used
         self._normal_stiffness = batch.normal_stiffness
@@ -81,14 +81,13 @@ class ActiveSetNewton(PressureIterate):
         n = self.field.n
         for row in active.reshape(-1, 1):
             i = row[0]
+            if self.changed[i]:
+                self._open_gap(row)
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
             spent = self._spent
             self._close_gap(row, count)
             self._coarse_transforms[i] += self._spent - spent
-            changed = kernels.revise_contact(
-                self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, n, self.load[i],
-                self.rounding[i], self.free_mean,
-            )  # fmt: skip
+            changed = self._revise(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
             if self._is_map and changed:  # its inner iterations converge slower: no digit before the contact has it
                 tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
@@ -99,14 +98,26 @@ class ActiveSetNewton(PressureIterate):
         """Relative violation of the contact conditions; costs two transforms a row."""
         return self.violation(active)
 
+    def _open_gap(self, row: Rows) -> None:
+        """Gap under the pressure, up to the approach."""
+        i = row[0]
+        self.field.apply(self.compliance, row, source=0)
+        kernels.open_gap(self.field.result[i], self.wall[i], self.field.n, self.gap[i])
+
+    def _revise(self, row: Rows, count: int) -> int:
+        """Nodes that changed sides."""
+        i = row[0]
+        changed = kernels.revise_contact(
+            self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, self.field.n, self.load[i],
+            self.rounding[i], self.free_mean,
+        )  # fmt: skip
+        return int(changed)
+
     def _close_gap(self, row: Rows, count: int) -> None:
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
         field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
         p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
         r, z, uniform = self._closing, self._pressure_change, self._uniform
-        if self.changed[i]:
-            field.apply(self.compliance, row, source=0)
-            kernels.open_gap(field.result[i], self.wall[i], n, gap)
         if count == 0:
             return
         kernels.closing_displacement(gap, nodes, count, r, self.free_mean)
@@ -152,7 +163,7 @@ class ActiveSetNewton(PressureIterate):
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # bits of a row alone
         smooth, waves = smooth.astype(batch.punch.dtype), batch.normal_stiffness[grid.wave_indices(shape)]
-        coarse = ActiveSetNewton(replace(batch, punch=smooth, stiffness=waves), replace(options, residual=_SETTLED))
+        coarse = type(self)(replace(batch, punch=smooth, stiffness=waves), replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)
@@ -163,10 +174,15 @@ class ActiveSetNewton(PressureIterate):
             # of nodes beside the contact, whose pressure would be interpolated too, those nearer to it than not
             inside = _interpolated((p > 0.0).astype(np.float64), fine_shape) >= 0.5
             fine[:n] = np.where(inside, _interpolated(p, fine_shape), 0.0).ravel()
-        if batch.load is not None:
-            self.pressure[:, :n] *= (batch.load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
+        self._balance()
         cost = m * np.log(m) / (n * np.log(n))
         self._coarse_transforms = coarse.n_transforms * cost
+
+    def _balance(self) -> None:
+        """Scale the pressure of each realisation to its load."""
+        if self.free_mean:
+            mean = self.pressure[:, : self.field.n].mean(axis=1)
+            self.pressure[:, : self.field.n] *= (self.load / mean)[:, np.newaxis]
 
 
 def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:

@@ -14,15 +14,21 @@ class Certificate:
     """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
 
     `worst`: traction on a free node or tension on a touching one. `peak`: the largest pressure of the wall.
-    `imbalance`: the mean traction that nothing carries.
+    `imbalance`: the mean traction that nothing carries. With a `hardness` no more than that is a pressure: a touching
+    node violates it by what is above, a penetrating one by any difference from it, and none other may penetrate.
     """
 
-    def __init__(self, rows: int) -> None:
+    def __init__(self, rows: int, hardness: float = np.inf) -> None:
+        self.hardness = hardness
         self.worst, self.peak, self.imbalance = np.zeros((3, rows))
 
     def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
-        """Measure displacements that do not penetrate."""
-        kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance)
+        """Measure displacements that penetrate nowhere but under the hardness."""
+        kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
+
+    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+        """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
+        kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
 
     def residual(self, load: Reals, active: Rows, strength: float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or imbalance over the load if that is larger `[active]`.

@@ -6,10 +6,17 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Rows = npt.NDArray[np.int64]
+
+
+def conjugate_gradients(batch: Batch, options: Options) -> "ConjugateGradients":
+    """Begin the method for as many bounds as the pressure has."""
+    bounded = batch.interface.hardness is not None
+    return BoundedConjugateGradients(batch, options) if bounded else ConjugateGradients(batch, options)
 
 
 class ConjugateGradients(PressureIterate):
@@ -27,12 +34,12 @@ class ConjugateGradients(PressureIterate):
         field, n = self.field, self.field.n
         kernels.cg_direction(
             self.pressure, self.gap, self.direction, self._norm, self._keep, self.rounding, active, n,
-            self.free_mean,
+            self.free_mean, self.hardness,
         )  # fmt: skip
         field.apply(self.compliance, active, source=1)
         kernels.cg_update(
             self.pressure, field.result, self.gap, self.direction, self.load, self._step, self._keep, active, n,
-            self.free_mean,
+            self.free_mean, self.hardness,
         )  # fmt: skip
 
     def residual(self, active: Rows) -> Reals:
@@ -44,3 +51,29 @@ class ConjugateGradients(PressureIterate):
         field = self.field
         field.apply(self.compliance, active, source=0)
         kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean)
+
+
+class BoundedConjugateGradients(ConjugateGradients):
+    """Pressure of a batch between 0 and the hardness.
+
+    Each step goes to the nearest pressure between the bounds that carries the load, and is cut short where it would
+    increase the energy.
+    """
+
+    def __init__(self, batch: Batch, options: Options) -> None:
+        super().__init__(batch, options)
+        self._last = LastPressure(self.pressure)
+
+    def _open_gap(self, active: Rows) -> None:
+        field, n = self.field, self.field.n
+        field.apply(self.compliance, active, source=0)
+        for i in active:
+            p, gap = self.pressure[i], self.gap[i]
+            kernels.open_gap(field.result[i], self.wall[i], n, gap)
+            uphill = self._last.damp(i, p, gap, n)
+            if uphill:
+                self._keep[i] = 0.0
+            if uphill == UPHILL_FROM_THE_START:
+                self._last.remember(i, p, gap)
+            if self.free_mean:
+                kernels.level(p, gap, self.hardness, n)

@@ -9,7 +9,6 @@ from pkgutil import resolve_name
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
@@ -23,6 +22,7 @@ from gfmd_numba.solvers.table import SOLVERS
 Rows = npt.NDArray[np.int64]
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
+_YIELDS, _SURELY = 2.0, 1e-2  # an elastic contact: pressure over hardness, at this residual
 _FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected to exceed that
 
 
@@ -44,6 +44,8 @@ class Equilibrium:
 
     The pressure is what the interface transmits, of the hard wall (on the nodes `touching` it) and of the law.
 
+    Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
+
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
     largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law at
     zero gap), or the load imbalance over the load, whichever is larger. `full_contact_pressure` is the rms fluctuation
@@ -62,6 +64,7 @@ class Equilibrium:
     wall_time: Reals
     full_contact_pressure: Reals
     growing_wave: Rows | None = None
+    plastic: npt.NDArray[np.bool_] | None = None
 
 
 def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
@@ -78,8 +81,11 @@ def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
 
 
 def begin(batch: Batch, options: Options) -> Iteration:
-    """Begin a solver on a batch; raises ValueError for one that cannot follow both displacements, if both are."""
+    """Begin a solver on a batch; raises ValueError for one that cannot do what its displacements and laws ask for."""
     solver = SOLVERS[options.solver]
+    lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
+    if lacks:
+        raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
     implementation = solver.coupled if isinstance(batch.stiffness, CoupledStiffness) else solver.condensed
     if implementation is None:
         raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
@@ -105,8 +111,12 @@ def equilibrate(
 
     `stiffness` is K(q) `[(ny,) nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts); `sliding` the tangential displacement of the punch.
+    counts); `sliding` the tangential displacement of the punch. Under a hardness the elastic contact comes first, and
+    is the result where it stays below. Raises ValueError for a load that the hardness cannot carry.
     """
+    hardness = interface.hardness
+    if load is not None and hardness is not None and load >= hardness:
+        raise ValueError(f"a mean pressure of {load:g} at or above the hardness {hardness:g}")
     realisations, n = len(punch), punch[0].size
     condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
     scale = pressure_scale(punch, condensed)
@@ -121,26 +131,29 @@ def equilibrate(
         n_transforms=np.zeros(realisations, dtype=np.int64),
         wall_time=np.zeros(realisations),
         full_contact_pressure=scale,
+        plastic=None if hardness is None else np.zeros(punch.shape, dtype=np.bool_),
     )
     start = Start.at_rest(punch) if start is None else start
-    solver = SOLVERS[options.solver]
     elastic = _with_free_mean(stiffness) if load is not None else stiffness
     blown_up = _BLOWN_UP * (scale + (load or 0.0))
-    block = max(1, solver.block_samples // n)
+    block = max(1, SOLVERS[options.solver].block_samples // n)
     for first in range(0, realisations, block):
         rows = np.arange(first, min(first + block, realisations))
         started = time.perf_counter()
         largest = (load or 0.0) + _FLUCTUATIONS * float(scale[rows].max())
 
-        def batch(some: slice | Rows, largest: float = largest) -> Batch:
-            given = None if load is None else np.full(len(punch[some]), load)
-            return Batch(punch[some], elastic, given, interface, start.rows(some), sliding, largest)
+        def batch(rows: Rows, laws: Interactions, largest: float = largest) -> Batch:
+            some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
+            given = None if load is None else np.full(rows.size, load)
+            return Batch(punch[some], elastic, given, laws, start.rows(some), sliding, largest)
 
-        _iterate(begin(batch(slice(first, first + block)), options), rows, blown_up, options, result)
-        stuck = rows[result.status[rows] != Status.ok]
-        if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
-            other = replace(options, solver=solver.successor)
-            _iterate(begin(batch(stuck), other), stuck, blown_up, other, result)
+        if hardness is None:
+            _solve(batch, interface, rows, blown_up, options, result)
+        else:
+            _solve(batch, replace(interface, hardness=None), rows, blown_up, options, result, hardness)
+            yielding = rows[(result.status[rows] != Status.ok) | _above(hardness, result, rows)]
+            if yielding.size:
+                _solve(batch, interface, yielding, blown_up, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     if interface.normal_law is not None:
@@ -152,6 +165,31 @@ def equilibrate(
     if (result.status == Status.unstable).any():
         return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
     return result
+
+
+def _solve(
+    batch: Callable[[Rows, Interactions], Batch],
+    laws: Interactions,
+    rows: Rows,
+    blown_up: Reals,
+    options: Options,
+    result: Equilibrium,
+    hardness: float = np.inf,
+) -> None:
+    """Run the solver of the options, and its successor on the rows that it gives up; none that will surely yield."""
+    solver = SOLVERS[options.solver]
+    _iterate(begin(batch(rows, laws), options), rows, blown_up, options, result, hardness)
+    stuck = rows[(result.status[rows] != Status.ok) & ~_above(_YIELDS * hardness, result, rows)]
+    if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
+        other = replace(options, solver=solver.successor)
+        _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
+
+
+def _above(pressure: float, result: Equilibrium, rows: Rows) -> npt.NDArray[np.bool_]:
+    """Whether any node of each row bears more than a pressure."""
+    if pressure == np.inf:
+        return np.zeros(rows.size, dtype=np.bool_)
+    return np.asarray((result.pressure[rows] > pressure).reshape(rows.size, -1).any(axis=1))
 
 
 def _growing_wave(result: Equilibrium, stiffness: Reals | CoupledStiffness, free_mean: bool) -> Rows:
@@ -179,8 +217,10 @@ def _with_free_mean(stiffness: Reals | CoupledStiffness) -> Reals | CoupledStiff
     return stiffness
 
 
-def _iterate(solver: Iteration, rows: Rows, blown_up: Reals, options: Options, result: Equilibrium) -> None:
-    """Advance all rows until each is certified or gives up, and store each as it ends."""
+def _iterate(
+    solver: Iteration, rows: Rows, blown_up: Reals, options: Options, result: Equilibrium, hardness: float = np.inf
+) -> None:
+    """Advance all rows until each is certified, gives up or will surely yield, and store each as it ends."""
     n = solver.field.n
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
     active = np.arange(rows.size)
@@ -196,14 +236,17 @@ def _iterate(solver: Iteration, rows: Rows, blown_up: Reals, options: Options, r
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= limit)
+        ended |= (residual <= _SURELY) & (solver.certificate.peak[active] > _YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more
-        kernels.wall_pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
+        solver.certificate.pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
         where = rows[done]
         shape = (len(done), *solver.field.shape)
         result.displacement[where] = solver.displacement[done, :n].reshape(shape)
         result.pressure[where] = pressure[done, :n].reshape(shape)
         result.touching[where] = result.pressure[where] > 0.0
+        if result.plastic is not None:
+            result.plastic[where] = result.pressure[where] >= solver.certificate.hardness
         if result.tangential is not None and solver.tangential is not None:
             displacement, restoring = solver.tangential
             result.tangential.displacement[where] = displacement[done, :n]

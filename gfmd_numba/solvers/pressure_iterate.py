@@ -36,6 +36,11 @@ class PressureIterate:
         softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if batch.load is None else batch.load
         self.load = batch.loads
+        hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
+        self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
+        # between its bounds, where every node is free to move
+        if batch.load is None:
+            start = np.minimum(start, 0.5 * self.hardness)
         self.pressure[:, :n] = start[:, np.newaxis]
         with np.errstate(divide="ignore"):
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
@@ -43,7 +48,7 @@ class PressureIterate:
         self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n, punch.dtype)
-        self.certificate = Certificate(rows)
+        self.certificate = Certificate(rows, self.hardness)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 
     @property
@@ -52,12 +57,12 @@ class PressureIterate:
         return self.field.n_transforms
 
     def violation(self, active: Rows) -> Reals:
-        """Relative violation of the contact conditions by the nearest displacement that does not penetrate.
+        """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.
 
         Leaves it in `displacement` and its restoring traction in `restoring`; costs two transforms a row.
         """
         field, n = self.field, self.field.n
-        kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement)
+        kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement, self.hardness)
         field.apply(self._stiffness, active, source=2)
         if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)

@@ -19,6 +19,7 @@ ABILITIES = {
     "prescribed": ", the solver of both displacements",
     "normal law": ", as the others know the hard wall only",
     "hard wall": " with a hard_wall",
+    "hardness": " with a hardness, the second bound of the pressure",
     "single": " in single precision",
 }
 
@@ -43,7 +44,7 @@ class Solver:
     successor: str | None = None
 
 
-_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "rigid mean", "single"})
+_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
 _DISPLACEMENT = frozenset({"dimension 1", "hard wall", "normal law", "single"})
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
@@ -51,7 +52,7 @@ SOLVERS = {
     "active_set_newton": Solver(
         "guesses which nodes touch and solves the linear problem that is left, preconditioned",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
+        condensed="gfmd_numba.solvers.bounded_newton:newton",
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",
@@ -59,7 +60,7 @@ SOLVERS = {
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.conjugate_gradients:ConjugateGradients",
+        condensed="gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",
     ),
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",

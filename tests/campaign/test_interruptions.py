@@ -41,7 +41,7 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     """Ctrl-C reaches the workers, too, at any moment after the first shard."""
-    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 60000"}), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=2"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
     while process.poll() is None and not list(out.glob("shards/*.shard")):

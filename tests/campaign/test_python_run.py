@@ -49,7 +49,7 @@ def test_faults_of_a_mapping_are_told(mapping):
 @pytest.mark.parametrize("given", [123, None, [1], 1.5, b"campaign.yaml"])
 def test_what_is_no_campaign_is_refused(given, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    allowed = "allowed: the path of a campaign file, or a mapping of its keys"
+    allowed = "allowed: the path of a YAML file, or a mapping of its content"
     with pytest.raises(InputError, match=f"^campaign: given {re.escape(repr(given)[:40]) if given else ''}.*{allowed}"):
         gfmd_numba.run(given)
     assert list(tmp_path.iterdir()) == []

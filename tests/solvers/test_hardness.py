@@ -1,5 +1,7 @@
 """A wall of finite hardness: dense solutions, conditions in plain NumPy, limits, and convergence up to 0.95 of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, lsq_linear
@@ -8,6 +10,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
@@ -153,7 +156,6 @@ def test_the_residual_is_the_violation_of_each_condition():
     kinds = {"open": ~found.touching, "free": found.touching & ~found.plastic, "plastic": found.plastic}
     for nodes in kinds.values():
         assert nodes.any()
-    from gfmd_numba.solvers.certificate import Certificate
 
     load, row = np.array([0.15]), np.arange(1)
     stiff = body((64,)).copy()
@@ -169,7 +171,9 @@ def test_the_residual_is_the_violation_of_each_condition():
         for by in (1e-3, -1e-3):
             moved = found.displacement.copy()
             moved[0, np.flatnonzero(nodes[0])[0]] += by
-            assert residual(moved) > 1e-3
+            expected, _ = excess(punch, replace(found, displacement=moved), 0.3, 0.15)
+            assert residual(moved) == pytest.approx(expected[0], rel=1e-9)
+            assert expected[0] > 1e-3
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from gfmd_numba.text.input_error import InputError, brief
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from dask.distributed import Client
     from numpy.typing import ArrayLike
@@ -33,15 +34,22 @@ __all__ = [
 ]
 
 
-def solve(scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile) -> xr.Dataset:
+def solve(
+    scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile,
+    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
+) -> xr.Dataset:
     """Solve one contact or loaded body: a file, mapping or record in, fields over x and scalars out (SI units).
 
-    Raises InputError for a scene that makes no sense. A run that fails says so in `status`.
+    `heights` `[nx]` or `[ny, nx]` are those of the rigid punch, peaks towards the body, of a scene file or mapping
+    without another `roughness`. An xarray array may have positions and units; of a NumPy array heights are in m beside
+    a length or moduli in Pa if `roughness: {units: {z: m}}` says so, and in L_x in a scene without units. Raises
+    InputError for a scene that makes no sense. A run that fails says so in `status`.
     """
     from gfmd_numba import simulate
     from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.scene_file import with_heights
 
-    return simulate.solve(*load_scene(scene))
+    return simulate.solve(*load_scene(scene if heights is None else with_heights(scene, heights)))
 
 
 def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:

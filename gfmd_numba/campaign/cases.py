@@ -9,8 +9,9 @@ from itertools import product
 from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.contact.problem import Effect, Problem, random_surface, reduce
+from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, given_surface, random_surface, reduce
 from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
 from gfmd_numba.scene.checks import ARRAYS_PER_REALISATION
 
@@ -49,12 +50,15 @@ class Block:
         return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"
 
 
-def expand(campaign: Campaign) -> list[Case]:
-    """All cases of a campaign: the grid's full product, each at the reference and along the limits."""
+def expand(campaign: Campaign, measured: MeasuredSurface | None = None) -> list[Case]:
+    """All cases of a campaign: the grid's full product, each at the reference and along the limits.
+
+    `measured` is its surface, if that was measured; raises InputError for a surface that cannot be used.
+    """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
     levels = list(campaign.discretisations())
-    surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
+    surface_of = lru_cache(maxsize=None)(partial(_surface, campaign, measured))
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
@@ -75,10 +79,12 @@ def expand(campaign: Campaign) -> list[Case]:
 
 
 def _surface(
-    campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
-) -> tuple[RandomSurface, float]:
+    campaign: Campaign, measured: MeasuredSurface | None, roughness: Surface, discretisation: Discretisation | None
+) -> tuple[RandomSurface | GivenSurface, float]:
     """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
     try:
+        if measured is not None:
+            return given_surface(measured.in_periods)
         scene = campaign.scene.model_copy(update={"roughness": roughness})
         return random_surface(scene, discretisation, campaign.seed)
     except ValueError as error:

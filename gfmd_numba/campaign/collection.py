@@ -66,6 +66,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": planned.validity,
+        **({} if planned.measured is None else {"processing": "\n".join(planned.measured.done)}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions()),
         "git_commit": git_commit(),

@@ -11,13 +11,14 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
+from gfmd_numba.campaign.rewriting import with_text
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
-from gfmd_numba.scene.source import Source, document_of
+from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.validation import validate
 
@@ -117,8 +118,9 @@ class Campaign(BaseModel):
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
-        measured = isinstance(self.scene.roughness, Measured)  # which is refused beside a campaign, as its file says
-        if not needed and not measured and self.reference is not None:
+        if isinstance(self.scene.roughness, Measured) and self.realisations.reference != 1:
+            raise broken_rule(("realisations",), "1, as a measured surface has no random realisations")
+        if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         for axis in DISCRETISATIONS:
             if self.reference is None and getattr(self.fit.fixed, axis) is not None:
@@ -150,6 +152,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, campaign.scene, campaign.numerics, grid=varied)
     check_grid(document, campaign.scene, campaign.grid)
+    campaign, document = _with_located_file(campaign, document)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
@@ -160,6 +163,8 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
     check_surfaces(document, campaign.scene)
     assert campaign.scene.roughness is not None  # the combinations' promise
+    if isinstance(campaign.scene.roughness, Measured):
+        return campaign, document
     for discretisation, locations, limit, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
@@ -170,6 +175,22 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         for scene, place in ranges:
             check_range(document, scene, nx, place)
     return campaign, document
+
+
+def _with_located_file(campaign: Campaign, document: Document) -> tuple[Campaign, Document]:
+    """The same, with the whole path of a measured surface's file in both: the text is kept with the results."""
+    place, surface = ("scene", "roughness"), campaign.scene.roughness
+    if not isinstance(surface, Measured):
+        return campaign, document
+    if surface.file is None:
+        raise document.error(
+            (*place, "heights"), surface.shown, "a file in a campaign: save the array as .npy, and name it"
+        )
+    file = existing_file(document, (*place, "file"), surface.file, ())
+    if document.path is not None:
+        document = replace(document, text=with_text(document.text, (*place, "file"), file))
+    surface = surface.model_copy(update={"file": file})
+    return campaign.model_copy(update={"scene": campaign.scene.model_copy(update={"roughness": surface})}), document
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:

@@ -15,10 +15,13 @@ from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.contact_input import with_measured
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.contact.refusal import check_combination
+from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.source import Source
 
@@ -35,6 +38,7 @@ class Plan:
     document: Document
     cases: list[Case]
     problems: list[Problem]
+    measured: MeasuredSurface | None = None
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -67,6 +71,12 @@ class Plan:
 
     @property
     def validity(self) -> str:
+        """What speaks against the results: an implausible surface, and laws that a grid does not resolve."""
+        implausible = () if self.measured is None else self.measured.doubts
+        return "\n".join(filter(None, (*implausible, self._unresolved)))
+
+    @property
+    def _unresolved(self) -> str:
         """What is to be said of interaction laws that the grids do not resolve, of the worst case; else nothing."""
         doubtful = [case for case in self.cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
         if not doubtful:
@@ -129,8 +139,15 @@ class Plan:
 def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
-    cases = expand(campaign)
-    return Plan(campaign, document, cases, distinct(cases))
+    scene, surfaces = with_measured(campaign.scene, document)
+    campaign = campaign.model_copy(update={"scene": scene})
+    measured = surfaces.get(("roughness",))
+    if measured is not None:  # only its file tells the dimension and the grid
+        varied = {name: values for name, values in campaign.grid if values is not None}
+        check_combination(document, scene, campaign.numerics, grid=varied)
+        check_range(document, scene, measured.heights.shape[-1])
+    cases = expand(campaign, measured)
+    return Plan(campaign, document, cases, distinct(cases), measured)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:
@@ -171,9 +188,3 @@ def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
         grouped[-1].append(block)
         filled += seconds[block.name]
     return [tuple(group) for group in grouped]
-
-
-def _surface(case: Case) -> RandomSurface:
-    surface = case.problem.surface
-    assert isinstance(surface, RandomSurface)  # a campaign has no other
-    return surface

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.problem import GivenSurface, Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.generators import RandomSurface
@@ -67,28 +67,35 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
     stiffening: dict[ElasticBody, float] = {}
     for problem in problems:
         surface, body = problem.surface, problem.body
-        assert isinstance(surface, RandomSurface)  # a campaign has no other
         if body not in stiffening:
             longest = np.array([2.0 * np.pi])
             stiffening[body] = float(np.log(body.condensed_stiffness(longest) / stiffness.half_space(longest))[0])
-        cut_on, cut_off = surface.generator.band
+        cut_on, cut_off, hurst, anisotropy = _spectrum(surface)
         size = np.log(_work(surface.nodes) / _work(8192))
         beyond = max(0.0, np.log(surface.nodes / _CACHED))
         row = [
             1.0,
             size,
             0.0 if problem.numerics.solver in _STATIC else size,
-            beyond if surface.dimension == 1 else 0.0,
-            beyond if surface.dimension == 2 else 0.0,
+            beyond if len(surface.shape) == 1 else 0.0,
+            beyond if len(surface.shape) == 2 else 0.0,
             np.log(surface.nx / cut_off / 4),
             np.log(cut_off / cut_on / 1024),
-            surface.generator.hurst - 0.5,
+            hurst - 0.5,
             0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
             stiffening[body],
-            np.log(getattr(surface.generator, "anisotropy", 1.0)),
+            np.log(anisotropy),
         ]
         rows.append(row + [float(_kind(problem) == kind) for kind in kinds])
     return np.array(rows).reshape(len(rows), len(_PRIOR) + len(kinds))
+
+
+def _spectrum(surface: RandomSurface | GivenSurface) -> tuple[float, float, float, float]:
+    """Wave indices between which the spectrum falls, Hurst exponent and anisotropy; those of a guess if unknown."""
+    if isinstance(surface, GivenSurface):
+        return 1.0, surface.nx / 8, 0.5, 1.0
+    generator = surface.generator
+    return *generator.band, generator.hurst, getattr(generator, "anisotropy", 1.0)
 
 
 def _work(nodes: int) -> float:

@@ -137,7 +137,7 @@ def surface(file: Path, output: Path) -> None:
     picture = picture_beside(output)
     described, document = load_surface(file)
     measured = described.surface
-    check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) else []))
+    check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
     # warnings are told below, in the words of the file
     with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = surface_dataset(described, document)

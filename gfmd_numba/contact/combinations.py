@@ -31,13 +31,13 @@ _DRAGS = (
     "nothing that drags where a deformable body is rough or both deform: only normal tractions are followed there; "
     "map the roughness to a rigid punch"
 )
-_RANDOM_MAP = "a random surface with dimension 2, like method 'psd', not a flat or measured punch"
+_RANDOM_MAP = "a rough surface with dimension 2, like method 'psd', not a flat punch"
 _COMPRESSIBLE = (
     "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law"
 )
 _DOUBLE = "'double' but for a frictionless hard wall of a punch on a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
-_RANDOM = "a random surface in a campaign, like method 'psd'; a measured profile belongs to `gfmd solve`"
+_RANDOM = "a rough surface in a campaign, like method 'psd'"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
@@ -56,7 +56,6 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
 
 REFUSALS = (
     Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
-    Refusal("dimension 2", "measured punch", _RANDOM_MAP, "not built yet"),
     *(
         Refusal("dimension 2", law, f"hard_wall alone with dimension 2; {law} needs dimension 1", "not built yet")
         for law in LAWS
@@ -153,11 +152,11 @@ REFUSALS = (
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")
     ),
     Refusal("campaign", "flat punch", _RANDOM, "not built yet"),
-    Refusal("campaign", "measured punch", _RANDOM, "not built yet"),
     *(
         Refusal("campaign", feature, _ELSEWHERE, "not built yet")
         for feature in ("rough body", "counter_body", "prescribed tractions", "path")
     ),
+    Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal("accuracy", "dimension 2", "dimension 1 for `gfmd accuracy`", "not built yet"),
     Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
     Refusal(

@@ -10,7 +10,7 @@ from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces,
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface
-from gfmd_numba.scene import Document, InputError, SceneFile
+from gfmd_numba.scene import Document, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
 
@@ -32,9 +32,9 @@ class ContactInput:
 
 def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
-    check_combination(document, file.scene, file.numerics, file.path)
-    measured = measured_surfaces(file.scene, document)
-    file = _with_length(file, measured, document)
+    scene, measured = with_measured(file.scene, document)
+    file = file.model_copy(update={"scene": scene})
+    check_combination(document, scene, file.numerics, file.path)
     surfaces = pressed_surfaces(file, measured, document)
     check_range(document, file.scene, surfaces.surface.nx)
     prescribed = _tractions(file, surfaces, document)
@@ -42,11 +42,24 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
 
 
-def _with_length(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> SceneFile:
-    """The same, of the period that measured surfaces tell where the scene does not."""
+def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurfaces]:
+    """A scene with the dimension and the period that its measured surfaces tell, and these surfaces.
+
+    Raises InputError for surfaces that cannot be used, or that do not fit each other.
+    """
+    measured = measured_surfaces(scene, document)
+    dimensions = {surface.heights.ndim for surface in measured.values()}
+    if "dimension" not in scene.model_fields_set and dimensions == {2}:
+        scene = scene.model_copy(update={"dimension": 2})
+    length = _period(scene, measured, document)
+    return scene if length is None else scene.model_copy(update={"length": length}), measured
+
+
+def _period(scene: Scene, measured: MeasuredSurfaces, document: Document) -> float | None:
+    """Period L_x in m of a scene, or of its measured surfaces where it has none."""
     in_metres = {place: surface for place, surface in measured.items() if surface.unit == "m"}
-    if file.scene.length is not None or not in_metres:
-        return file
+    if scene.length is not None or not in_metres:
+        return scene.length
     length = next(iter(in_metres.values())).lengths[-1]
     for place, surface in measured.items():
         if surface.unit != "m" or abs(surface.lengths[-1] - length) > _ROUNDING * length:
@@ -55,7 +68,7 @@ def _with_length(file: SceneFile, measured: MeasuredSurfaces, document: Document
             raise InputError(
                 document.line(("scene", *place), given, f"one of {length:.7g} m, as the other surface has")
             )
-    return file.model_copy(update={"scene": file.scene.model_copy(update={"length": length})})
+    return length
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, prod
-from pathlib import Path
 
 import numpy as np
 
@@ -121,16 +120,16 @@ def _random(surface: Random, file: SceneFile, seed: int, document: Document, pla
 
 def _measured(record: Measured, scene: Scene, document: Document, place: Place) -> MeasuredSurface:
     try:
-        found = measured_surface(record, scene.length, scene.dimension, scene.has_moduli)
+        dimension = scene.dimension if "dimension" in scene.model_fields_set else None
+        found = measured_surface(record, scene.length, dimension, scene.has_moduli)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
         unit = "L_x" if found.unit == "1" else "m"
-        given = f"{Path(record.file).name} ({points} points over {sizes} {unit})"
-        raise InputError(
-            document.line((*place, "file"), given, "a map of as many points, and the same size, both ways")
-        )
+        given = f"{record.shown} ({points} points over {sizes} {unit})"
+        allowed = "a map of as many points, and the same size, both ways"
+        raise InputError(document.line((*place, record.key), given, allowed))
     return found
 
 
@@ -149,4 +148,4 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
 
 def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
     allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
-    return InputError(document.line((*place, "file"), f"{Path(record.file).name} ({error})", allowed))
+    return InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed))

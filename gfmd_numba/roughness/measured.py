@@ -11,8 +11,9 @@ from typing import Literal
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
 from gfmd_numba.roughness.gaps import fill_gaps
-from gfmd_numba.roughness.measurements import Measurement, read_surface
+from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
+from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.surfaces import Measured
 
 _SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
@@ -48,7 +49,7 @@ def measured_surface(
     assumed even without a length. Raises ValueError, saying what is wrong and what to do.
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
-    found = read_surface(Path(record.file), units, resample=record.points is not None)
+    found = measurement(_content(record), units, resample=record.points is not None)
     if dimension is not None and found.heights.ndim != dimension:
         kind, other = ("a map", "a profile") if dimension == 1 else ("a profile", "a map")
         shape = " x ".join(map(str, found.heights.shape))
@@ -62,6 +63,13 @@ def measured_surface(
     doubts += plausibility.of_surface(made.heights, made.lengths)
     done = (*found.done, *filled, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
+
+
+def _content(record: Measured) -> Content:
+    if record.heights is not None:
+        return content_of(record.heights)
+    assert record.file is not None  # the record's promise
+    return read_content(Path(record.file))
 
 
 def _sizes(

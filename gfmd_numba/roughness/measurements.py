@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.positions import Line, equidistant, interpolated
-from gfmd_numba.roughness.surface_files import AXES, Content, read_content
+from gfmd_numba.roughness.surface_files import Content
+from gfmd_numba.scene.heights import AXES
 from gfmd_numba.scene.length_units import METRES, PERIOD
 from gfmd_numba.scene.quantities import LARGEST
 
@@ -31,14 +31,13 @@ class Measurement:
     done: tuple[str, ...] = ()
 
 
-def read_surface(path: Path, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
-    """Read the profile or map in a file, with `units` of x, y and z for what the file does not state.
+def measurement(content: Content, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
+    """Profile or map of what stands in a file, with `units` of x, y and z for what the file does not state.
 
     Positions in descending order are turned round. Others that are not equidistant are refused, or interpolated
     linearly to as many equidistant ones if `resample` is set. Raises ValueError, saying what is wrong, where, and what
     to do, for files that cannot be read, units that are missing or contradict each other, and fewer than 4 heights.
     """
-    content = read_content(path)
     heights = _checked(content.heights)
     axes = AXES[-heights.ndim :]
     done = list(content.done)

@@ -10,14 +10,13 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.surface_text import read_table
+from gfmd_numba.scene.heights import AXES, Heights
 from gfmd_numba.scene.length_units import PERIOD, length_unit
 from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
-
-AXES = ("y", "x")  # of a map; of a profile the last
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,14 @@ def read_content(path: Path) -> Content:
     ValueError, saying what is wrong and where, for anything else.
     """
     return _READERS.get(path.suffix.lower(), _read_instrument)(path)
+
+
+def content_of(given: Heights) -> Content:
+    """Content of heights that a record holds itself; raises ValueError for those of which only the digest is left."""
+    if given.values is None:
+        raise ValueError("an array that was not kept: give it again")
+    units = {axis: _named(unit) for axis, unit in given.units.items()}
+    return Content(given.values, given.positions, units=units)
 
 
 def read_column(path: Path) -> Reals:

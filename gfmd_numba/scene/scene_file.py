@@ -1,5 +1,6 @@
 """Scene files, nested or flat: a contact, or a loaded body without a punch."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,11 +34,30 @@ def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | B
     return _checked(validate(document, SceneFile), document), document
 
 
+def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Document:
+    """Document of a scene whose punch has heights of an array, treated as its `roughness` says if it has one.
+
+    Raises InputError, as `load_scene` does for what it makes of the document.
+    """
+    given = source.model_dump(exclude_unset=True) if isinstance(source, SceneFile | BoundaryFile) else source
+    document = _nested(document_of(given, "scene"))
+    data = document.data
+    if not isinstance(data, dict) or not isinstance(data.get("scene"), dict):
+        return document
+    treatment = data["scene"].get("roughness") or {}
+    if not isinstance(treatment, Mapping) or "file" in treatment or treatment.get("method", "measured") != "measured":
+        place = ("scene", "roughness")
+        raise document.error(place, document.value(place), "nothing beside heights but how they are treated")
+    surface = {**treatment, "method": "measured", "heights": heights}
+    return replace(document, data={**data, "scene": {**data["scene"], "roughness": surface}})
+
+
 def input_files(file: SceneFile | BoundaryFile) -> list[Path]:
     """Files that a loaded scene reads."""
     named = [value for _, value in file.scene.boundary or () if isinstance(value, str)]
     if isinstance(file, SceneFile):
-        named += [surface.file for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
+        measured = [surface for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
+        named += [surface.file for surface in measured if surface.file is not None]
     return [Path(name) for name in named]
 
 
@@ -83,7 +103,7 @@ def _located(document: Document, scene: Scene) -> Scene:
 
 
 def _located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:
-    if not isinstance(surface, Measured):
+    if not isinstance(surface, Measured) or surface.file is None:
         return surface
     file = existing_file(document, (*location, "file"), surface.file, ())
     return surface.model_copy(update={"file": file})

@@ -69,7 +69,7 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
         file = validate(document, SurfaceFile)
     if file.surface.points is not None:
         _check_memory(document, file.surface.points ** (file.dimension or 1))
-    if isinstance(file.surface, Measured):
+    if isinstance(file.surface, Measured) and file.surface.file is not None:
         measured = existing_file(document, ("surface", "file"), file.surface.file, ())
         file = file.model_copy(update={"surface": file.surface.model_copy(update={"file": measured})})
     return file, document

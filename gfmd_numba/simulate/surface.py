@@ -1,7 +1,6 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory beside them."""
 
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,9 +29,9 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
         dataset = _described(made)
     except ValueError as error:
         if isinstance(file.surface, Measured):
-            given = f"{Path(file.surface.file).name} ({error})"
+            given = f"{file.surface.shown} ({error})"
             allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
-            raise InputError(document.line(("surface", "file"), given, allowed)) from None
+            raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
         raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
     if file.hurst_range is not None:
         try:

@@ -10,7 +10,8 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
-from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.measurements import measurement
+from gfmd_numba.roughness.surface_files import read_content
 from support.campaigns import campaign
 from support.faulty_files import refusal
 
@@ -70,7 +71,7 @@ def test_a_damaged_measured_profile_is_no_traceback(tmp_path):
     content[len(content) // 2 : len(content) // 2 + 2000] = bytes(2000)
     (tmp_path / "q.nc").write_bytes(content)
     with pytest.raises(ValueError, match="no netCDF file, or a damaged one"):
-        read_surface(tmp_path / "q.nc")
+        measurement(read_content(tmp_path / "q.nc"))
 
 
 def test_a_damaged_shard_is_none(results, tmp_path):

@@ -5,8 +5,9 @@ import builtins
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic, mirrored, windowed
+from gfmd_numba.roughness.surface_files import read_content
 
 
 def test_arrays_and_tables_are_read_alike(tmp_path):
@@ -14,7 +15,7 @@ def test_arrays_and_tables_are_read_alike(tmp_path):
     np.save(tmp_path / "map.npy", heights)
     np.savetxt(tmp_path / "map.csv", heights, delimiter=",", fmt="%.17g")
     for name in ("map.npy", "map.csv"):
-        found = read_surface(tmp_path / name)
+        found = measurement(read_content(tmp_path / name))
         np.testing.assert_array_equal(found.heights, heights)
         assert found.lengths is None
     np.savetxt(
@@ -24,7 +25,7 @@ def test_arrays_and_tables_are_read_alike(tmp_path):
         header="x [m], z [m]",
         fmt="%.17g",
     )
-    found = read_surface(tmp_path / "line.csv")
+    found = measurement(read_content(tmp_path / "line.csv"))
     np.testing.assert_array_equal(found.heights, heights[0])
     assert found.lengths == pytest.approx((3.5,))
 
@@ -33,12 +34,12 @@ def test_a_format_of_an_instrument_is_read_with_its_units(tmp_path):
     topography = pytest.importorskip("SurfaceTopography")
     heights = np.random.default_rng(0).normal(size=(6, 8))
     topography.Topography(heights.T, (4.0, 3.0), unit="um").to_netcdf(str(tmp_path / "map.x"))
-    found = read_surface(tmp_path / "map.x")
+    found = measurement(read_content(tmp_path / "map.x"))
     np.testing.assert_allclose(found.heights, 1e-6 * heights)
     assert found.lengths == pytest.approx((3e-6, 4e-6))
     (tmp_path / "junk.xyzzy").write_bytes(b"\0\1\2")
     with pytest.raises(ValueError, match="no format that SurfaceTopography knows"):
-        read_surface(tmp_path / "junk.xyzzy")
+        measurement(read_content(tmp_path / "junk.xyzzy"))
 
 
 def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_path, monkeypatch):
@@ -52,7 +53,7 @@ def test_a_format_of_an_instrument_without_its_reader_says_what_to_install(tmp_p
     (tmp_path / "map.opd").touch()
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(ValueError, match=r"SurfaceTopography, which `pip install 'gfmd-numba\[instruments\]'` adds"):
-        read_surface(tmp_path / "map.opd")
+        measurement(read_content(tmp_path / "map.opd"))
 
 
 @pytest.mark.parametrize("detrend", ["none", "mean", "tilt", "curvature"])

@@ -10,8 +10,9 @@ import gfmd_numba
 from gfmd_numba import make_surface
 from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.processing import made_periodic
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.surfaces import FileUnits, Measured
 from support.command_line import gfmd
@@ -99,15 +100,15 @@ def test_files_of_instruments_have_their_own_sizes_and_units(tmp_path, writer):
     assert found.lengths == pytest.approx((6e-6, 8e-6))
     assert found.unit == "m"
     with pytest.raises(ValueError, match=r"heights in u?m as the file says, not nm"):
-        read_surface(tmp_path / name, {"z": "nm"})
+        measurement(read_content(tmp_path / name), {"z": "nm"})
 
 
 def test_an_instrument_that_states_no_unit_needs_them(tmp_path):
     library = pytest.importorskip("SurfaceTopography")
     library.Topography(HEIGHTS.T, (4.0, 3.0)).to_netcdf(str(tmp_path / "map.topo"))
     with pytest.raises(ValueError, match=r"without a unit: write units: \{x: mm, y: mm, z: um\}"):
-        read_surface(tmp_path / "map.topo")
-    found = read_surface(tmp_path / "map.topo", {"x": "mm", "y": "mm", "z": "um"})
+        measurement(read_content(tmp_path / "map.topo"))
+    found = measurement(read_content(tmp_path / "map.topo"), {"x": "mm", "y": "mm", "z": "um"})
     np.testing.assert_allclose(found.heights, 1e-6 * HEIGHTS)
     assert found.lengths == pytest.approx((3e-3, 4e-3))
 

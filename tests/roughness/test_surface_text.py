@@ -5,7 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness.measurements import read_surface
+from gfmd_numba.roughness.measurements import measurement
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.roughness.surface_text import read_table
 
 X = 0.5 * np.arange(40)
@@ -119,7 +120,7 @@ def test_a_micro_sign_in_one_byte(tmp_path):
 def test_what_is_no_table_is_told_with_its_line(tmp_path, content, said):
     (tmp_path / "p.csv").write_bytes(content)
     with pytest.raises(ValueError) as caught:  # noqa: PT011, what it says is looked at below
-        read_surface(tmp_path / "p.csv")
+        measurement(read_content(tmp_path / "p.csv"))
     assert said in str(caught.value)
 
 
@@ -130,7 +131,7 @@ def test_any_bytes_are_numbers_or_told(tmp_path):
     for _ in range(300):
         (tmp_path / "p.csv").write_bytes(pick.choice(alphabet, pick.integers(1, 120)).tobytes())
         try:
-            read_surface(tmp_path / "p.csv", resample=bool(pick.integers(2)))
+            measurement(read_content(tmp_path / "p.csv"), resample=bool(pick.integers(2)))
         except ValueError as error:
             said.add(str(error))
     assert len(said) > 20
@@ -152,11 +153,11 @@ def test_what_is_no_regular_file_is_not_opened(tmp_path, suffix):
     }
     for kind, said in kinds.items():
         with pytest.raises(ValueError, match=said):
-            read_surface(tmp_path / f"{kind}.{suffix}")
+            measurement(read_content(tmp_path / f"{kind}.{suffix}"))
 
 
 def test_a_binary_file_named_like_text_is_an_instruments_or_none(tmp_path):
     pytest.importorskip("SurfaceTopography")
     (tmp_path / "p.dat").write_bytes(b"\x88\x1b\x03\x6f\0\0" + bytes(4000))
     with pytest.raises(ValueError, match="SurfaceTopography"):
-        read_surface(tmp_path / "p.dat")
+        measurement(read_content(tmp_path / "p.dat"))

@@ -55,16 +55,10 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
             "hard_wall alone",
         ),
         (
-            SCENE.partition("roughness")[2],
-            ": {method: measured, file: a.npy}\ninterface: {hard_wall: {}}\nloading: {reduced_pressure: 0.05}",
-            "roughness.method",
-            "a random surface with dimension 2, like method 'psd'",
-        ),
-        (
             "0.2}\nroughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}",
             "0.2, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}}",
             "roughness.method",
-            "a random surface with dimension 2, like method 'psd'",
+            "a rough surface with dimension 2, like method 'psd'",
         ),
         (
             "0.33,",

@@ -1,0 +1,112 @@
+"""Heights that a user gives as an array, or as a map in a file, are pressed like any other surface."""
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from click.testing import CliRunner
+
+import gfmd_numba
+from gfmd_numba.cli import main
+from gfmd_numba.scene import InputError, load_scene
+
+SCENE = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
+PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
+EPS = {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def pressed(request):
+    """A random surface that is pressed, to be given again as heights."""
+    return gfmd_numba.solve(SCENE | {"dimension": request.param, "roughness": PSD, "discretisation": EPS})
+
+
+def assert_same(found, expected):
+    np.testing.assert_array_equal(found["pressure"] > 0, expected["pressure"] > 0)
+    assert float(found["kappa"]) == pytest.approx(float(expected["kappa"]), rel=1e-9)
+    assert found.attrs["validity"] == ""
+
+
+def test_a_numpy_array_is_pressed_in_units_of_the_period(pressed):
+    assert_same(gfmd_numba.solve(SCENE, pressed["height"].values), pressed)
+
+
+def test_an_xarray_array_brings_its_positions_and_units(pressed):
+    height = 1e-4 * pressed["height"]
+    height = height.assign_coords({dim: 1e-4 * height[dim] for dim in height.dims})
+    for each in (height, *(height[dim] for dim in height.dims)):
+        each.attrs["units"] = "m"
+    found = gfmd_numba.solve(SCENE, height)
+    assert_same(found, pressed)
+    assert found["x"].units == "m"
+    assert float(found["x"][1]) == pytest.approx(1e-4 / pressed.sizes["x"])
+
+
+def test_heights_stand_beside_a_file_and_a_record(pressed, tmp_path):
+    heights = pressed["height"].values
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(SCENE))
+    record = load_scene(SCENE | {"roughness": {"method": "measured", "heights": heights}})[0]
+    for found in (gfmd_numba.solve(tmp_path / "scene.yaml", heights), gfmd_numba.solve(record)):
+        assert_same(found, pressed)
+
+
+def test_heights_are_treated_as_their_roughness_says(pressed):
+    tilted = pressed["height"].values + 0.02 * np.arange(pressed.sizes["x"]) / pressed.sizes["x"]
+    found = gfmd_numba.solve(SCENE | {"roughness": {"detrend": "tilt", "periodic": "mirror"}}, tilted)
+    assert found.sizes["x"] == 2 * pressed.sizes["x"]
+    assert "tilt" in found.attrs["processing"]
+
+
+def test_a_map_in_a_file_needs_no_dimension(tmp_path):
+    map_ = gfmd_numba.solve(SCENE | {"dimension": 2, "roughness": PSD, "discretisation": EPS})
+    np.save(tmp_path / "map.npy", map_["height"])
+    scene = SCENE | {"roughness": {"method": "measured", "file": "map.npy"}}
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(scene))
+    done = CliRunner().invoke(main, ["solve", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out.nc")])
+    assert done.exit_code == 0, done.output
+    with xr.open_dataset(tmp_path / "out.nc") as found:
+        assert_same(found, map_)
+        assert found["kappa"].ndim == 0
+
+
+def test_fields_and_statistics_of_given_heights_are_found(pressed):
+    found = gfmd_numba.solve(SCENE, pressed["height"].values)
+    if pressed["height"].ndim == 1:
+        assert gfmd_numba.body_fields(found).sizes["z"] == 101
+        assert "pressure_density" in gfmd_numba.contact_statistics(found) or gfmd_numba.contact_statistics(found)
+
+
+@pytest.mark.parametrize(
+    ("heights", "said"),
+    [
+        ([1, "a"], r"roughness.heights: given \[1, 'a'\]; allowed: a list of at least 4 numbers"),
+        (np.zeros((4, 4, 4)), r"roughness.heights: given array\(.*; allowed: a list of at least 4 numbers"),
+        (np.zeros(8), r"roughness.heights: given an array of 8 \(an rms gradient of 0"),
+        (np.full(8, np.nan), r"roughness.heights: given an array of 8 \(1 of all heights missing"),
+        (np.zeros(2), r"roughness.heights: given an array of 2 \(2 heights, not at least 4"),
+        (
+            np.random.default_rng(0).normal(size=(8, 16)),
+            r"given an array of 8 x 16 .*; allowed: a map of as many points",
+        ),
+        (object(), r"roughness.heights: given <object"),
+    ],
+    ids=str,
+)
+def test_heights_that_are_no_surface_are_refused(heights, said):
+    with pytest.raises(InputError, match=said):
+        gfmd_numba.solve(SCENE, heights)
+
+
+def test_heights_beside_another_roughness_are_refused():
+    with pytest.raises(InputError, match=r"roughness: given .*; allowed: nothing beside heights"):
+        gfmd_numba.solve(SCENE | {"roughness": PSD}, np.zeros(8))
+    with pytest.raises(InputError, match=r"roughness.file: given nothing; allowed: a file or heights"):
+        gfmd_numba.solve(SCENE | {"roughness": {"method": "measured"}})
+
+
+def test_an_array_that_only_its_digest_tells_is_asked_for_again():
+    record = load_scene(SCENE | {"roughness": {"method": "measured", "heights": np.arange(8.0)}})[0]
+    again = type(record).model_validate_json(record.model_dump_json())
+    assert again.scene.roughness.heights == record.scene.roughness.heights
+    with pytest.raises(InputError, match="an array that was not kept: give it again"):
+        gfmd_numba.solve(again)

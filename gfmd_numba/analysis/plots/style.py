@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.si_prefix import si_prefix
 
 # Okabe and Ito: told apart with any colour vision
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -15,16 +16,6 @@ STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "legend.frameon": False,
 }
-_PREFIXES = (
-    (1e9, "G"),
-    (1e6, "M"),
-    (1e3, "k"),
-    (1.0, ""),
-    (1e-3, "m"),
-    (1e-6, "µ"),
-    (1e-9, "n"),
-    (1e-12, "p"),
-)
 
 
 def with_unit(text: str, variable: xr.DataArray) -> str:
@@ -46,7 +37,4 @@ def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
     if unit == "1":
         power = int(np.floor(np.log10(largest))) if largest else 0
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
-    if unit not in ("m", "Pa"):
-        return 1.0, unit
-    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
-    return 1 / scale, letter + unit
+    return si_prefix(largest, unit)

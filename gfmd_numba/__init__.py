@@ -52,8 +52,8 @@ def load_curve(
 
     `loads` are what its loading prescribes, reduced pressures p/(g E*) or displacements of the punch (m or L_x), all
     rising or all falling; each begins where the last one ended. Several `realisations` of random surfaces give means,
-    and their standard errors as `..._error`. The contact stiffness is that of a short step of the path before each
-    load. Raises InputError for a scene or loads that make no sense; a load at which a run failed says so in `status`.
+    and their standard errors as `..._standard_error`. The contact stiffness is that of a short step of the path
+    before each load. A load at which a run failed says so in `status`. Raises InputError for what makes no sense.
     """
     from gfmd_numba.scene import load_scene
     from gfmd_numba.simulate.curve_dataset import load_curve as curve_of

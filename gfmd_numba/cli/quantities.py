@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, isinf, isnan
+from math import isfinite, isinf, isnan, sqrt
 from typing import TYPE_CHECKING
 
 from gfmd_numba.text.si_prefix import si_prefix
@@ -18,6 +18,7 @@ WORDS = {
     "mean_pressure": "mean pressure",
     "contact_area_fraction": "contact area fraction",
     "contact_area": "contact area",
+    "contact_length": "contact length",
     "mean_gap": "mean gap",
     "contact_stiffness": "stiffness",
     "peak_pressure": "peak pressure",
@@ -27,7 +28,7 @@ WORDS = {
     "kappa_r": "kappa_r",
     "residual": "residual",
 }
-_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "mean_gap", "contact_area"}
+_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "mean_gap"}
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:
@@ -38,8 +39,9 @@ def unit(dataset: xr.Dataset, name: str) -> str:
         return "Pa m-1" if (pressure, length) == ("Pa", "m") else f"{pressure}/{length}"
     if name == "elastic_energy":
         return "J m-2" if (pressure, length) == ("Pa", "m") else f"{pressure} {length}"
-    free = pressure if name in _PRESSURES else length if name in _LENGTHS else ""
-    return _units(dataset, name, free)
+    if name in _PRESSURES | _LENGTHS:
+        return pressure if name in _PRESSURES else length
+    return _units(dataset, name, "")
 
 
 def _units(dataset: xr.Dataset, name: str, free: str) -> str:
@@ -51,7 +53,7 @@ def _units(dataset: xr.Dataset, name: str, free: str) -> str:
 def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[str]]:
     """Return heading, with the unit, and cells of a variable: numbers, with their standard error where it is known."""
     factor, shown = _suited(dataset, name)
-    errors = dataset.get(f"{name}_error")
+    errors = dataset.get(f"{name}_standard_error")
     values = dataset[name].values.ravel().tolist()
     deviations = [float("nan")] * len(values) if errors is None else errors.values.ravel().tolist()
     cells = [_figure(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
@@ -65,8 +67,9 @@ def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
 
 
 def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
-    sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value)]
-    return si_prefix(max(sizes, default=0.0), unit(dataset, name))
+    sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value) and value != 0.0]
+    middle = sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
+    return si_prefix(middle, unit(dataset, name))
 
 
 def _figure(value: float, error: float, digits: int) -> str:

@@ -95,7 +95,7 @@ def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> Sc
     first, *others = loads
     loading = file.scene.loading.model_copy(update={prescribed: first})
     scene = file.scene.model_copy(update={"loading": loading})
-    path = tuple(Step.model_construct(**{prescribed: load}) for load in others)
+    path = tuple(Step().model_copy(update={prescribed: load}) for load in others)
     return file.model_copy(update={"scene": scene, "path": path})
 
 

@@ -16,12 +16,14 @@ _COLUMNS = (
     "mean_pressure",
     "contact_area_fraction",
     "contact_area",
+    "contact_length",
     "mean_gap",
     "contact_stiffness",
     "peak_pressure",
     "n_segments",
     "elastic_energy",
 )
+_PRESSURES = {"reduced_pressure", "mean_pressure"}  # without an error where the scene prescribes them
 _METHOD = (
     "difference of two solutions: each load is approached from a load 0.1 % before it (displacements: 0.1 % of their "
     "range; at most half-way from the load before); no exact tangent"
@@ -44,15 +46,17 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     _add_derived(curve, found)
     ok = found["status"] == 0
     dataset = xr.Dataset(coords={"load": found["load"]})
-    dataset["load"].attrs = load_attributes(curve.given.file.scene)[_COORDINATES.get(curve.prescribed, curve.prescribed)]
+    dataset["load"].attrs = load_attributes(curve.given.file.scene)[
+        _COORDINATES.get(curve.prescribed, curve.prescribed)
+    ]
     count = ok.sum("realisation")
     for name in (name for name in _COLUMNS if name in found):
         values = found[name].where(ok)
         dataset[name] = values.mean("realisation").assign_attrs(found[name].attrs)
-        if curve.realisations > 1:
+        if curve.realisations > 1 and not (curve.prescribed == "reduced_pressure" and name in _PRESSURES):
             deviation = values.std("realisation", ddof=1) if found.sizes["realisation"] > 1 else values[0] * np.nan
             attributes = cf_attributes(f"standard error of {name} over realisations", found[name].units)
-            dataset[f"{name}_error"] = (deviation / count**0.5).assign_attrs(attributes)
+            dataset[f"{name}_standard_error"] = (deviation / count**0.5).assign_attrs(attributes)
     dataset["n_realisations"] = count.assign_attrs(cf_attributes("realisations that are ok at this load"))
     worst = found["status"].max("realisation").astype(np.int8)
     dataset["status"] = worst.assign_attrs(
@@ -79,9 +83,9 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     one = scales(scene, curve.given.surfaces.rms_gradient)["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
-        name = "real contact length over one period" if scene.dimension == 1 else "real contact area over one period"
-        area = found["contact_area_fraction"] * scene.length**scene.dimension
-        found["contact_area"] = area.assign_attrs(cf_attributes(name, "m" if scene.dimension == 1 else "m2"))
+        name, unit = ("contact_length", "m") if scene.dimension == 1 else ("contact_area", "m2")
+        attributes = cf_attributes(f"real {name.replace('_', ' ')} over one period", unit)
+        found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     found["contact_stiffness"].attrs = _stiffness_attributes(scene)
 
 

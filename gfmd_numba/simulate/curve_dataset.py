@@ -46,9 +46,6 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     _add_derived(curve, found)
     ok = found["status"] == 0
     dataset = xr.Dataset(coords={"load": found["load"]})
-    dataset["load"].attrs = load_attributes(curve.given.file.scene)[
-        _COORDINATES.get(curve.prescribed, curve.prescribed)
-    ]
     count = ok.sum("realisation")
     for name in (name for name in _COLUMNS if name in found):
         values = found[name].where(ok)
@@ -65,6 +62,9 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     dataset["residual"] = found["residual"].max("realisation").assign_attrs(found["residual"].attrs)
     for name in ("n_iterations", "wall_time"):
         dataset[name] = found[name].sum("realisation").assign_attrs(found[name].attrs)
+    dataset["load"].attrs = load_attributes(curve.given.file.scene)[
+        _COORDINATES.get(curve.prescribed, curve.prescribed)
+    ]
     dataset.attrs = {
         **found.attrs,
         "Conventions": CONVENTIONS,

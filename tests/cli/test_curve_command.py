@@ -98,21 +98,24 @@ def test_loads_that_fail_are_marked_and_exit_with_3(scene, tmp_path, monkeypatch
 def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
     solve = curve.solve_curve
 
-    def interrupted(asked):
-        yield from islice(solve(asked), left)
-        raise KeyboardInterrupt
+    def interrupt_after(loads):
+        def interrupted(asked):
+            yield from islice(solve(asked), loads)
+            raise KeyboardInterrupt
 
-    monkeypatch.setattr(curve, "solve_curve", interrupted)
-    for left, realisations, loads, told in (
+        monkeypatch.setattr(curve, "solve_curve", interrupted)
+
+    for solved, realisations, loads, told in (
         (2, 1, 2, "interrupted after 2 of 3 loads"),
         (7, 4, 3, "interrupted after 2 of 4 realisations"),
         (1, 4, 1, "interrupted after 1 of 3 loads of the first of 4 realisations"),
     ):
+        interrupt_after(solved)
         done = gfmd("curve", scene, "--loads=0.1,0.2,0.3", f"--realisations={realisations}", "-o", tmp_path / "c.nc")
         assert done.exit_code == 130
         assert told in unfolded(done.stderr)
         assert xr.load_dataset(tmp_path / "c.nc").sizes["load"] == loads
-    left = 0
+    interrupt_after(0)
     done = gfmd("curve", scene, "--loads=0.1,0.2", "-o", tmp_path / "none.nc")
     assert done.exit_code == 130
     assert "nothing is written" in unfolded(done.stderr)

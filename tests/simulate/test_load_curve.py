@@ -52,17 +52,22 @@ def test_the_energy_of_a_rough_contact_rises_by_load_times_approach():
 
 
 def test_the_stiffness_is_that_of_the_contact_held():
-    loads = np.geomspace(1e-3, 0.5, 6)
-    half_space = scene_file(body={"poissons_ratio": 0.33})
-    found = load_curve(half_space, loads)
-    exact = []
-    for load in loads:
-        half_space["scene"]["loading"] = {"reduced_pressure": float(load)}
-        free = (solve(half_space)["gap"] > 0).values
-        n = len(free)
-        stiffness = grid.signal(0.5 * grid.wavenumbers(n) * grid.coefficients(np.eye(n)), n)[np.ix_(free, free)]
-        exact.append(n / np.linalg.solve(stiffness, np.ones(free.sum())).sum())
-    np.testing.assert_allclose(found["contact_stiffness"], exact, rtol=1e-2)
+    """K = n / sum_ij (A_ff^-1)_ij over the open nodes; differences between the loads themselves are far from that."""
+    loads = np.geomspace(1e-3, 0.5, 20)
+    scene = scene_file(body={"poissons_ratio": 0.33}) | {"seed": 0}
+    scene["discretisation"] = {"eps_c": 0.25, "eps_f": 1 / 32, "eps_t": 0.25}
+    found = load_curve(scene, loads)
+    path = solve(scene | {"path": [{"reduced_pressure": float(load)} for load in loads]})
+    n = path.sizes["x"]
+    full = grid.signal(0.5 * grid.wavenumbers(n) * grid.coefficients(np.eye(n)), n)
+    opened = (path["gap"] > 0).values[1:]
+    exact = [n / np.linalg.solve(full[np.ix_(free, free)], np.ones(free.sum())).sum() for free in opened]
+    error = abs(found["contact_stiffness"].values / exact - 1)
+    assert np.count_nonzero(error > 1e-3) <= 1  # where a node comes into contact within the short step
+    assert error.max() < 0.02
+    p, gap = found["mean_pressure"].values, found["mean_gap"].values
+    along_the_path = p / -np.gradient(gap, np.log(p))
+    assert abs(along_the_path / exact - 1).max() > 0.1
 
 
 MAP = scene_file() | {"discretisation": {"eps_c": 0.25, "eps_f": 1 / 8, "eps_t": 1 / 2}}

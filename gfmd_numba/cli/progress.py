@@ -58,17 +58,19 @@ def counting(what: str, total: int) -> Iterator[Callable[[], None]]:
     task = bar.add_task(what, total=total)
     begun, told = time.monotonic(), 0
 
-    def advance() -> None:
+    def tell() -> None:
         nonlocal told
-        bar.advance(task)
-        done = int(bar.tasks[task].completed)
-        late = time.monotonic() - begun >= _PATIENCE
-        if late and not sys.stderr.isatty() and done >= told + max(1, total // 10):
-            with suppress(OSError, ValueError):  # nobody reads it
-                click.echo(f"busy     {what}, {done} of {total}", err=True)
-            told = done
+        told = int(bar.tasks[task].completed)
+        with suppress(OSError, ValueError):  # nobody reads it
+            click.echo(f"busy     {what}, {told} of {total} done", err=True)
 
-    timer = Timer(_PATIENCE, bar.start if sys.stderr.isatty() else lambda: None)
+    def advance() -> None:
+        bar.advance(task)
+        late = time.monotonic() - begun >= _PATIENCE and not sys.stderr.isatty()
+        if late and int(bar.tasks[task].completed) >= told + max(1, total // 10):
+            tell()
+
+    timer = Timer(_PATIENCE, bar.start if sys.stderr.isatty() else tell)
     timer.daemon = True
     timer.start()
     try:

@@ -150,4 +150,4 @@ def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
     monkeypatch.setattr(progress, "_PATIENCE", 0.0)
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
     for i in range(1, 5):
-        assert f"busy     solving loads, {i} of 4\n" in done.stderr
+        assert f"busy     solving loads, {i} of 4 done\n" in done.stderr

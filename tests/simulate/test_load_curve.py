@@ -7,6 +7,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba import InputError, load_curve, solve
 from gfmd_numba.fourier import grid
+from gfmd_numba.simulate import curve
 from gfmd_numba.theory import closed_forms
 from support.contacts import scene_file
 from support.waves import AMPLITUDE, FULL, GRADIENT, wave
@@ -102,6 +103,18 @@ def test_loads_that_fall_give_the_same_curve_backwards():
     for name in ("mean_gap", "contact_area_fraction", "peak_pressure"):
         np.testing.assert_allclose(down[name].values[::-1], up[name].values, rtol=1e-6)
     np.testing.assert_allclose(down["contact_stiffness"].values[::-1], up["contact_stiffness"].values, rtol=5e-2)
+
+
+@pytest.mark.parametrize("loads", [[0.1, 0.1001, 0.4], [0.4, 0.1001, 0.1], [0.2]])
+def test_the_path_of_a_curve_never_turns_back(monkeypatch, loads):
+    followed = []
+    solve_path = curve.solve_path
+    monkeypatch.setattr(curve, "solve_path", lambda path: followed.append(path) or solve_path(path))
+    load_curve(scene_file(), loads)
+    (path,) = followed
+    pressures = np.array([problem.mean_pressure for problem in path.problems])
+    np.testing.assert_allclose(pressures[1::2], loads)
+    assert (np.diff(pressures) < 0).all() if loads[0] > loads[-1] else (np.diff(pressures) > 0).all()
 
 
 def test_a_full_contact_is_infinitely_stiff(tmp_path):

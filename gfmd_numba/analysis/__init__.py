@@ -6,6 +6,7 @@ from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
+from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -24,6 +25,7 @@ __all__ = [
     "plot_body",
     "plot_campaign",
     "plot_contact",
+    "plot_curve",
     "plot_statistics",
     "plot_surface",
     "select_limit",

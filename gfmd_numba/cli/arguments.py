@@ -112,18 +112,25 @@ def check_output(output: Path, *inputs: Path) -> None:
 
 def picture_beside(output: Path) -> Path:
     """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
+    return beside(output, "picture", ".png")
+
+
+def beside(output: Path, kind: str, suffix: str) -> Path:
+    """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
     from gfmd_numba.storage.mark import may_be_replaced
     from gfmd_numba.text.input_error import InputError
 
-    picture = output.with_suffix(".png")
-    if picture == output:
-        raise click.BadParameter("the picture takes the name with .png; give one like steel.nc", param_hint="--output")
-    if not may_be_replaced(picture):
+    file = output.with_suffix(suffix)
+    if file == output:
+        raise click.BadParameter(
+            f"the {kind} takes the name with {suffix}; give one like steel.nc", param_hint="--output"
+        )
+    if not may_be_replaced(file):
         raise InputError(
-            f"{picture}: given a file that gfmd did not write, where its picture would go; "
+            f"{file}: given a file that gfmd did not write, where its {kind} would go; "
             "allowed: no such file (move it, or choose another --output)"
         )
-    return picture
+    return file
 
 
 def check_picture(path: Path) -> None:

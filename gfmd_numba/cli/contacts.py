@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import warnings
-from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.quantities import column, line
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings
 from gfmd_numba.text.printable import printable
@@ -41,12 +42,10 @@ def solve(file: Path, output: Path) -> None:
     write_dataset(output, dataset)
     click.echo(f"results  {printable(output)}")
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    shown = [name for name in _SHOWN if name in dataset]  # a loaded body has but the last
     if "step" in dataset.dims:
-        _show_steps(dataset, shown)
+        _show_steps(dataset)
     else:
-        for name in shown:
-            click.echo(f"{name:24}{_figures(dataset[name])[0]:<14}{_unit(dataset, name)}".rstrip())
+        _show_one(dataset)
     for doubt in dataset.attrs.get("validity", "").splitlines():
         say("gfmd:", doubt, width=6, err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
@@ -57,40 +56,54 @@ def solve(file: Path, output: Path) -> None:
         sys.exit(SOME_FAILED)
 
 
-_SHOWN = {
-    "kappa": "kappa",
-    "kappa_r": "kappa_r",
-    "contact_area_fraction": "contact area fraction",
-    "mean_pressure": "mean pressure",
-    "residual": "residual",
-}
-_PRESCRIBED = {"reduced_pressure": "p*", "punch_displacement": "punch displacement", "sliding": "sliding"}
-_FREE_UNITS = {"mean_pressure": "E*", "punch_displacement": "L_x", "sliding": "L_x"}
+_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "mean_pressure",
+    "contact_area_fraction",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "kappa",
+    "kappa_r",
+)
+_PRESCRIBED = ("reduced_pressure", "punch_displacement", "sliding")
 
 
-def _show_steps(dataset: xr.Dataset, shown: list[str]) -> None:
+def _show_one(dataset: xr.Dataset) -> None:
+    """Print what came of one loading, a line each."""
+    prescribed = _prescribed(dataset)
+    view = dataset.assign(prescribed)
+    for name in (*prescribed, *(name for name in _SHOWN if name in dataset)):
+        words, number, unit = line(view, name)
+        click.echo(f"{words:24}{number:<14}{unit}".rstrip())
+    click.echo(f"{'residual':24}{float(dataset['residual']):.1e}")
+
+
+def _prescribed(dataset: xr.Dataset) -> dict[str, float]:
+    """Return what the loading of a scene prescribes, by the name that steps of a path give it."""
+    loading = json.loads(dataset.attrs["scene"])["scene"].get("loading", {})
+    named = {"reduced_pressure": "reduced_pressure", "displacement": "punch_displacement"}
+    return {name: loading[given] for given, name in named.items() if loading.get(given) is not None}
+
+
+def _show_steps(dataset: xr.Dataset) -> None:
     """Print the steps of a path: what was prescribed, and what came of it."""
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
-    parameters = {_heading(dataset, name, _PRESCRIBED[name]): _figures(dataset[name]) for name in prescribed}
-    found = {_heading(dataset, name, _SHOWN[name]): _figures(dataset[name]) for name in shown}
+    view = _with_stiffness(dataset)
+    found = dict(column(view, name) for name in (*_SHOWN[:3], "contact_stiffness", *_SHOWN[3:]) if name in view)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
-    print_table("steps of the path", steps | parameters, found)
+    print_table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
 
 
-def _heading(dataset: xr.Dataset, name: str, words: str) -> str:
-    unit = _unit(dataset, name)
-    return f"{words} ({unit})" if unit else words
-
-
-def _unit(dataset: xr.Dataset, name: str) -> str:
-    """Unit of a scalar: E* or L_x, which count as 1 in the file, where the scene leaves them open."""
-    unit = dataset[name].attrs.get("units") or dataset["x"].attrs["units"]  # a prescribed length is in that of x
-    return _FREE_UNITS.get(name, "") if unit == "1" else str(unit)
-
-
-def _figures(values: xr.DataArray) -> list[str]:
-    return ["-" if isnan(value) else f"{value:.6g}" for value in values.values.ravel().tolist()]
+def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with the stiffness since the step before, where the hard wall alone acts and the load has changed."""
+    interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
+    if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
+        return dataset
+    rise, fall = dataset["mean_pressure"].diff("step"), -dataset["mean_gap"].diff("step")
+    stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
+    return dataset.assign(contact_stiffness=stiffness)
 
 
 def _ending(step: xr.Dataset) -> str:

@@ -65,7 +65,7 @@ def fit(
 def plot(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
 ) -> None:
-    """Draw RESULTS: kappa against the discretisations, or the fields of one contact."""
+    """Draw RESULTS: kappa against the discretisations, the fields of one contact, or a load curve."""
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
@@ -74,7 +74,7 @@ def plot(
     check_picture(picture)
     dataset = read_results(file)
     with naming(file):
-        fitted = None if "x" in dataset.dims else _fit(dataset, fixed, variable, exponents)
+        fitted = None if {"x", "load"} & set(dataset.dims) else _fit(dataset, fixed, variable, exponents)
         draw(dataset, fitted, picture)
 
 
@@ -114,11 +114,14 @@ def fit_options(
 
 
 def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
-    """Write the picture of a campaign with its fit, or of one contact without."""
-    from gfmd_numba.analysis import plot_campaign, plot_contact
+    """Write the picture of a campaign with its fit, or of one contact or load curve without."""
+    from gfmd_numba.analysis import plot_campaign, plot_contact, plot_curve
     from gfmd_numba.storage.atomic_file import write_picture
 
     with waiting("drawing"):
-        figure = plot_contact(dataset) if fitted is None else plot_campaign(dataset, fitted, fitted.attrs["variable"])
+        if fitted is not None:
+            figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
+        else:
+            figure = plot_curve(dataset) if "load" in dataset.dims else plot_contact(dataset)
         write_picture(path, figure, dpi=150)
     click.echo(f"picture  {printable(path)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from threading import Timer
@@ -41,6 +42,43 @@ def waiting(what: str) -> Iterator[None]:
         timer.join()
         for live in shown:
             live.stop()
+
+
+@contextmanager
+def counting(what: str, total: int) -> Iterator[Callable[[], None]]:
+    """Count what a command has done once it has taken a second: a bar on a terminal, a line for every tenth otherwise.
+
+    Call what it gives after each one that is done.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False)
+    task = bar.add_task(what, total=total)
+    begun, told = time.monotonic(), 0
+
+    def tell() -> None:
+        nonlocal told
+        told = int(bar.tasks[task].completed)
+        with suppress(OSError, ValueError):  # nobody reads it
+            click.echo(f"busy     {what}, {told} of {total} done", err=True)
+
+    def advance() -> None:
+        bar.advance(task)
+        late = time.monotonic() - begun >= _PATIENCE and not sys.stderr.isatty()
+        if late and int(bar.tasks[task].completed) >= told + max(1, total // 10):
+            tell()
+
+    timer = Timer(_PATIENCE, bar.start if sys.stderr.isatty() else tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield advance
+    finally:
+        timer.cancel()
+        timer.join()
+        bar.stop()
 
 
 @contextmanager

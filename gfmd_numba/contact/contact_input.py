@@ -1,5 +1,6 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +39,10 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     surfaces = pressed_surfaces(file, measured, document)
     check_range(document, file.scene, surfaces.surface.nx)
     prescribed = _tractions(file, surfaces, document)
-    _check_room(file, surfaces, document)
+    loading = ("scene", "loading", "displacement")
+    steps = [("path", i, "displacement") for i in range(len(file.path))]
+    displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
+    check_room(file, surfaces, document, dict(zip([loading, *steps], displacements, strict=True)))
     return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
 
 
@@ -89,13 +93,14 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
     return tractions(tangential, normal)
 
 
-def _check_room(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:
-    """Raise InputError for a punch that would have to displace more of an incompressible body than there is room."""
+def check_room(
+    file: SceneFile, surfaces: PressedSurfaces, document: Document, displacements: Mapping[Location, float | None]
+) -> None:
+    """Raise InputError for a punch that would have to displace more of an incompressible body than there is room.
+
+    `displacements` of the punch, in m or L_x, stand at their places in the document.
+    """
     scene = file.scene
-    prescribed: list[tuple[float | None, Location]] = [
-        (scene.loading.displacement, ("scene", "loading", "displacement")),
-        *((step.displacement, ("path", i, "displacement")) for i, step in enumerate(file.path)),
-    ]
     rigid_mean = scene.body.is_incompressible and not scene.body.is_half_space
     if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
         return
@@ -103,7 +108,7 @@ def _check_room(file: SceneFile, surfaces: PressedSurfaces, document: Document) 
     one = range(file.realisation, file.realisation + 1)
     heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
     room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)
-    for displacement, place in prescribed:
+    for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, where this punch has no more room for an incompressible body"
             raise document.error(place, displacement, allowed)

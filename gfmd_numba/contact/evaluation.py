@@ -82,6 +82,12 @@ def mean_pressure(contact: Contact) -> Reals:
     return mean_of_nodes(contact.equilibrium.pressure)
 
 
+def peak_pressure(contact: Contact) -> Reals:
+    """Largest contact pressure on any node in g E* `[realisation]`."""
+    pressure = contact.equilibrium.pressure
+    return np.asarray(pressure.max(axis=tuple(range(1, pressure.ndim))))
+
+
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
     return statistics.rms_gradient(contact.heights, _periods(contact))

@@ -107,6 +107,7 @@ OBSERVABLES = {
         f"{_CONTACT}:elastic_energy",
     ),
     "mean_pressure": Observable("contact", "pressure", "mean contact pressure", f"{_CONTACT}:mean_pressure"),
+    "peak_pressure": Observable("contact", "pressure", "largest contact pressure", f"{_CONTACT}:peak_pressure"),
     "mean_gap": Observable("contact", "height", "mean gap between the surfaces", f"{_CONTACT}:mean_gap"),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch", f"{_CONTACT}:rms_gradient"),
     "rms_gradient_contact": Observable(

@@ -11,11 +11,13 @@ _IN_PICTURES = {
     "eps": {"Creator": "gfmd-numba"},
     "svg": {"Creator": "gfmd-numba"},
 }
+IN_TABLES = "# written by gfmd-numba"
 _BEGINNINGS = {  # of a kind of file, and the mark as it stands in one
     b"\x89HDF": b"written by gfmd-numba",
     b"\x89PNG": b"Software\0gfmd-numba",
     b"%PDF": b"/Creator (gfmd-numba)",
     b"%!PS": b"%%Creator: gfmd-numba",
+    IN_TABLES.encode(): IN_TABLES.encode(),
     b"<?xml": b"<dc:title>gfmd-numba</dc:title>",
 }
 

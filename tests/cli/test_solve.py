@@ -69,10 +69,16 @@ def test_solve_follows_a_path(tmp_path):
     result = xr.load_dataset(tmp_path / "out.nc")
     assert result.sizes == {"step": 3, "x": 256}
     assert result["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.05]
-    kappa = [f"{float(k):.6g}" for k in result["kappa"]]
-    rows = [line.split()[:3] for line in done.output.splitlines() if re.match(r" +\d ", line)]
-    assert rows == [["0", "0.05", kappa[0]], ["1", "0.1", kappa[1]], ["2", "0.05", kappa[2]]]
-    assert kappa[0] == kappa[2]
+    rows = [line.split() for line in done.output.splitlines() if re.match(r" +\d ", line)]
+    above, below = rows[:3], rows[3:]
+    megapascals, nanometres = result["mean_pressure"] * 1e-6, result["mean_gap"] * 1e9
+    assert [row[:3] for row in above] == [
+        [str(i), f"{load:g}", f"{float(megapascals[i]):.4g}"] for i, load in enumerate([0.05, 0.1, 0.05])
+    ]
+    assert [row[4] for row in above] == [f"{float(gap):.4g}" for gap in nanometres]
+    stiffness = 1e3 * float((megapascals[1] - megapascals[0]) / (nanometres[0] - nanometres[1]))  # MPa/µm
+    assert [row[5] for row in above] == ["-", *[f"{stiffness:.4g}"] * 2]
+    assert [row[-3] for row in below] == [f"{float(kappa):.4g}" for kappa in result["kappa"]]
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3

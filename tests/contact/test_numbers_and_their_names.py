@@ -44,7 +44,7 @@ def test_a_coefficient_that_is_not_there_is_printed_as_a_dash(adhesive):
     done = CliRunner().invoke(main, ["solve", str(adhesive), "-o", str(adhesive.parent / "out.nc")])
     assert done.exit_code == 0, done.output
     steps = [words for words in map(str.split, done.stdout.splitlines()) if words and words[0].isdigit()]
-    assert [words[2:4] == ["-", "-"] for words in steps] == [False, True, False]
+    assert ["-" in words for words in steps[-3:]] == [False, True, False]
     assert "nan" not in done.output
 
 

@@ -37,11 +37,16 @@ LOADED = {
 }
 
 
+def _curve(scene):
+    return gfmd_numba.load_curve(scene, [0.1, 0.2])
+
+
 @pytest.mark.parametrize(
     ("function", "load", "mapping"),
     [
         (gfmd_numba.solve, load_scene, SCENE),
         (gfmd_numba.solve, load_scene, LOADED),
+        (_curve, load_scene, SCENE),
         (gfmd_numba.make_surface, load_surface, SURFACE),
         (gfmd_numba.run, load_campaign, CAMPAIGN),
     ],

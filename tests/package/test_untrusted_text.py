@@ -47,14 +47,17 @@ def test_what_a_file_says_is_escaped(tmp_path, name, load):
         assert_harmless(str(error), len(error.args))
 
 
-@pytest.mark.parametrize("command", ["check", "run", "plan", "solve", "surface", "fit", "plot", "fields", "status"])
+@pytest.mark.parametrize(
+    "command", ["check", "run", "plan", "solve", "curve --loads=0.1", "surface", "fit", "plot", "fields", "status"]
+)
 @pytest.mark.parametrize("there", [True, False])
 def test_a_name_is_escaped_in_what_a_command_says(tmp_path, command, there):
     path = tmp_path / f"{EVIL}.yaml"
     if there:
         path.write_text("scene: 1", encoding="utf-8")
-    output = ["-o", tmp_path / "out.nc"] if command in ("solve", "surface", "fields") else []
-    done = gfmd(command, path, *output)
+    command, *options = command.split()
+    output = ["-o", tmp_path / "out.nc"] if command in ("solve", "curve", "surface", "fields") else []
+    done = gfmd(command, path, *options, *output)
     assert done.exit_code == 2
     assert_harmless(done.output, done.output.rstrip("\n").count("\n") + 1)
     assert "b.yaml" not in done.output.splitlines()

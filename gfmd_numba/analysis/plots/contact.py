@@ -12,13 +12,40 @@ from gfmd_numba.analysis.selection import UnusableDataError
 def plot_contact(dataset: xr.Dataset) -> Figure:
     """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps of gap and pressure.
 
-    Of a path of loadings the last one is drawn; UnusableDataError for a dataset without these fields.
+    Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
+    without these fields.
     """
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
+    title = _of_steps(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
-    if "y" in dataset.dims:
-        return _plot_map(dataset)
+    figure = _plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
+    if title:
+        figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+    return figure
+
+
+def _of_steps(dataset: xr.Dataset) -> str:
+    """Which step of a path is drawn, and its loading."""
+    if dataset.sizes.get("step", 1) == 1:
+        return ""
+    said = f"Step {dataset.sizes['step'] - 1}, the last"
+    for name, symbol, natural in _PRESCRIBED:
+        if name in dataset and dataset[name].any():
+            factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
+            said += f", {symbol} = {factor * float(dataset[name][-1]):.4g}" + (f" {unit}" if unit else "")
+    return said
+
+
+_PRESCRIBED = (
+    ("reduced_pressure", "$p^*$", ""),
+    ("punch_displacement", "punch displacement", "L_x"),
+    ("sliding", "sliding", "L_x"),
+)
+
+
+def _plot_profile(dataset: xr.Dataset) -> Figure:
+    """Punch and body over x, with the pressure below."""
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.si_prefix import si_prefix
 
 # Okabe and Ito: told apart with any colour vision
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -17,16 +18,6 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
 }
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
-_PREFIXES = (
-    (1e9, "G"),
-    (1e6, "M"),
-    (1e3, "k"),
-    (1.0, ""),
-    (1e-3, "m"),
-    (1e-6, "µ"),
-    (1e-9, "n"),
-    (1e-12, "p"),
-)
 
 
 def of_variable(dataset: xr.Dataset, variable: str) -> str:
@@ -54,7 +45,4 @@ def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
     if unit == "1":
         power = int(np.floor(np.log10(largest))) if largest else 0
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
-    if unit not in ("m", "Pa"):
-        return 1.0, unit
-    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
-    return 1 / scale, letter + unit
+    return si_prefix(largest, unit)

@@ -1,0 +1,84 @@
+"""Figure of a load curve: area, mean gap, stiffness and peak pressure over the load."""
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix
+from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.arrays import Reals
+
+_PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
+    ("contact_area_fraction", "Contact area fraction", "", True),
+    ("mean_gap", r"Mean gap $\bar{g}$", "L_x", False),
+    ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
+    ("peak_pressure", "Peak pressure", "E^*", True),
+)
+
+
+def plot_curve(dataset: xr.Dataset) -> Figure:
+    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
+
+    Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
+    dataset that is no load curve, or has no load with a result.
+    """
+    if not {"load", "n_realisations", *(name for name, *_ in _PANELS)} <= dataset.variables.keys():
+        raise UnusableDataError("given no load curve; allowed: what `gfmd curve` leaves")
+    dataset = dataset.isel(load=dataset["n_realisations"].values > 0)
+    if not dataset.sizes["load"]:
+        raise UnusableDataError("given no load with a result; allowed: a load curve with runs that are ok")
+    by_pressure = dataset.attrs.get("prescribed") != "displacement"
+    over, label, natural = (
+        (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")
+        if by_pressure
+        else (dataset["load"], "Punch displacement", "L_x")
+    )
+    factor, unit = prefix(over, natural)
+    with mpl.rc_context(STYLE):
+        figure = Figure((9.6, 6.6), dpi=150, layout="constrained")
+        for axis, (name, text, free, logarithmic) in zip(figure.subplots(2, 2, sharex=True).flat, _PANELS, strict=True):
+            drawn = _draw(axis, dataset, name, text, free, factor * over.values)
+            if logarithmic and drawn.size and drawn.min() > 0.0:
+                axis.set_yscale("log")
+                if drawn.max() < 100.0 * drawn.min():  # too few powers of ten to read values between them
+                    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                    axis.yaxis.set_minor_formatter(NullFormatter())
+            if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
+                axis.set_xscale("log")
+        for axis in figure.axes[2:]:
+            axis.set_xlabel(f"{label} ({unit})")
+        counts = dataset["n_realisations"]
+        if int(counts.max()) > 1:
+            least, most = int(counts.min()), int(counts.max())
+            surfaces = f"{most}" if least == most else f"{least} to {most}"
+            figure.suptitle(f"Mean of {surfaces} surfaces, band: standard error", fontsize=11)
+    return figure
+
+
+def _per_gap(dataset: xr.Dataset, unit: str) -> str:
+    """Unit of a stiffness, with E* or L_x where the scene leaves but one of them open."""
+    pressure, gap = (dataset[name].attrs.get("units", "1") for name in ("mean_pressure", "mean_gap"))
+    if pressure != "1" and gap == "1":
+        return f"{unit}$/L_x$"
+    return "$E^*$/m" if pressure == "1" and gap != "1" else unit
+
+
+def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x: Reals) -> Reals:
+    """Draw one variable with its error; gives the values that are drawn."""
+    known = np.isfinite(dataset[name].values)  # full contact is infinitely stiff
+    finite = dataset[name][known]
+    factor, unit = prefix(finite, natural) if finite.size and natural else (1.0, "")
+    values = factor * finite.values
+    axis.plot(x[known], values, "o-", ms=4, lw=1.2, color=COLOURS[0])
+    if f"{name}_standard_error" in dataset:
+        error = factor * dataset[f"{name}_standard_error"].values[known]
+        axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)
+    if name == "contact_stiffness":
+        unit = _per_gap(dataset, unit)
+    axis.set_ylabel(f"{text} ({unit})" if unit else text)
+    axis.grid(color="0.9", lw=0.6)
+    return values

@@ -1,0 +1,179 @@
+"""The command that takes a scene through loads."""
+
+from __future__ import annotations
+
+import sys
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gfmd_numba.cli.arguments import beside, check_output, file_argument, picture_beside
+from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
+from gfmd_numba.cli.imports import without_collections
+from gfmd_numba.cli.progress import counting, waiting
+from gfmd_numba.cli.quantities import column, unit
+from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.tables import endings
+from gfmd_numba.text.printable import printable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MOST = 10_000
+
+
+def _load(text: str) -> float:
+    """Return one load, a number in what the loading of the scene prescribes."""
+    from gfmd_numba.scene.document import plain_scalar
+
+    number = plain_scalar(text.strip())
+    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
+        raise click.BadParameter(f"given {text!r}; allowed: a finite number, like 0.01 or 1e-3")
+    return float(number)  # type: ignore[arg-type]
+
+
+def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float]:
+    """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
+    ends = option.split(":")
+    if len(ends) == 1:
+        return [_load(text) for text in option.split(",")]
+    count = ends[-1].strip()
+    if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
+        raise click.BadParameter(f"given {option!r}; allowed: A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+    first, last, n = _load(ends[0]), _load(ends[1]), int(count)
+    if not (first > 0.0 and last > 0.0 and first != last):
+        raise click.BadParameter(f"given {option!r}; allowed: two different ends above 0, or a list a,b,c")
+    inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
+    return [first, *inner, last]
+
+
+@main.command()
+@file_argument
+@click.option(
+    "--loads",
+    required=True,
+    callback=_loads_given,
+    metavar="A:B:N",
+    help="N loads from A to B, evenly spaced in their logarithm, or a list a,b,c",
+)
+@click.option("--realisations", default=1, show_default=True, help="Random surfaces to average over, with errors")
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+def curve(file: Path, loads: list[float], realisations: int, output: Path) -> None:
+    """Take the scene FILE through loads and write, print and draw area, gap, stiffness and pressure over them.
+
+    Loads are what the scene's loading prescribes: reduced pressures p/(g E*), or displacements of the punch. Beside the
+    netCDF file stand a table (.csv) and a picture (.png) of the same name.
+    """
+    with without_collections():
+        from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.simulate.curve import read_curve, solve_curve
+        from gfmd_numba.simulate.curve_dataset import curve_dataset
+        from gfmd_numba.storage.atomic_file import write_dataset, write_table
+
+    picture, table = picture_beside(output), beside(output, "table", ".csv")
+    described, document = load_scene(file)
+    for path in (output, picture, table):
+        check_output(path, file, *input_files(described))
+    asked = read_curve(described, document, loads, realisations)
+    solved: list[xr.Dataset] = []
+    try:
+        with counting("solving loads", len(loads) * realisations) as advance:
+            for step in solve_curve(asked):
+                solved.append(step)
+                advance()
+    except KeyboardInterrupt:
+        if not solved:
+            say("gfmd:", "interrupted before the first load was solved; nothing is written", width=6, err=True)
+            sys.exit(INTERRUPTED)
+    dataset = curve_dataset(asked, solved)
+    write_dataset(output, dataset)
+    click.echo(f"results  {printable(output)}")
+    write_table(table, _columns(dataset))
+    click.echo(f"table    {printable(table)}")
+    _draw(dataset, picture)
+    _show(dataset)
+    for doubt in dataset.attrs["validity"].splitlines():
+        say("gfmd:", doubt, width=6, err=True)
+    _end(dataset, realisations)
+
+
+def _columns(dataset: xr.Dataset) -> dict[str, list[object]]:
+    """Columns of the table as in the netCDF file, by name and unit."""
+    view = _named(dataset)
+    names = [str(name) for name in ("load", *dataset.data_vars)]
+    units = {
+        name: unit(view, _prescribed(dataset) if name == "load" else name.removesuffix("_standard_error"))
+        for name in names
+    }
+    return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
+
+
+def _prescribed(dataset: xr.Dataset) -> str:
+    """Name of the variable that the loading prescribes."""
+    given = str(dataset.attrs["prescribed"])
+    return "punch_displacement" if given == "displacement" else given
+
+
+def _named(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset whose load has the name of what is prescribed."""
+    return dataset.assign({_prescribed(dataset): dataset["load"]})
+
+
+def _draw(dataset: xr.Dataset, picture: Path) -> None:
+    from gfmd_numba.analysis import plot_curve
+    from gfmd_numba.storage.atomic_file import write_picture
+
+    if not (dataset["n_realisations"] > 0).any():
+        say("gfmd:", "no load has a result that could be drawn", width=6, err=True)
+        return
+    with waiting("drawing"):
+        write_picture(picture, plot_curve(dataset), dpi=150)
+    click.echo(f"picture  {printable(picture)}")
+
+
+def _show(dataset: xr.Dataset) -> None:
+    """Print the curve, one line a load."""
+    view, load = _named(dataset), _prescribed(dataset)
+    shown = [name for name in _SHOWN if name in view and name != load]
+    values = dict(column(view, name) for name in shown)
+    states = dataset["status"].attrs["flag_meanings"].split()
+    if dataset["status"].any():
+        values["status"] = [states[int(status)] for status in dataset["status"]]
+    if int(dataset["n_realisations"].max()) > 1:
+        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
+    heading, loads = column(view, load)
+    print_table("load curve", {heading: loads}, values)
+
+
+_SHOWN = (
+    "reduced_pressure",
+    "mean_pressure",
+    "contact_area_fraction",
+    "contact_area",
+    "contact_length",
+    "mean_gap",
+    "contact_stiffness",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+)
+
+
+def _end(dataset: xr.Dataset, realisations: int) -> None:
+    """Say which loads are not to be used, or that there would be more; exits with 3 or 130 then."""
+    failed = dataset["status"].values != 0
+    if failed.any():
+        loads = ", ".join(f"{load:.4g}" for load in dataset["load"].values[failed])
+        left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
+        say("gfmd:", f"not ok at load {loads}: {left}", width=6, err=True)
+        for _, sentence in endings(dataset["status"]):
+            say("gfmd:", sentence, width=6, err=True)
+    if "interrupted" in dataset.attrs:
+        told = f"interrupted {dataset.attrs['interrupted']}; the files hold these; the same command begins anew"
+        say("gfmd:", told, width=6, err=True)
+        sys.exit(INTERRUPTED)
+    if failed.any():
+        sys.exit(SOME_FAILED)

@@ -1,0 +1,78 @@
+"""Quantities of a contact as an engineer reads them: their names, and numbers in the unit that suits them."""
+
+from __future__ import annotations
+
+from math import isfinite, isinf, isnan, sqrt
+from typing import TYPE_CHECKING
+
+from gfmd_numba.text.si_prefix import si_prefix
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+WORDS = {
+    "load": "load",
+    "reduced_pressure": "p*",
+    "punch_displacement": "punch displacement",
+    "sliding": "sliding",
+    "mean_pressure": "mean pressure",
+    "contact_area_fraction": "contact area fraction",
+    "contact_area": "contact area",
+    "contact_length": "contact length",
+    "mean_gap": "mean gap",
+    "contact_stiffness": "stiffness",
+    "peak_pressure": "peak pressure",
+    "n_segments": "contacts",
+    "elastic_energy": "elastic energy",
+    "kappa": "kappa",
+    "kappa_r": "kappa_r",
+    "residual": "residual",
+}
+_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "mean_gap"}
+
+
+def unit(dataset: xr.Dataset, name: str) -> str:
+    """Return the unit of a variable in its file, in which E* and L_x stand for what the scene leaves open."""
+    pressure = _units(dataset, "mean_pressure", "E*")
+    length = _units(dataset, "mean_gap", "L_x")
+    if name == "contact_stiffness":
+        return "Pa m-1" if (pressure, length) == ("Pa", "m") else f"{pressure}/{length}"
+    if name == "elastic_energy":
+        return "J m-2" if (pressure, length) == ("Pa", "m") else f"{pressure} {length}"
+    if name in _PRESSURES | _LENGTHS:
+        return pressure if name in _PRESSURES else length
+    return _units(dataset, name, "")
+
+
+def _units(dataset: xr.Dataset, name: str, free: str) -> str:
+    """Units of a variable, that of x where it has none of its own; what stands for 1."""
+    found = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
+    return free if found == "1" else str(found)
+
+
+def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[str]]:
+    """Return heading, with the unit, and cells of a variable: numbers, with their standard error where it is known."""
+    factor, shown = _suited(dataset, name)
+    errors = dataset.get(f"{name}_standard_error")
+    values = dataset[name].values.ravel().tolist()
+    deviations = [float("nan")] * len(values) if errors is None else errors.values.ravel().tolist()
+    cells = [_figure(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
+    return f"{WORDS[name]} ({shown})" if shown else WORDS[name], cells
+
+
+def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
+    """Return words, number and unit of a variable that is one number."""
+    factor, shown = _suited(dataset, name)
+    return WORDS[name], _figure(factor * float(dataset[name]), float("nan"), 6), shown
+
+
+def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
+    sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value) and value != 0.0]
+    middle = sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
+    return si_prefix(middle, unit(dataset, name))
+
+
+def _figure(value: float, error: float, digits: int) -> str:
+    if isnan(value) or isinf(value):
+        return "-" if isnan(value) else "inf"
+    return f"{value:.{digits}g}" if isnan(error) else f"{value:.{digits}g}±{error:.2g}"

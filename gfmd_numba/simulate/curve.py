@@ -1,0 +1,154 @@
+"""The load curve of a scene: one warm-started path of loads for each realisation of its surfaces."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import BaseModel, Field
+
+from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact
+from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.path_dataset import doubts, step_dataset
+from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, SceneFile, validate
+from gfmd_numba.scene.quantities import RECORD, ReducedPressure, Signed
+from gfmd_numba.scene.records import Step
+
+RECORDED = (
+    "mean_pressure",
+    "contact_area_fraction",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "status",
+    "residual",
+    "n_iterations",
+    "wall_time",
+)
+
+
+_SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
+
+
+class _Pressures(BaseModel):
+    model_config = RECORD
+    loads: tuple[ReducedPressure, ...] = Field(min_length=1, max_length=10_000, strict=False)
+    realisations: int = Field(1, ge=1, le=1_000_000)
+
+
+class _Displacements(_Pressures):
+    loads: tuple[Signed, ...] = Field(min_length=1, max_length=10_000, strict=False)
+
+
+_LOADS = {"reduced_pressure": _Pressures, "displacement": _Displacements}  # by what a loading prescribes
+
+
+@dataclass(frozen=True)
+class LoadCurve:
+    """The loads of a scene, as its loading prescribes them, and what each realisation is read from."""
+
+    given: ContactInput  # of the first realisation, at the loading of the file
+    document: Document
+    prescribed: str
+    loads: tuple[float, ...]
+    realisations: int
+
+
+def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> LoadCurve:
+    """Check a scene and its loads; raises InputError, by the names of these arguments, for what makes no sense."""
+    if isinstance(file, BoundaryFile):
+        raise InputError(document.line(("scene",), "a loaded body without a punch", "a contact, with a loading"))
+    if file.path:
+        allowed = "no path in the scene of a load curve, which follows the loads"
+        raise InputError(document.line(("path",), f"a path of {len(file.path)} steps", allowed))
+    prescribed = prescribed_by(file.scene.loading)
+    if isinstance(loads, Iterable) and not isinstance(loads, str | bytes | Mapping):
+        loads = loads.tolist() if isinstance(loads, np.ndarray) else list(loads)
+    asked = Document(None, "", {"loads": loads, "realisations": realisations})
+    checked = validate(asked, _LOADS[prescribed])
+    _check_order(asked, checked.loads)
+    if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
+        allowed = "1, as no surface of this scene is random"
+        raise asked.error(("realisations",), checked.realisations, allowed)
+    given = read_contact(file, document)
+    if prescribed == "displacement":
+        check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
+    return LoadCurve(given, document, prescribed, checked.loads, checked.realisations)
+
+
+def prescribed_by(loading: Loading) -> str:
+    """Name of what a loading prescribes."""
+    return next(name for name, value in loading if value is not None)
+
+
+def _check_order(asked: Document, loads: tuple[float, ...]) -> None:
+    rises = len(loads) > 1 and loads[1] > loads[0]
+    for i, (before, load) in enumerate(pairwise(loads)):
+        if load == before or (load > before) != rises:
+            raise asked.error(("loads", i + 1), load, f"loads that all rise, or all fall, unlike {before:g} before it")
+
+
+def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> SceneFile:
+    first, *others = loads
+    loading = file.scene.loading.model_copy(update={prescribed: first})
+    scene = file.scene.model_copy(update={"loading": loading})
+    path = tuple(Step().model_copy(update={prescribed: load}) for load in others)
+    return file.model_copy(update={"scene": scene, "path": path})
+
+
+def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
+    """Solve one load after another, realisation by realisation: the recorded scalars of each, in SI units.
+
+    Each load is approached over a short step. `contact_stiffness` is the rise of the mean pressure over the fall of the
+    mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
+    """
+    for i in range(curve.realisations):
+        given = _given(curve, i)
+        path = load_path(given)
+        steps = zip(path.problems, solve_path(path), strict=True)
+        for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
+            short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)
+            scalars = step[list(RECORDED)]
+            for name in ("n_iterations", "wall_time"):
+                scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
+            scalars["contact_stiffness"] = _stiffness(short, step)
+            yield scalars.assign_attrs(solver=problem.numerics.solver, validity=doubts(given, path, step))
+
+
+def _given(curve: LoadCurve, i: int) -> ContactInput:
+    """What the file gives for one of the realisations, with a path that approaches each load over a short step."""
+    file = curve.given.file.model_copy(update={"realisation": curve.given.file.realisation + i})
+    given = curve.given if i == 0 else read_contact(file, curve.document)
+    return replace(given, file=_with_path(file, curve.prescribed, _approached(curve)))
+
+
+def _approached(curve: LoadCurve) -> tuple[float, ...]:
+    """Each load behind one a little before it on the path."""
+    loads = np.array(curve.loads)
+    falls = len(loads) > 1 and loads[1] < loads[0]
+    size = loads if curve.prescribed == "reduced_pressure" else np.full(len(loads), np.ptp(loads) or abs(loads[0]))
+    short = _SHORT * size
+    short[1:] = np.minimum(short[1:], 0.5 * abs(np.diff(loads)))
+    return tuple(np.column_stack([loads + short if falls else loads - short, loads]).ravel().tolist())
+
+
+def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:
+    """Rise of the mean pressure over the fall of the mean gap, infinite where the gap is closed already."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = step["mean_pressure"].values - before["mean_pressure"].values
+        return float(rise / (before["mean_gap"].values - step["mean_gap"].values))
+
+
+def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
+    """The scalars over (realisation, load); a path that was interrupted counts only where no other is whole."""
+    whole, loads = divmod(len(solved), len(curve.loads))
+    rows, columns = (whole, len(curve.loads)) if whole else (1, loads)
+    counted = solved[: rows * columns]
+    values: dict[str, Any] = {}
+    for name, variable in counted[0].data_vars.items():
+        numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
+        values[str(name)] = (("realisation", "load"), numbers, variable.attrs)
+    return xr.Dataset(values, coords={"load": list(curve.loads[:columns])}, attrs=counted[-1].attrs)

@@ -1,0 +1,65 @@
+"""Pictures of load curves, and of the step of a path that is drawn."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from gfmd_numba import load_curve, solve
+from gfmd_numba.analysis import UnusableDataError, plot_contact, plot_curve
+from support.contacts import scene_file
+
+
+@pytest.fixture(scope="module")
+def found():
+    return load_curve(scene_file(1e-4, 70e9), [0.01, 0.1, 0.5], 3)
+
+
+def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found):
+    axes = plot_curve(found).axes
+    labels = [axis.get_ylabel() for axis in axes]
+    assert [label.split(" (")[0].split(" $")[0] for label in labels] == [
+        "Contact area fraction",
+        "Mean gap",
+        "Stiffness",
+        "Peak pressure",
+    ]
+    assert [label.partition("(")[2] for label in labels] == ["", "nm)", "MPa/µm)", "GPa)"]
+    assert [axis.get_yscale() for axis in axes] == ["log", "linear", "log", "log"]
+    for axis in axes:
+        assert axis.get_xscale() == "log"
+        np.testing.assert_allclose(axis.lines[0].get_xdata(), found["mean_pressure"] * 1e-6)
+        assert len(axis.collections) == 1
+
+
+def test_loads_without_a_result_are_left_out(found):
+    failed = found.copy(deep=True)
+    failed["n_realisations"][1] = 0
+    assert [len(axis.lines[0].get_xdata()) for axis in plot_curve(failed).axes] == [2] * 4
+    failed["n_realisations"][:] = 0
+    with pytest.raises(UnusableDataError, match="no load with a result"):
+        plot_curve(failed)
+
+
+def test_infinite_stiffness_is_left_out(found):
+    full = found.copy(deep=True)
+    full["contact_stiffness"][-1] = np.inf
+    assert [len(axis.lines[0].get_xdata()) for axis in plot_curve(full).axes] == [3, 3, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)"), (None, None, "($E^*/L_x$)")]
+)
+def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
+    stiffness = plot_curve(load_curve(scene_file(length, modulus), [0.05, 0.5])).axes[2]
+    assert unit in stiffness.get_ylabel()
+
+
+def test_other_datasets_are_no_curves():
+    with pytest.raises(UnusableDataError, match="no load curve"):
+        plot_curve(xr.Dataset({"load": ("load", [1.0])}))
+
+
+def test_the_picture_of_a_path_says_which_step_it_shows():
+    path = solve(scene_file() | {"path": [{"reduced_pressure": 0.1}, {"reduced_pressure": 0.2}]})
+    assert plot_contact(path).get_suptitle() == "Step 2, the last, $p^*$ = 0.2"
+    assert plot_contact(path.isel(step=0)).get_suptitle() == ""

@@ -1,0 +1,153 @@
+"""`gfmd curve`: what it writes, prints and draws, and how it ends."""
+
+import csv
+from itertools import islice
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from gfmd_numba.cli import progress
+from gfmd_numba.simulate import curve
+from support.command_line import gfmd, refused, unfolded
+from support.scenes import SCENE
+
+
+@pytest.fixture
+def scene(tmp_path):
+    file = tmp_path / "scene.yaml"
+    file.write_text(SCENE)
+    return file
+
+
+def table(file):
+    """Columns by name, and their units."""
+    with open(file, newline="") as opened:
+        mark, headings, *rows = csv.reader(opened)
+    assert mark[0].startswith("# written by gfmd-numba")
+    names, units = zip(*(heading.removesuffix(")").split(" (") for heading in headings), strict=True)
+    columns = zip(*rows, strict=True)
+    return {name: [float(cell) for cell in column] for name, column in zip(names, columns, strict=True)}, dict(
+        zip(names, units, strict=True)
+    )
+
+
+@pytest.mark.parametrize("realisations", [1, 3])
+def test_table_and_netcdf_have_the_same_numbers_and_units(scene, tmp_path, realisations):
+    done = gfmd("curve", scene, "--loads", "1e-2:1:3", "--realisations", realisations, "-o", tmp_path / "c.nc")
+    assert done.exit_code == 0, done.output
+    with xr.open_dataset(tmp_path / "c.nc") as opened:
+        written = opened.load()
+    columns, units = table(tmp_path / "c.csv")
+    assert set(columns) == set(written.variables)
+    for name, column in columns.items():
+        np.testing.assert_array_equal(written[name].values, column, err_msg=name)
+        assert units[name] == written[name].attrs.get("units", "1")
+    np.testing.assert_allclose(columns["load"], [0.01, 0.1, 1.0])
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+    printed = [line.split() for line in done.stdout.splitlines() if line.strip().startswith("0.1 ")]
+    assert printed[0][1] == f"{columns['mean_pressure'][1] * 1e-6:.4g}"
+
+
+def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
+    (tmp_path / "free.yaml").write_text(SCENE.replace("  length: 1e-4\n", "").replace("youngs_modulus: 70e9, ", ""))
+    assert gfmd("curve", tmp_path / "free.yaml", "--loads=0.1,0.2", "-o", tmp_path / "c.nc").exit_code == 0
+    _, units = table(tmp_path / "c.csv")
+    names = ("mean_pressure", "mean_gap", "contact_stiffness", "elastic_energy", "contact_area_fraction")
+    assert [units[name] for name in names] == ["E*", "L_x", "E*/L_x", "E* L_x", "1"]
+
+
+@pytest.mark.parametrize(
+    ("loads", "said"),
+    [
+        ("0.1:1", "given '0.1:1'; allowed: A:B:N with N from 2"),
+        ("0.1:1:1", "given '0.1:1:1'; allowed: A:B:N with N from 2"),
+        ("0.1:1:3.5", "allowed: A:B:N with N from 2"),
+        ("0.1:1:99999999999", "allowed: A:B:N with N from 2"),
+        ("0.1:1:²", "allowed: A:B:N with N from 2"),
+        ("0.1:1:3:4", "allowed: A:B:N with N from 2"),
+        ("0:1:3", "allowed: two different ends above 0"),
+        ("1:1:3", "allowed: two different ends above 0"),
+        ("0.1,x", "given 'x'; allowed: a finite number"),
+        ("0.1,.inf", "given '.inf'; allowed: a finite number"),
+        ("0.1,", "given ''; allowed: a finite number"),
+        ("true", "given 'true'; allowed: a finite number"),
+        ("0.1,-0.2", "loads[1]: given -0.2; allowed: a number from 1e-30 to 1e+30"),
+        ("0.1,0.3,0.2", "loads[2]: given 0.2; allowed: loads that all rise, or all fall"),
+    ],
+)
+def test_bad_loads_say_which_and_what_is_allowed(scene, tmp_path, loads, said):
+    done = gfmd("curve", scene, "--loads", loads, "-o", tmp_path / "c.nc")
+    assert done.exit_code == 2
+    assert said in unfolded(done.stderr)
+    assert not (tmp_path / "c.nc").exists()
+
+
+def test_loads_that_fail_are_marked_and_exit_with_3(scene, tmp_path, monkeypatch):
+    few = tmp_path / "few.yaml"
+    few.write_text(SCENE + "numerics: {max_iterations: 1}\n")
+    done = gfmd("curve", few, "--loads=0.05,0.1", "-o", tmp_path / "c.nc")
+    assert done.exit_code == 3
+    assert done.stdout.count("not_converged") == 2
+    assert "not ok at load 0.05, 0.1: they are left out" in unfolded(done.stderr)
+    assert "raise numerics.max_iterations" in unfolded(done.stderr)
+    assert not (tmp_path / "c.png").exists()
+    assert "nan" not in done.stdout
+
+
+def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
+    solve = curve.solve_curve
+
+    def interrupt_after(loads):
+        def interrupted(asked):
+            yield from islice(solve(asked), loads)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(curve, "solve_curve", interrupted)
+
+    for solved, realisations, loads, told in (
+        (2, 1, 2, "interrupted after 2 of 3 loads"),
+        (7, 4, 3, "interrupted after 2 of 4 realisations"),
+        (1, 4, 1, "interrupted after 1 of 3 loads of the first of 4 realisations"),
+    ):
+        interrupt_after(solved)
+        done = gfmd("curve", scene, "--loads=0.1,0.2,0.3", f"--realisations={realisations}", "-o", tmp_path / "c.nc")
+        assert done.exit_code == 130
+        assert told in unfolded(done.stderr)
+        assert xr.load_dataset(tmp_path / "c.nc").sizes["load"] == loads
+    interrupt_after(0)
+    done = gfmd("curve", scene, "--loads=0.1,0.2", "-o", tmp_path / "none.nc")
+    assert done.exit_code == 130
+    assert "nothing is written" in unfolded(done.stderr)
+    assert not (tmp_path / "none.nc").exists()
+
+
+def test_files_of_somebody_else_are_not_written_over(scene, tmp_path):
+    for suffix in (".nc", ".csv", ".png"):
+        file = tmp_path / f"mine{suffix}"
+        file.write_text("precious")
+        assert "gfmd did not write" in refused("curve", scene, "--loads=0.1", "-o", tmp_path / "mine.nc")
+        assert file.read_text() == "precious"
+        file.unlink()
+    for _ in range(2):  # the second time over its own
+        assert gfmd("curve", scene, "--loads=0.1", "-o", tmp_path / "mine.nc").exit_code == 0
+    assert "the table takes the name with .csv" in refused("curve", scene, "--loads=0.1", "-o", tmp_path / "c.csv")
+    profile = tmp_path / "p.csv"
+    profile.write_text("# written by gfmd-numba\n0\n1\n0\n2\n")
+    text = SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: p.csv}")
+    scene.write_text(text.partition("discretisation")[0])
+    assert "p.csv, which is an input" in refused("curve", scene, "--loads=0.1", "-o", tmp_path / "p.nc")
+
+
+def test_a_curve_is_drawn_again_from_its_file(scene, tmp_path):
+    assert gfmd("curve", scene, "--loads=0.1,0.2", "-o", tmp_path / "c.nc").exit_code == 0
+    (tmp_path / "c.png").unlink()
+    assert gfmd("plot", tmp_path / "c.nc").exit_code == 0
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+
+
+def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+    done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
+    for i in range(1, 5):
+        assert f"busy     solving loads, {i} of 4 done\n" in done.stderr

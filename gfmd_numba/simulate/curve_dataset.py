@@ -51,9 +51,8 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
         values = found[name].where(ok)
         dataset[name] = values.mean("realisation").assign_attrs(found[name].attrs)
         if curve.realisations > 1 and not (curve.prescribed == "reduced_pressure" and name in _PRESSURES):
-            deviation = values.std("realisation", ddof=1) if found.sizes["realisation"] > 1 else values[0] * np.nan
             attributes = cf_attributes(f"standard error of {name} over realisations", found[name].units)
-            dataset[f"{name}_standard_error"] = (deviation / count**0.5).assign_attrs(attributes)
+            dataset[f"{name}_standard_error"] = _standard_error(values).assign_attrs(attributes)
     dataset["n_realisations"] = count.assign_attrs(cf_attributes("realisations that are ok at this load"))
     worst = found["status"].max("realisation").astype(np.int8)
     dataset["status"] = worst.assign_attrs(
@@ -75,6 +74,15 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     if len(solved) < len(curve.loads) * curve.realisations:
         dataset.attrs["interrupted"] = _finished(curve, found)
     return dataset
+
+
+def _standard_error(values: xr.DataArray) -> xr.DataArray:
+    """Standard error of the mean over realisations; nan of one value, and of infinite ones."""
+    finite = values.where(np.isfinite(values.mean("realisation")))
+    count = finite.count("realisation")
+    squares = ((finite - finite.mean("realisation")) ** 2).sum("realisation")
+    error: xr.DataArray = (squares / (count - 1).where(count > 1) / count) ** 0.5
+    return error
 
 
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:

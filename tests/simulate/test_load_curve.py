@@ -7,7 +7,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba import InputError, load_curve, solve
 from gfmd_numba.fourier import grid
-from gfmd_numba.simulate import curve
+from gfmd_numba.simulate import curve, curve_dataset
 from gfmd_numba.theory import closed_forms
 from support.contacts import scene_file
 from support.waves import AMPLITUDE, FULL, GRADIENT, wave
@@ -208,6 +208,31 @@ def test_a_load_that_fails_is_marked_and_has_no_numbers():
     assert (found["status"] == 1).all()
     assert found["n_realisations"].values.tolist() == [0, 0]
     assert np.isnan(found["contact_area_fraction"]).all()
+
+
+def test_surfaces_that_fail_are_left_out_of_the_mean(monkeypatch):
+    """All but the first of three at the first load, all at the second: a mean without an error, and none."""
+    solved = curve.solve_curve
+
+    def failing(asked):
+        for i, step in enumerate(solved(asked)):
+            failed = i in (1, 2, 3, 4, 5)
+            yield step.where(not failed).assign(status=step["status"] + failed)
+
+    whole = load_curve(scene_file(), [0.05, 0.1])
+    monkeypatch.setattr(curve_dataset, "solve_curve", failing)
+    found = load_curve(scene_file(), [0.05, 0.1], 3)
+    assert found["n_realisations"].values.tolist() == [1, 0]
+    assert found["status"].values.tolist() == [1, 1]
+    assert float(found["mean_gap"][0]) == float(whole["mean_gap"][0])
+    assert np.isnan(found["mean_gap"][1])
+    assert np.isnan(found["mean_gap_standard_error"]).all()
+
+
+def test_full_contacts_have_a_mean_stiffness_without_an_error():
+    found = load_curve(scene_file(), [10.0, 20.0], 3)
+    assert (found["contact_stiffness"] == np.inf).all()
+    assert np.isnan(found["contact_stiffness_standard_error"]).all()
 
 
 def test_every_column_says_what_it_is():

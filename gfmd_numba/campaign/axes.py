@@ -13,6 +13,9 @@ from pydantic import BaseModel
 
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
     PUNCH_DISPLACEMENT,
     REDUCED_PRESSURE,
     RMS_GRADIENT_TARGET,
@@ -21,13 +24,17 @@ from gfmd_numba.scene.quantities import (
     EpsC,
     EpsF,
     EpsT,
+    Force,
     FrictionCoefficient,
     Hurst,
+    Length,
+    LineLoad,
     PoissonsRatio,
+    Pressure,
     ReducedPressure,
     RmsGradient,
-    Signed,
-    Size,
+    SignedLength,
+    SignedWorkOfAdhesion,
 )
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
@@ -84,6 +91,9 @@ AXES = (
         r"$\bar{p}^*$",
         REDUCED_PRESSURE,
     ),
+    Axis("pressure", Pressure, ("loading", "pressure"), "p", r"$\bar{p}$", MEAN_PRESSURE, unit="pressure"),
+    Axis("line_load", LineLoad, ("loading", "line_load"), "F/l", r"$F/\ell$", LINE_LOAD, unit="force per length"),
+    Axis("force", Force, ("loading", "force"), "F", "$F$", FORCE_ON_A_MAP, unit="force"),
     Axis(
         "rms_gradient",
         RmsGradient,
@@ -103,7 +113,7 @@ AXES = (
     ),
     Axis(
         "displacement",
-        Signed,
+        SignedLength,
         ("loading", "displacement"),
         "d",
         "$d$",
@@ -121,7 +131,7 @@ AXES = (
     ),
     Axis(
         "work_of_adhesion",
-        Signed,
+        SignedWorkOfAdhesion,
         ("interface", "exponential", "work_of_adhesion"),
         "w",
         r"$\Delta\gamma$",
@@ -130,7 +140,7 @@ AXES = (
     ),
     Axis(
         "interaction_range",
-        Size,
+        Length,
         ("interface", "exponential", "range"),
         "z_r",
         "$z_r$",

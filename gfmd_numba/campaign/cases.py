@@ -58,7 +58,7 @@ def expand(campaign: Campaign) -> list[Case]:
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
         for level in levels:
             surface, rms_gradient = _surface(scene, level.discretisation, campaign.seed)
-            problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign)
             case = Case(
                 scene=scene,
                 discretisation=level.discretisation or Discretisation.of_waves(*surface.generator.band, surface.nx),
@@ -79,6 +79,17 @@ def _surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> 
         assert scene.roughness is not None  # a campaign's promise
         given = f"method {scene.roughness.method}"
         raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
+
+
+def _reduced(
+    scene: Scene, surface: RandomSurface, rms_gradient: float, campaign: Campaign
+) -> tuple[Problem, tuple[Effect, ...]]:
+    try:
+        return reduce(scene, surface, rms_gradient, campaign.numerics)
+    except ValueError as error:
+        control = scene.loading.control
+        given = getattr(scene.loading, control)
+        raise InputError(f"scene.loading.{control}: given {given}; allowed: {error}") from None
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

@@ -15,7 +15,7 @@ from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Seed, Time, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of
 from gfmd_numba.scene.surfaces import Measured, misfit
@@ -69,7 +69,7 @@ class Campaign(BaseModel):
     target: float | None = Field(
         None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
     )
-    case_timeout: float | None = Field(
+    case_timeout: Time | None = Field(
         None,
         gt=0,
         le=LONGEST_TIMEOUT,
@@ -114,6 +114,7 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
+        check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")

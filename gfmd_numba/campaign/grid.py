@@ -44,7 +44,7 @@ else:
 def values_of(grid: Grid, axis: str) -> tuple[float, ...] | None:
     """Values that a grid gives to an axis, or None."""
     given: tuple[float, ...] | None = getattr(grid, axis)
-    return given
+    return None if given is None else tuple(map(float, given))  # whether with a unit, only `Campaign` needs to know
 
 
 def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
@@ -62,7 +62,7 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
             raise document.error(at, document.value(at), lack)
     for _, location, varied in varied_scenes(scene, grid):
         try:
-            Scene.model_validate(varied.model_dump())
+            Scene.model_validate_json(varied.model_dump_json())  # which forgets what had units
         except ValidationError as error:
             fault = error.errors(include_url=False)[0]
             allowed = fault.get("ctx", {}).get("allowed", fault["msg"])

@@ -64,7 +64,14 @@ _SHOWN = {
     "mean_pressure": "mean pressure",
     "residual": "residual",
 }
-_PRESCRIBED = {"reduced_pressure": "p*", "punch_displacement": "punch displacement", "sliding": "sliding"}
+_PRESCRIBED = {
+    "reduced_pressure": "p*",
+    "pressure": "p",
+    "line_load": "F/l",
+    "force": "F",
+    "punch_displacement": "punch displacement",
+    "sliding": "sliding",
+}
 _FREE_UNITS = {"mean_pressure": "E*", "punch_displacement": "L_x", "sliding": "L_x"}
 
 

@@ -78,6 +78,8 @@ REFUSALS = (
         "'plane_strain' with dimension 2, where E* is the same and nothing plane",
         "physics",
     ),
+    Refusal("dimension 1", "force", "a line_load in N/m with dimension 1; a force in N needs dimension 2", "physics"),
+    Refusal("dimension 2", "line_load", "a force in N with dimension 2; a line_load in N/m needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),

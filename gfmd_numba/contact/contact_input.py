@@ -5,7 +5,8 @@ from math import isinf
 
 import numpy as np
 
-from gfmd_numba.contact.problem import effective_modulus
+from gfmd_numba.contact.problem import contact_modulus, effective_modulus
+from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import PressedSurfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
@@ -29,9 +30,21 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     check_combination(document, file.scene, file.numerics, file.path)
     surfaces = pressed_surfaces(file, document)
     check_range(document, file.scene, surfaces.surface.nx)
+    _check_loads(file, surfaces, document)
     prescribed = _tractions(file, surfaces, document)
     _check_room(file, surfaces, document)
     return ContactInput(file, surfaces, prescribed)
+
+
+def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:
+    """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli."""
+    control = file.scene.loading.control
+    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
+    for (scene, _), place in zip(steps_of(file), places, strict=True):
+        try:
+            reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))
+        except ValueError as error:
+            raise document.error(place, getattr(scene.loading, control), str(error)) from None
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
@@ -40,8 +53,8 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
     if scene.boundary is None:
         return None
     arrays = read_boundary(document, scene.boundary, nx)
-    if scene.loading.reduced_pressure is not None:
-        arrays = balanced(document, arrays, "normal", "as loading.reduced_pressure prescribes the mean pressure")
+    if scene.loading.displacement is None:
+        arrays = balanced(document, arrays, "normal", f"as loading.{scene.loading.control} prescribes the mean pressure")
     if isinf(scene.body.aspect_ratio):
         arrays = balanced(document, arrays, "tangential", "or a finite aspect_ratio, as nothing holds a half-space")
     scale = surfaces.rms_gradient * effective_modulus(scene.body)

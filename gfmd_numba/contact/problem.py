@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.prescribed_load import reduced_pressure
 from gfmd_numba.contact.results_version import results_version
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
@@ -23,6 +24,7 @@ from gfmd_numba.roughness import recipe, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.reduced_units import in_reduced_units, rounded
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
 
@@ -143,23 +145,26 @@ def reduce(
     numerics: Numerics,
     tractions: Tractions | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's."""
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    Raises ValueError for a load that is beyond all measure beside the rms gradient and the moduli.
+    """
     loading = scene.loading
+    period, modulus = scene.length or 1.0, contact_modulus(scene)
     displacement = None
     if loading.displacement is not None:
-        displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    length = rms_gradient * (scene.length or 1.0)
-    energy = length * rms_gradient * contact_modulus(scene)
-    interface, interactions = _interface(scene.interface, scene.body, length, energy)
+        displacement = rounded(loading.displacement / period) / rms_gradient
+    interface, interactions = _interface(scene.interface, scene.body, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(scene.body, interface, displacement is not None, tractions is not None, tolerance)
     options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
-    pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
+    load = reduced_pressure(scene, rms_gradient, modulus)
+    pressure = None if load is None else load / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:
         other = _body(scene.counter_body, interface, displacement is not None, False, tolerance)[0]
-        counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
+        counter = CounterBody(other, modulus / effective_modulus(scene.counter_body))
     problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
     effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
     if scene.body.stiffness_scale != 1.0:
@@ -225,8 +230,11 @@ def _body(
 
 
 @lru_cache(maxsize=4096)
-def _interface(asked: Interface, body: Body, length: float, energy: float) -> tuple[Interactions, tuple[Effect, ...]]:
-    interactions = Interactions.scaled(asked, length, energy)
+def _interface(
+    asked: Interface, body: Body, period: float, modulus: float, rms_gradient: float
+) -> tuple[Interactions, tuple[Effect, ...]]:
+    laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
+    interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
     incompressible = math.isinf(body.aspect_ratio) and body.effective_poissons_ratio == 0.5
     if interactions.friction is not None and incompressible:

@@ -13,6 +13,7 @@ from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Model, Mounded
 from gfmd_numba.scene import surfaces as records
 from gfmd_numba.scene.records import Discretisation
+from gfmd_numba.scene.reduced_units import in_reduced_units
 from gfmd_numba.scene.surfaces import Random
 
 
@@ -23,6 +24,7 @@ def random_surface(
 
     Grid and wavelengths that the record leaves open are those of the discretisation.
     """
+    record, period = in_reduced_units(record, period, 1.0), 1.0
     nx = discretisation.nx if record.points is None and discretisation is not None else record.points
     assert nx is not None  # the records' promise
     generator = _generator(record, discretisation, period, dimension, nx)
@@ -34,7 +36,7 @@ def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float
     if record.rms_gradient is not None:
         return record.rms_gradient
     assert record.rms_height is not None  # the record's promise
-    return record.rms_height / period * gradient_over_height(surface.generator, surface.shape)
+    return in_reduced_units(record, period, 1.0).rms_height * gradient_over_height(surface.generator, surface.shape)
 
 
 def _generator(

@@ -7,10 +7,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, RmsGradient, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, Length, RmsGradient, broken_rule
 
 PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
-Length = Annotated[Size, Field(description="Length in m, or in L_x without a length")]
 Points = Annotated[int, Field(ge=4, le=2**40)]
 
 
@@ -18,7 +17,7 @@ class _Random(BaseModel):
     """Random surface with either an rms height or an rms gradient."""
 
     model_config = RECORD
-    rms_height: Size | None = Field(None, description="Rms height in m, or in L_x without a length")
+    rms_height: Length | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = Field(None, description="Root-mean-square gradient (dimensionless)")
     points: Points | None = Field(None, description="Grid points over L_x; None: those of the discretisation")
     cut_on: Length | None = Field(

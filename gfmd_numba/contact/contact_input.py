@@ -5,8 +5,8 @@ from math import isinf
 
 import numpy as np
 
-from gfmd_numba.contact.problem import contact_modulus, effective_modulus
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.problem import contact_modulus, effective_modulus
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import PressedSurfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
@@ -54,7 +54,9 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
         return None
     arrays = read_boundary(document, scene.boundary, nx)
     if scene.loading.displacement is None:
-        arrays = balanced(document, arrays, "normal", f"as loading.{scene.loading.control} prescribes the mean pressure")
+        arrays = balanced(
+            document, arrays, "normal", f"as loading.{scene.loading.control} prescribes the mean pressure"
+        )
     if isinf(scene.body.aspect_ratio):
         arrays = balanced(document, arrays, "tangential", "or a finite aspect_ratio, as nothing holds a half-space")
     scale = surfaces.rms_gradient * effective_modulus(scene.body)

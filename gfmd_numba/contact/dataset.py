@@ -14,7 +14,14 @@ from gfmd_numba.contact.problem import Effect, Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.scene import LoadedBody, Scene
-from gfmd_numba.scene.quantities import FORCE_ON_A_MAP, LINE_LOAD, MEAN_PRESSURE, PUNCH_DISPLACEMENT, REDUCED_PRESSURE, RMS_GRADIENT_TARGET
+from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
+    PUNCH_DISPLACEMENT,
+    REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
+)
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"

@@ -35,8 +35,9 @@ def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float
     """Rms gradient asked of a surface, or the one that theory expects of the rms height asked of it."""
     if record.rms_gradient is not None:
         return record.rms_gradient
-    assert record.rms_height is not None  # the record's promise
-    return in_reduced_units(record, period, 1.0).rms_height * gradient_over_height(surface.generator, surface.shape)
+    height: float | None = in_reduced_units(record, period, 1.0).rms_height
+    assert height is not None  # the record's promise
+    return height * gradient_over_height(surface.generator, surface.shape)
 
 
 def _generator(

@@ -1,8 +1,9 @@
 """Records of prescribed tractions and displacements, on a surface without a punch or beside one."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from collections.abc import Callable
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.quantities import LARGEST, RECORD, broken_rule
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
@@ -11,30 +12,33 @@ COMPONENTS = ("normal", "tangential")
 FILES = (".npy", ".csv")
 
 
-def _values(quantity: Quantity) -> Any:
-    """Type of a number of a quantity, or the name of a file: checked before the union, which tells every fault twice."""
-    allowed = (
+def _allowed(quantity: Quantity) -> str:
+    return (
         f"a number up to 1e30 in size or {quantity.allowed}, for every node, "
         "or the name of a .npy or .csv file with one value for each node"
     )
 
-    def checked(given: Any) -> float | str:
+
+def _number_or_file(quantity: Quantity) -> Callable[[Any], float | str]:
+    """Check of a value: one for the whole union of types, which would tell every fault twice."""
+
+    def check(given: Any) -> float | str:
         if isinstance(given, str) and given.endswith(FILES):
             return given
-        if isinstance(given, WithUnit):
-            return given
-        value = quantity.si_value(given) if isinstance(given, str) else given
-        if type(value) in (int, float) and -LARGEST <= value <= LARGEST:
-            return WithUnit(value, quantity) if isinstance(given, str) else float(value)
-        raise ValueError(allowed)
+        value = quantity.read(given)
+        if type(value) in (int, float, WithUnit) and -LARGEST <= value <= LARGEST:
+            return value if isinstance(value, WithUnit) else float(value)
+        raise ValueError(_allowed(quantity))
 
-    return Annotated[float | str, BeforeValidator(checked), WithJsonSchema({"allowed": allowed})]
+    return check
 
 
-if TYPE_CHECKING:
-    Traction = Displacement = float | str
-else:
-    Traction, Displacement = _values(PRESSURE), _values(LENGTH)
+Traction = Annotated[
+    float | str, PlainValidator(_number_or_file(PRESSURE)), WithJsonSchema({"allowed": _allowed(PRESSURE)})
+]
+Displacement = Annotated[
+    float | str, PlainValidator(_number_or_file(LENGTH)), WithJsonSchema({"allowed": _allowed(LENGTH)})
+]
 
 
 class Boundary(BaseModel):

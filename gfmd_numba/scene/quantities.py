@@ -100,9 +100,7 @@ def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustom
     return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})
 
 
-def check_scales(
-    record: object, length: float | None, has_moduli: bool, at: tuple[str | int, ...] = ()
-) -> None:
+def check_scales(record: object, length: float | None, has_moduli: bool, at: tuple[str | int, ...] = ()) -> None:
     """Raise a located error for a number with a unit that has no length, or no moduli, to be compared with."""
     for place, value in given_with_units(record, at):
         missing = ["length"] if value.quantity.length and length is None else []

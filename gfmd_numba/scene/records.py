@@ -34,7 +34,9 @@ class Body(BaseModel):
     """Linear elastic isotropic body: moduli in Pa, ratios dimensionless."""
 
     model_config = RECORD
-    youngs_modulus: Pressure | None = Field(None, description="Young's modulus in Pa; None: stresses are in units of E*")
+    youngs_modulus: Pressure | None = Field(
+        None, description="Young's modulus in Pa; None: stresses are in units of E*"
+    )
     poissons_ratio: PoissonsRatio
     aspect_ratio: AspectRatio = inf
     stiffness_scale: Size = Field(

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
-from math import isfinite
 from typing import Any
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -58,7 +57,7 @@ class Quantity:
         return length**self.length * modulus**self.modulus
 
     def si_value(self, text: str) -> float | None:
-        """Value in SI units of a text like `0.2 mm`, None if it is no number with a unit; may be inf or nan.
+        """Value in SI units of a text like `0.2 mm`, None if it is no number with a unit; nan if it is not finite.
 
         The conversion is in decimals: the result is the very float that the number in SI units is read as. Raises
         PydanticCustomError for an unknown unit, and for a unit of another quantity.
@@ -67,10 +66,14 @@ class Quantity:
         if parts is None:
             return None
         number, unit = parts.groups()
-        above, _, below = number.partition("/")
-        if below.strip("0") == "" and "/" in number or not isfinite(float(above)):
+        factor = self._in_si(unit)
+        if number[-1].isalpha():  # inf, nan
             return float("nan")
-        return float(Decimal(above) / Decimal(below or 1) * self._in_si(unit))
+        above, _, below = number.partition("/")
+        try:
+            return float(Decimal(above) / Decimal(below or 1) * factor)
+        except ArithmeticError:  # a fraction over 0, a power beyond decimals
+            return float("nan")
 
     def _in_si(self, unit: str) -> Decimal:
         registry = _registry()
@@ -80,7 +83,7 @@ class Quantity:
                 raise self._fault(self._meant(unit))
             parsed = registry.parse_units(written)
             if parsed.dimensionality != registry.parse_units(self.si).dimensionality:
-                raise self._fault("")
+                raise self._fault(self._meant(unit) if unit.casefold() in map(str.casefold, self.units) else "")
             found: Decimal = registry.Quantity(Decimal(1), parsed).to(self.si).magnitude
             return found
         except (AttributeError, TypeError, ValueError, ArithmeticError) as error:  # those of pint are among them
@@ -93,9 +96,15 @@ class Quantity:
 
     def _meant(self, unit: str) -> str:
         """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
+        if not unit[0].isalpha():
+            return ""
         own = [*self.units, *(name for other in QUANTITIES for name in other.units)]
         alike = [name for name in own if name.casefold() == unit.casefold()]
-        near = alike or get_close_matches(unit, own, 1, 0.5) or get_close_matches(unit, list(_registry()), 1, 0.8)
+        near = (
+            alike
+            or get_close_matches(unit, own, 1, 0.5)
+            or get_close_matches(unit, filter(str.isalpha, _registry()), 1, 0.8)
+        )
         return f"did you mean {near[0]!r}?" if near else ""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -107,11 +116,14 @@ class Quantity:
         both = {"type": ["number", "string"], "pattern": NUMBER_WITH_UNIT}
         return {**handler(schema), **both, "quantity": self.name, "unit": self.si, "in_units": self.allowed}
 
-    def _validated(self, given: Any, check: core_schema.ValidatorFunctionWrapHandler) -> Any:
-        if isinstance(given, WithUnit):
-            return WithUnit(check(float(given)), given.quantity)
+    def read(self, given: Any) -> Any:
+        """Number in SI units of a text with a unit; whatever else is given as it is."""
         value = self.si_value(given) if isinstance(given, str) else None
-        return check(given) if value is None else WithUnit(check(value), self)
+        return given if value is None else WithUnit(value, self)
+
+    def _validated(self, given: Any, check: core_schema.ValidatorFunctionWrapHandler) -> Any:
+        value = self.read(given)
+        return WithUnit(check(float(value)), self) if isinstance(value, WithUnit) else check(value)
 
 
 class WithUnit(float):

@@ -10,7 +10,7 @@ from gfmd_numba.analysis.selection import UnusableDataError, axes, good, table
 
 _NEEDED = {"mean_pressure", "mean_gap", "status"}
 _LOAD = "reduced_pressure"
-_OTHER_LOADS = ("pressure", "line_load", "force")  # which it follows from
+_OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows from
 
 
 def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:

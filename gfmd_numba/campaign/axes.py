@@ -91,7 +91,16 @@ AXES = (
         r"$\bar{p}^*$",
         REDUCED_PRESSURE,
     ),
-    Axis("pressure", Pressure, ("loading", "pressure"), "p", r"$\bar{p}$", MEAN_PRESSURE, unit="pressure"),
+    Axis(
+        "pressure",
+        Pressure,
+        ("loading", "pressure"),
+        "p",
+        r"$\bar{p}$",
+        MEAN_PRESSURE,
+        unit="pressure",
+        coordinate_name="prescribed_pressure",
+    ),
     Axis("line_load", LineLoad, ("loading", "line_load"), "F/l", r"$F/\ell$", LINE_LOAD, unit="force per length"),
     Axis("force", Force, ("loading", "force"), "F", "$F$", FORCE_ON_A_MAP, unit="force"),
     Axis(

@@ -66,7 +66,7 @@ _SHOWN = {
 }
 _PRESCRIBED = {
     "reduced_pressure": "p*",
-    "pressure": "p",
+    "prescribed_pressure": "p",
     "line_load": "F/l",
     "force": "F",
     "punch_displacement": "punch displacement",

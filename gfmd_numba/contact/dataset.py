@@ -68,7 +68,7 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     height = units(scene)["height"]
     return {
         "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
-        "pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
+        "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
         "line_load": cf_attributes(LINE_LOAD, "N m-1"),
         "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),

@@ -14,7 +14,7 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
 
-_NAMES = {"displacement": "punch_displacement"}  # the body's own has the short name
+_NAMES = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}  # fields have the short names
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:

@@ -15,6 +15,7 @@ from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.readable import readable
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings
 from gfmd_numba.text.printable import printable
@@ -46,7 +47,9 @@ def solve(file: Path, output: Path) -> None:
         _show_steps(dataset, shown)
     else:
         for name in shown:
-            click.echo(f"{name:24}{_figures(dataset[name])[0]:<14}{_unit(dataset, name)}".rstrip())
+            value = dataset[name].item()
+            figures, unit = ("-", "") if isnan(value) else readable(value, _unit(dataset, name))
+            click.echo(f"{name:24}{figures:<14}{unit}".rstrip())
     for doubt in dataset.attrs.get("validity", "").splitlines():
         say("gfmd:", doubt, width=6, err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
@@ -154,7 +157,8 @@ def surface(file: Path, output: Path) -> None:
     click.echo(f"picture  {printable(picture)}")
     for name, variable in dataset.data_vars.items():
         if not variable.dims:
-            click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())
+            figures, unit = readable(float(variable), _surface_unit(str(name), variable.attrs["units"]))
+            click.echo(f"{name!s:24}{figures} {unit}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
 

@@ -2,6 +2,7 @@
 
 import pickle
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from pydantic import TypeAdapter
@@ -62,6 +63,13 @@ def test_a_number_with_a_unit_is_the_float_nearest_to_its_value(kind, unit, numb
     (quantity,) = (each for each in QUANTITIES if each.name == kind)
     for text in (f"{number} {unit}", f" {number}{unit} "):
         assert quantity.si_value(text) == float(Fraction(number) * Fraction(FACTORS[kind, unit])), text
+
+
+def test_the_documentation_lists_these_quantities_and_units():
+    text = (Path(__file__).parents[2] / "docs/campaigns.md").read_text()
+    for quantity in QUANTITIES:
+        others = ", ".join(quantity.units[1:]).replace("um", "um (or µm)")
+        assert f"| {quantity.name} | {quantity.si} | {others} |\n" in text
 
 
 def test_every_unit_that_messages_name_is_one_of_its_quantity():

@@ -44,7 +44,7 @@ def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document)
         try:
             reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))
         except ValueError as error:
-            raise document.error(place, getattr(scene.loading, control), str(error)) from None
+            raise document.error(place, document.value(place), str(error)) from None
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
@@ -84,4 +84,4 @@ def _check_room(file: SceneFile, surfaces: PressedSurfaces, document: Document) 
     for displacement, place in prescribed:
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, where this punch has no more room for an incompressible body"
-            raise document.error(place, displacement, allowed)
+            raise document.error(place, document.value(place), allowed)

@@ -12,7 +12,6 @@ from gfmd_numba.scene.units import (
     FORCE_PER_LENGTH,
     LENGTH,
     PRESSURE,
-    TIME,
     given_with_units,
 )
 
@@ -28,7 +27,6 @@ WorkOfAdhesion = Annotated[Size, ENERGY_PER_AREA]
 SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
-Time = Annotated[float, TIME]
 
 
 def _aspect_ratio(given: float) -> float:

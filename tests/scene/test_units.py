@@ -101,6 +101,11 @@ def test_units_stand_in_campaigns_and_their_lists(tmp_path):
     assert load_campaign(campaign)[0] == campaign
 
 
+def test_a_time_with_a_unit_has_the_bounds_of_one_in_seconds(tmp_path):
+    said = complaint(tmp_path, load_campaign, CAMPAIGN + "case_timeout: 31 day\n")
+    assert "case_timeout: given '31 day'; allowed: a number above 0 and at most 2592000.0, or a time in s" in said
+
+
 def test_units_stand_in_the_boundary_of_a_body():
     file, _ = load_scene(
         {

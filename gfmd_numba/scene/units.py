@@ -80,32 +80,19 @@ class Quantity:
         written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
             if re.fullmatch(_UNIT, unit) is None:
-                raise self._fault(self._meant(unit))
+                raise self._fault(_meant(self, unit))
             parsed = registry.parse_units(written)
             if parsed.dimensionality != registry.parse_units(self.si).dimensionality:
-                raise self._fault(self._meant(unit) if unit.casefold() in map(str.casefold, self.units) else "")
+                raise self._fault(_meant(self, unit) if unit.casefold() in map(str.casefold, self.units) else "")
             found: Decimal = registry.Quantity(Decimal(1), parsed).to(self.si).magnitude
             return found
         except (AttributeError, TypeError, ValueError, ArithmeticError) as error:  # those of pint are among them
             if isinstance(error, PydanticCustomError):
                 raise
-            raise self._fault(self._meant(unit)) from None
+            raise self._fault(_meant(self, unit)) from None
 
     def _fault(self, suggestion: str) -> PydanticCustomError:
         return PydanticCustomError("unit", "allowed: {allowed}", {"allowed": self.allowed, "suggestion": suggestion})
-
-    def _meant(self, unit: str) -> str:
-        """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
-        if not unit[0].isalpha():
-            return ""
-        own = [*self.units, *(name for other in QUANTITIES for name in other.units)]
-        alike = [name for name in own if name.casefold() == unit.casefold()]
-        near = (
-            alike
-            or get_close_matches(unit, own, 1, 0.5)
-            or get_close_matches(unit, filter(str.isalpha, _registry()), 1, 0.8)
-        )
-        return f"did you mean {near[0]!r}?" if near else ""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_wrap_validator_function(self._validated, handler(source))
@@ -160,6 +147,21 @@ def given_with_units(record: Any, at: tuple[str | int, ...] = ()) -> Iterator[tu
     elif isinstance(record, tuple):
         for i, value in enumerate(record):
             yield from given_with_units(value, (*at, i))
+
+
+@lru_cache
+def _meant(quantity: Quantity, unit: str) -> str:
+    """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
+    if not unit[0].isalpha():
+        return ""
+    own = [*quantity.units, *(name for other in QUANTITIES for name in other.units)]
+    alike = [name for name in own if name.casefold() == unit.casefold()]
+    near = (
+        alike
+        or get_close_matches(unit, own, 1, 0.5)
+        or get_close_matches(unit, filter(str.isalpha, _registry()), 1, 0.8)
+    )
+    return f"did you mean {near[0]!r}?" if near else ""
 
 
 def has_unit(text: str) -> bool:

@@ -10,6 +10,7 @@ from gfmd_numba.analysis.selection import UnusableDataError, axes, good, table
 
 _NEEDED = {"mean_pressure", "mean_gap", "status"}
 _LOAD = "reduced_pressure"
+_OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows from
 
 
 def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
@@ -56,7 +57,7 @@ def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
     usable = good(dataset, "mean_gap").any("realisation").values
     if _LOAD not in dataset.coords:
         return
-    same = (name for name in (*axes(dataset), *axes(dataset, "discretisation")) if name != _LOAD)
+    same = (name for name in (*axes(dataset), *axes(dataset, "discretisation")) if name not in (_LOAD, *_OTHER_LOADS))
     rows = table(dataset, (*same, _LOAD))
     members: dict[bytes, list[int]] = {}
     for index in np.lexsort(rows.T):

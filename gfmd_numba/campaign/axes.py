@@ -13,6 +13,9 @@ from pydantic import BaseModel
 
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
     PUNCH_DISPLACEMENT,
     REDUCED_PRESSURE,
     RMS_GRADIENT_TARGET,
@@ -21,15 +24,19 @@ from gfmd_numba.scene.quantities import (
     EpsC,
     EpsF,
     EpsT,
+    Force,
     FrictionCoefficient,
     Hurst,
+    Length,
+    LineLoad,
     PoissonsRatio,
+    Pressure,
     ReducedPressure,
     RmsGradient,
-    Signed,
-    Size,
+    SignedLength,
+    SignedWorkOfAdhesion,
 )
-from gfmd_numba.scene.surfaces import Length, PositiveHurst
+from gfmd_numba.scene.surfaces import PositiveHurst
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
 
@@ -93,6 +100,18 @@ AXES = (
         REDUCED_PRESSURE,
     ),
     Axis(
+        "pressure",
+        Pressure,
+        ("loading", "pressure"),
+        "p",
+        r"$\bar{p}$",
+        MEAN_PRESSURE,
+        unit="pressure",
+        coordinate_name="prescribed_pressure",
+    ),
+    Axis("line_load", LineLoad, ("loading", "line_load"), "F/l", r"$F/\ell$", LINE_LOAD, unit="force per length"),
+    Axis("force", Force, ("loading", "force"), "F", "$F$", FORCE_ON_A_MAP, unit="force"),
+    Axis(
         "rms_gradient",
         RmsGradient,
         ("roughness", "rms_gradient"),
@@ -111,7 +130,7 @@ AXES = (
     ),
     Axis("hurst_x", PositiveHurst, ("roughness", "hurst_x"), "H_x", "$H_x$", "Hurst exponent along x"),
     Axis("hurst_y", PositiveHurst, ("roughness", "hurst_y"), "H_y", "$H_y$", "Hurst exponent along y"),
-    Axis("rms_height", Size, ("roughness", "rms_height"), "h", r"$\bar{h}$", "rms height asked for", "height"),
+    Axis("rms_height", Length, ("roughness", "rms_height"), "h", r"$\bar{h}$", "rms height asked for", "height"),
     Axis(
         "roll_off",
         Length,
@@ -160,7 +179,7 @@ AXES = (
     ),
     Axis(
         "displacement",
-        Signed,
+        SignedLength,
         ("loading", "displacement"),
         "d",
         "$d$",
@@ -178,7 +197,7 @@ AXES = (
     ),
     Axis(
         "hardness",
-        Size,
+        Pressure,
         ("interface", "hard_wall", "hardness"),
         "p_H",
         "$p_H$",
@@ -187,7 +206,7 @@ AXES = (
     ),
     Axis(
         "work_of_adhesion",
-        Signed,
+        SignedWorkOfAdhesion,
         ("interface", "exponential", "work_of_adhesion"),
         "w",
         r"$\Delta\gamma$",
@@ -196,7 +215,7 @@ AXES = (
     ),
     Axis(
         "interaction_range",
-        Size,
+        Length,
         ("interface", "exponential", "range"),
         "z_r",
         "$z_r$",

@@ -64,7 +64,7 @@ def expand(campaign: Campaign, measured: MeasuredSurface | None = None) -> list[
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
         for level in levels:
             surface, rms_gradient = surface_of(scene.roughness, level.discretisation)
-            problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign)
             case = Case(
                 scene=scene,
                 discretisation=level.discretisation,
@@ -92,6 +92,17 @@ def _surface(
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
         given = f"method {roughness.method}{''.join(values)}"
         raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
+
+
+def _reduced(
+    scene: Scene, surface: RandomSurface | GivenSurface, rms_gradient: float, campaign: Campaign
+) -> tuple[Problem, tuple[Effect, ...]]:
+    try:
+        return reduce(scene, surface, rms_gradient, campaign.numerics)
+    except ValueError as error:
+        control = scene.loading.control
+        given = getattr(scene.loading, control)
+        raise InputError(f"scene.loading.{control}: given {given}; allowed: {error}") from None
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

@@ -5,7 +5,10 @@ from typing import Any
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.dataset import cf_attributes, units
+from gfmd_numba.contact.prescribed_load import reduced_pressure
+from gfmd_numba.contact.problem import contact_modulus
 from gfmd_numba.scene import Scene
+from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 
 Described = tuple[str, list[Any], dict[str, Any]]  # dim, values, attributes
 
@@ -29,9 +32,22 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     }
     for axis in present(cases[0].scene, cases[0].discretisation):
         columns[axis.coordinate] = [axis.value(case.scene, case.discretisation) for case in cases]
+    columns |= _reduced_pressures(cases)
     return columns | {
         "nx": [case.problem.surface.nx for case in cases],
         "dimension": [case.scene.dimension for case in cases],
+    }
+
+
+def _reduced_pressures(cases: list[Case]) -> dict[str, list[Any]]:
+    """The load p/(g E*) that follows from one in Pa or N, under its name; nothing of others."""
+    loading = cases[0].scene.loading
+    if loading.displacement is not None or loading.reduced_pressure is not None:
+        return {}
+    return {
+        "reduced_pressure": [
+            reduced_pressure(case.scene, case.rms_gradient, contact_modulus(case.scene)) for case in cases
+        ]
     }
 
 
@@ -46,4 +62,6 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
             "axis": "physics" if axis.forms_groups else "discretisation",
             "rank": rank,
         }
+    if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis
+        attributes["reduced_pressure"] = cf_attributes(REDUCED_PRESSURE)
     return {name: ("case", column, attributes[name]) for name, column in coordinates(cases).items()}

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -16,10 +16,11 @@ from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
-from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Measured
+from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 
 MOST_CASES = 1_000_000
@@ -70,10 +71,8 @@ class Campaign(BaseModel):
     target: float | None = Field(
         None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
     )
-    case_timeout: float | None = Field(
+    case_timeout: Annotated[float, Field(gt=0, le=LONGEST_TIMEOUT), TIME] | None = Field(
         None,
-        gt=0,
-        le=LONGEST_TIMEOUT,
         description="Seconds after which a block of realisations of a case is given up, up to 30 days; None: never",
     )
 
@@ -115,6 +114,7 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
+        check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")

@@ -45,7 +45,7 @@ else:
 def values_of(grid: Grid, axis: str) -> tuple[float, ...] | None:
     """Values that a grid gives to an axis, or None."""
     given: tuple[float, ...] | None = getattr(grid, axis)
-    return given
+    return None if given is None else tuple(map(float, given))  # whether with a unit, only `Campaign` needs to know
 
 
 def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
@@ -99,7 +99,7 @@ def _surface_fault(scene: Scene, values: Mapping[Place, float]) -> tuple[str, st
 def _fault(record: BaseModel) -> tuple[str, str] | None:
     """Key of the first value that breaks a rule of its record, or nothing for several, and what is allowed; or None."""
     try:
-        type(record).model_validate(record.model_dump())
+        type(record).model_validate_json(record.model_dump_json())  # which forgets what had units
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         context = fault.get("ctx", {})

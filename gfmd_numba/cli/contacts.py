@@ -16,6 +16,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import column, line
+from gfmd_numba.cli.readable import readable
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings
 from gfmd_numba.text.printable import printable
@@ -66,24 +67,16 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa",
     "kappa_r",
 )
-_PRESCRIBED = ("reduced_pressure", "punch_displacement", "sliding")
+_PRESCRIBED = ("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement", "sliding")
 
 
 def _show_one(dataset: xr.Dataset) -> None:
     """Print what came of one loading, a line each."""
-    prescribed = _prescribed(dataset)
-    view = dataset.assign(prescribed)
+    prescribed = [name for name in _PRESCRIBED if name in dataset.coords]
     for name in (*prescribed, *(name for name in _SHOWN if name in dataset)):
-        words, number, unit = line(view, name)
+        words, number, unit = line(dataset, name)
         click.echo(f"{words:24}{number:<14}{unit}".rstrip())
     click.echo(f"{'residual':24}{float(dataset['residual']):.1e}")
-
-
-def _prescribed(dataset: xr.Dataset) -> dict[str, float]:
-    """Return what the loading of a scene prescribes, by the name that steps of a path give it."""
-    loading = json.loads(dataset.attrs["scene"])["scene"].get("loading", {})
-    named = {"reduced_pressure": "reduced_pressure", "displacement": "punch_displacement"}
-    return {name: loading[given] for given, name in named.items() if loading.get(given) is not None}
 
 
 def _show_steps(dataset: xr.Dataset) -> None:
@@ -161,7 +154,8 @@ def surface(file: Path, output: Path) -> None:
     click.echo(f"picture  {printable(picture)}")
     for name, variable in dataset.data_vars.items():
         if not variable.dims:
-            click.echo(f"{name!s:24}{float(variable):.6g} {_surface_unit(str(name), variable.attrs['units'])}".rstrip())
+            figures, unit = readable(float(variable), _surface_unit(str(name), variable.attrs["units"]))
+            click.echo(f"{name!s:24}{figures} {unit}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
     for doubt in dataset.attrs["validity"].splitlines():

@@ -12,6 +12,7 @@ import click
 from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.readable import dimensions
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.text.printable import printable
 
@@ -43,6 +44,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
 
     campaign, _ = load_campaign(document)
     kind = f"a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations"
+    kind = ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid))))
     if not campaign.scene.interface.reaches_across:
         return kind, ""
     from gfmd_numba.campaign.plan import plan
@@ -66,11 +68,12 @@ def _check_scene(document: Document) -> tuple[str, str]:
         check_combination(document, file.scene, file.numerics)
         return "a loaded body", ""
     check_combination(document, file.scene, file.numerics, file.path)
+    kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
     if not file.scene.interface.reaches_across:
-        return "a scene", ""
+        return kind, ""
     from gfmd_numba.simulate.contact import doubt
 
-    return "a scene", doubt(file, document)
+    return kind, doubt(file, document)
 
 
 @main.command()

@@ -11,6 +11,7 @@ import click
 from gfmd_numba.cli.arguments import budget_option, file_argument, target_option
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.readable import dimensions
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
 from gfmd_numba.text.printable import printable
@@ -39,6 +40,9 @@ def plan(
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another one in {whose} alone, which changes no number", width=14)
+    told = dimensions(planned.campaign.scene, planned.campaign.grid)
+    if told:
+        say("scene", told, width=14)
     if target or budget:
         _check_target(planned, target[0] if target else "")
         _show_design(planned, target[1] if target else None, budget, workers, write)

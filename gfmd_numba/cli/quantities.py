@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 WORDS = {
     "load": "load",
     "reduced_pressure": "p*",
+    "prescribed_pressure": "pressure",
+    "line_load": "line load",
+    "force": "force",
     "punch_displacement": "punch displacement",
     "sliding": "sliding",
     "mean_pressure": "mean pressure",

@@ -77,6 +77,8 @@ REFUSALS = (
         "'plane_strain' with dimension 2, where E* is the same and nothing plane",
         "physics",
     ),
+    Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
+    Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),

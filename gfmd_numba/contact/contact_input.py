@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gfmd_numba.contact.problem import effective_modulus
+from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.problem import contact_modulus, effective_modulus
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
@@ -38,6 +39,7 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     check_combination(document, scene, file.numerics, file.path)
     surfaces = pressed_surfaces(file, measured, document)
     check_range(document, file.scene, surfaces.surface.nx)
+    _check_loads(file, surfaces, document)
     prescribed = _tractions(file, surfaces, document)
     loading = ("scene", "loading", "displacement")
     steps = [("path", i, "displacement") for i in range(len(file.path))]
@@ -75,14 +77,26 @@ def _period(scene: Scene, measured: MeasuredSurfaces, document: Document) -> flo
     return length
 
 
+def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:
+    """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli."""
+    control = file.scene.loading.control
+    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
+    for (scene, _), place in zip(steps_of(file), places, strict=True):
+        try:
+            reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))
+        except ValueError as error:
+            raise document.error(place, document.value(place), str(error)) from None
+
+
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
     """Raise InputError for a mean traction that nothing holds, or that the loading decides already."""
     scene, nx = file.scene, surfaces.surface.nx
     if scene.boundary is None:
         return None
     arrays = read_boundary(document, scene.boundary, nx)
-    if scene.loading.reduced_pressure is not None:
-        arrays = balanced(document, arrays, "normal", "as loading.reduced_pressure prescribes the mean pressure")
+    if scene.loading.displacement is None:
+        control = scene.loading.control
+        arrays = balanced(document, arrays, "normal", f"as loading.{control} prescribes the mean pressure")
     if scene.body.is_half_space:
         arrays = balanced(document, arrays, "tangential", f"or {scene.body.holder}, as nothing holds a half-space")
     scale = surfaces.rms_gradient * effective_modulus(scene.body)
@@ -111,4 +125,4 @@ def check_room(
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, where this punch has no more room for an incompressible body"
-            raise document.error(place, displacement, allowed)
+            raise document.error(place, document.value(place), allowed)

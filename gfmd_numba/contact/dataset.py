@@ -13,7 +13,14 @@ from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.problem import Effect, Problem, contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.scene import LoadedBody, Scene
-from gfmd_numba.scene.quantities import PUNCH_DISPLACEMENT, REDUCED_PRESSURE, RMS_GRADIENT_TARGET
+from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
+    PUNCH_DISPLACEMENT,
+    REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
+)
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
@@ -49,6 +56,8 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
         "height": height,
         "pressure": pressure,
         "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
+        "force per length": "N m-1",
+        "force": "N",
         "s": "s",
     }
 
@@ -66,6 +75,9 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     height = units(scene)["height"]
     return {
         "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
+        "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
+        "line_load": cf_attributes(LINE_LOAD, "N m-1"),
+        "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
         "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
     }

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from gfmd_numba.contact import solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.prescribed_load import steps_of
 from gfmd_numba.contact.problem import Effect, Problem, reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed, RoughBody
-from gfmd_numba.scene import Scene, SceneFile
+from gfmd_numba.scene.reduced_units import rounded
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class LoadPath:
 def load_path(given: ContactInput) -> LoadPath:
     """Dimensionless problems of a scene at its own loading, then after each change of its path."""
     file, surfaces = given.file, given.surfaces
-    length = (file.scene.length or 1.0) * surfaces.rms_gradient
+    period = file.scene.length or 1.0
     steps = list(steps_of(file))
     reduced = [
         reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions) for scene, _ in steps
@@ -46,19 +47,8 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
     problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(sliding / length for _, sliding in steps)
+    sliding = tuple(rounded(sliding / period) / surfaces.rms_gradient for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
-
-
-def steps_of(file: SceneFile) -> Iterator[tuple[Scene, float]]:
-    """The scene and the sliding displacement (m or L_x) at its own loading, then after each change of the path."""
-    scene, sliding = file.scene, 0.0
-    yield scene, sliding
-    for step in file.path:
-        changes = step.model_dump(exclude_none=True)
-        sliding = changes.pop("sliding", sliding)
-        scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
-        yield scene, sliding
 
 
 def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:

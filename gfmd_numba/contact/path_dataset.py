@@ -7,12 +7,14 @@ import xarray as xr
 from gfmd_numba.contact import law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed, load_attributes
-from gfmd_numba.contact.load_path import LoadPath, steps_of
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.load_path import LoadPath
+from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.problem import Problem, contact_modulus
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.scene import Scene
 
-_NAMES = {"displacement": "punch_displacement"}  # the body's own has the short name
+_NAMES = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}  # fields have the short names
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
@@ -22,7 +24,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     """
     file = given.file
     steps = [step_dataset(given, problem, each) for problem, each in zip(path.problems, solved, strict=True)]
-    dataset = steps[0] if not file.path else _joined(steps, given)
+    dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
     dataset.attrs |= {
         "scene": file.model_dump_json(),
         "solver": path.problems[-1].numerics.solver,
@@ -51,19 +53,29 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     return "\n".join([*implausible, *filter(None, (steep, coarse))])
 
 
-def _joined(steps: list[xr.Dataset], given: ContactInput) -> xr.Dataset:
-    """The steps of a path, with what was prescribed in each as coordinates."""
-    joined = xr.concat(
-        steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
+def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
+    return indexed(
+        xr.concat(
+            steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
+        )
     )
-    prescribed = [
-        scene.loading.model_dump(exclude_none=True) | {"sliding": sliding} for scene, sliding in steps_of(given.file)
-    ]
+
+
+def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
+    """Dataset with what was prescribed, in each step of a path, as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
-    coordinates = {name: _NAMES.get(name, name) for name in prescribed[0]}
-    return indexed(joined).assign_coords(
-        {
-            coordinate: ("step", [each[name] for each in prescribed], attributes[coordinate])
-            for name, coordinate in coordinates.items()
-        }
-    )
+    found: dict[str, list[float]] = {}
+    for scene, sliding in steps_of(given.file):
+        for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
+            found.setdefault(_NAMES.get(name, name), []).append(value)
+    if not given.file.path:
+        del found["sliding"]
+        return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
+    return dataset.assign_coords({name: ("step", values, attributes[name]) for name, values in found.items()})
+
+
+def _prescribed(scene: Scene, sliding: float, rms_gradient: float) -> dict[str, float]:
+    load = reduced_pressure(scene, rms_gradient, contact_modulus(scene))
+    reduced = {} if load is None else {"reduced_pressure": load}
+    own = {name: float(value) for name, value in scene.loading if value is not None}
+    return reduced | own | {"sliding": float(sliding)}

@@ -14,6 +14,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.prescribed_load import reduced_pressure
 from gfmd_numba.contact.results_version import results_version
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
@@ -23,10 +24,11 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import recipe, statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Body, Discretisation, InputError, Interface, LoadedBody, Numerics, Random, Scene
+from gfmd_numba.scene import Body, Discretisation, Interface, LoadedBody, Numerics, Random, Scene
 from gfmd_numba.scene.layer_records import Layer
 from gfmd_numba.scene.layer_records import Material as MaterialRecord
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.reduced_units import in_reduced_units, rounded
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
 
@@ -162,30 +164,27 @@ def reduce(
 ) -> tuple[Problem, tuple[Effect, ...]]:
     """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
 
-    Raises InputError for a mean pressure that the hardness cannot carry.
+    Raises ValueError for a load that is beyond all measure beside the rms gradient and the moduli, or that the hardness
+    cannot carry.
     """
     loading = scene.loading
+    period, modulus = scene.length or 1.0, contact_modulus(scene)
     displacement = None
     if loading.displacement is not None:
-        displacement = loading.displacement / (scene.length or 1.0) / rms_gradient
-    length = rms_gradient * (scene.length or 1.0)
-    energy = length * rms_gradient * contact_modulus(scene)
+        displacement = rounded(loading.displacement / period) / rms_gradient
     given = elastic_body(scene.body, scene.length)
-    interface, interactions = _interface(scene.interface, given, length, energy)
+    interface, interactions = _interface(scene.interface, given, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
     options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
-    pressure = None if loading.reduced_pressure is None else loading.reduced_pressure / scene.body.stiffness_scale
-    if pressure is not None and interface.hardness is not None and pressure >= interface.hardness:
-        most = interface.hardness * scene.body.stiffness_scale
-        said = f"scene.loading.reduced_pressure: given {loading.reduced_pressure:g}"
-        raise InputError(f"{said}; allowed: below {most:.6g}, at which the mean pressure is the hardness itself")
+    load = reduced_pressure(scene, rms_gradient, modulus)
+    pressure = None if load is None else load / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:
         counter_body = elastic_body(scene.counter_body, scene.length)
         other = _body(counter_body, interface, displacement is not None, False, tolerance)[0]
-        counter = CounterBody(other, contact_modulus(scene) / effective_modulus(scene.counter_body))
+        counter = CounterBody(other, modulus / effective_modulus(scene.counter_body))
     problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
     effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
     if scene.body.stiffness_scale != 1.0:
@@ -289,9 +288,10 @@ def _below(effect: float, tolerance: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _interface(
-    asked: Interface, body: ElasticBody, length: float, energy: float
+    asked: Interface, body: ElasticBody, period: float, modulus: float, rms_gradient: float
 ) -> tuple[Interactions, tuple[Effect, ...]]:
-    interactions = Interactions.scaled(asked, length, energy)
+    laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
+    interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
     incompressible = body.aspect_ratio is None and body.poissons_ratio == 0.5
     if interactions.friction is not None and incompressible:

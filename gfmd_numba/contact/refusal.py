@@ -8,7 +8,7 @@ from typing import Literal
 from gfmd_numba.contact.combinations import REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
-from gfmd_numba.scene.records import Step
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
@@ -134,6 +134,9 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
             yield "negative displacement", ("scene", "loading", "displacement")
     if path:
         yield "path", ("path",)
+    for load in ("line_load", "force"):
+        if getattr(scene.loading, load) is not None:
+            yield load, ("scene", "loading", load)
     for i, step in enumerate(path):
         if step.sliding is not None:
             yield "sliding", ("path", i, "sliding")

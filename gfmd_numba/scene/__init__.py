@@ -5,10 +5,10 @@ from gfmd_numba.scene.boundary_file import BoundaryFile, LoadedBody
 from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.document import Document, read_document
 from gfmd_numba.scene.interface_records import HardWall, Interface
+from gfmd_numba.scene.loading import Loading
 from gfmd_numba.scene.records import (
     SINGLE_RESIDUAL,
     Discretisation,
-    Loading,
     Numerics,
     Scene,
     SceneFile,

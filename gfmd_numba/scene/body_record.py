@@ -6,7 +6,7 @@ from typing import Literal, Self
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.layer_records import Base, Layer, Material
-from gfmd_numba.scene.quantities import RECORD, AspectRatio, PoissonsRatio, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, AspectRatio, PoissonsRatio, Pressure, Size, broken_rule
 from gfmd_numba.scene.surfaces import Surface
 
 
@@ -14,7 +14,9 @@ class Body(BaseModel):
     """Linear elastic body, of one isotropic material or of layers: moduli in Pa, ratios dimensionless."""
 
     model_config = RECORD
-    youngs_modulus: Size | None = Field(None, description="Young's modulus in Pa; None: stresses are in units of E*")
+    youngs_modulus: Pressure | None = Field(
+        None, description="Young's modulus in Pa; None: stresses are in units of E*"
+    )
     poissons_ratio: PoissonsRatio | None = Field(
         None, description="Poisson's ratio (dimensionless); None: the layers have their own"
     )

@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.layer_records import check_layers
-from gfmd_numba.scene.quantities import RECORD, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Length, broken_rule, check_scales
 from gfmd_numba.scene.records import Numerics
 
 
@@ -17,7 +17,12 @@ class LoadedBody(BaseModel):
     model_config = RECORD
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
-    length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+    length: Length | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+
+    @model_validator(mode="after")
+    def _units_have_scales(self) -> Self:
+        check_scales(self, self.length, self.body.surface_modulus is not None)
+        return self
 
     @model_validator(mode="after")
     def _layers_fit(self) -> Self:

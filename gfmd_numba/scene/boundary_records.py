@@ -1,25 +1,44 @@
 """Records of prescribed tractions and displacements, on a surface without a punch or beside one."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.quantities import LARGEST, RECORD, broken_rule
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
 
 COMPONENTS = ("normal", "tangential")
-VALUES = "a number up to 1e30 in size, for every node, or the name of a .npy or .csv file with one value for each node"
+FILES = (".npy", ".csv")
 
 
-def _values(given: Any) -> float | str:
-    if type(given) in (int, float) and -LARGEST <= given <= LARGEST:
-        return float(given)
-    if isinstance(given, str) and given.endswith((".npy", ".csv")):
-        return given
-    raise ValueError(VALUES)
+def _allowed(quantity: Quantity) -> str:
+    return (
+        f"a number up to 1e30 in size or {quantity.allowed}, for every node, "
+        "or the name of a .npy or .csv file with one value for each node"
+    )
 
 
-# checked before the union of types, which would tell every fault twice
-Values = Annotated[float | str, BeforeValidator(_values), WithJsonSchema({"allowed": VALUES})]
+def _number_or_file(quantity: Quantity) -> Callable[[Any], float | str]:
+    """Check of a value: one for the whole union of types, which would tell every fault twice."""
+
+    def check(given: Any) -> float | str:
+        if isinstance(given, str) and given.endswith(FILES):
+            return given
+        value = quantity.read(given)
+        if type(value) in (int, float, WithUnit) and -LARGEST <= value <= LARGEST:
+            return value if isinstance(value, WithUnit) else float(value)
+        raise ValueError(_allowed(quantity))
+
+    return check
+
+
+Traction = Annotated[
+    float | str, PlainValidator(_number_or_file(PRESSURE)), WithJsonSchema({"allowed": _allowed(PRESSURE)})
+]
+Displacement = Annotated[
+    float | str, PlainValidator(_number_or_file(LENGTH)), WithJsonSchema({"allowed": _allowed(LENGTH)})
+]
 
 
 class Boundary(BaseModel):
@@ -29,10 +48,10 @@ class Boundary(BaseModel):
     """
 
     model_config = RECORD
-    normal_traction: Values | None = Field(None, description="Pull out of the body in Pa (E* without moduli)")
-    tangential_traction: Values | None = Field(None, description="Pull along x in Pa (E* without moduli)")
-    normal_displacement: Values | None = Field(None, description="Out of the body, in m (L_x without a length)")
-    tangential_displacement: Values | None = Field(None, description="Along x, in m (L_x without a length)")
+    normal_traction: Traction | None = Field(None, description="Pull out of the body in Pa (E* without moduli)")
+    tangential_traction: Traction | None = Field(None, description="Pull along x in Pa (E* without moduli)")
+    normal_displacement: Displacement | None = Field(None, description="Out of the body, in m (L_x without a length)")
+    tangential_displacement: Displacement | None = Field(None, description="Along x, in m (L_x without a length)")
 
     @model_validator(mode="after")
     def _prescribes(self) -> Self:

@@ -84,8 +84,9 @@ def check_range(document: Document, scene: Scene, nx: int, location: Location | 
     for law, record in reaching.items():
         for name, value in record:
             if name != "work_of_adhesion" and value < spacing:
+                at = location or ("scene", "interface", law, name)
                 raise document.error(
-                    location or ("scene", "interface", law, name),
-                    value,
+                    at,
+                    document.value(at),
                     f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
                 )

@@ -9,7 +9,15 @@ from typing import ClassVar, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, FrictionCoefficient, Signed, Size, broken_rule
+from gfmd_numba.scene.quantities import (
+    RECORD,
+    FrictionCoefficient,
+    Length,
+    Pressure,
+    SignedWorkOfAdhesion,
+    WorkOfAdhesion,
+    broken_rule,
+)
 
 
 class HardWall(BaseModel):
@@ -24,7 +32,7 @@ class HardWall(BaseModel):
     across_open_gap: ClassVar = False
     needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = True
-    hardness: Size | None = Field(
+    hardness: Pressure | None = Field(
         None, description="Largest contact pressure in Pa (E* without moduli), where the wall gives way; None: no limit"
     )
 
@@ -40,10 +48,10 @@ class Exponential(BaseModel):
     tangential: ClassVar = False
     across_open_gap: ClassVar = True
     needs_touching_nodes: ClassVar = False
-    work_of_adhesion: Signed = Field(
+    work_of_adhesion: SignedWorkOfAdhesion = Field(
         description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
     )
-    range: Size = Field(description="Interaction range, in m if the scene has a length, else in L_x")
+    range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
 
     @property
     def keeps_apart(self) -> bool:
@@ -69,11 +77,11 @@ class Cohesive(BaseModel):
     across_open_gap: ClassVar = True
     needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = True
-    work_of_adhesion: Size = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
-    normal_length: Size = Field(
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    normal_length: Length = Field(
         description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
     )
-    tangential_length: Size = Field(description="Slip over which it shears off, in m or L_x likewise")
+    tangential_length: Length = Field(description="Slip over which it shears off, in m or L_x likewise")
 
 
 class Friction(BaseModel):

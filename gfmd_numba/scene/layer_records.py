@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Discriminator, Field, Tag, WithJsonSchema
 
-from gfmd_numba.scene.quantities import RECORD, PoissonsRatio, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Length, PoissonsRatio, Pressure, broken_rule
 
 THINNEST, HIGHEST = 1e-12, 1e30  # heights over the period, as of a slab
 LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to eleven digits
@@ -14,14 +14,14 @@ class Material(BaseModel):
     """Linear elastic isotropic material: modulus in Pa, ratio dimensionless."""
 
     model_config = RECORD
-    youngs_modulus: Size = Field(description="Young's modulus in Pa")
+    youngs_modulus: Pressure = Field(description="Young's modulus in Pa")
     poissons_ratio: PoissonsRatio
 
 
 class Layer(Material):
     """Layer of one material, bonded to what is above and below it."""
 
-    height: Size = Field(description="Height in m, or in L_x without a length")
+    height: Length = Field(description="Height in m, or in L_x without a length")
 
 
 def _kind(given: Any) -> str:

@@ -6,11 +6,27 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.scene.units import (
+    ENERGY_PER_AREA,
+    FORCE,
+    FORCE_PER_LENGTH,
+    LENGTH,
+    PRESSURE,
+    given_with_units,
+)
+
 RECORD = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, ser_json_inf_nan="constants")
 
 SMALLEST, LARGEST = 1e-30, 1e30  # whatever a user gives: all products of a scene, and their squares, stay finite
 Size = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Length = Annotated[Size, LENGTH, Field(description="Length in m, or in L_x without a length")]
+SignedLength = Annotated[Signed, LENGTH]
+Pressure = Annotated[Size, PRESSURE]
+WorkOfAdhesion = Annotated[Size, ENERGY_PER_AREA]
+SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
+LineLoad = Annotated[Size, FORCE_PER_LENGTH]
+Force = Annotated[Size, FORCE]
 
 
 def _aspect_ratio(given: float) -> float:
@@ -46,6 +62,9 @@ REDUCED_PRESSURE = (
 )
 RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
 PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
+MEAN_PRESSURE = "Mean pressure in Pa; needs moduli"
+LINE_LOAD = "Force per length in N/m on one period of a profile; needs moduli and a length"
+FORCE_ON_A_MAP = "Force in N on one period of a map; needs moduli and a length"
 ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
@@ -77,3 +96,13 @@ Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surf
 def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustomError:
     """Error of a rule between several fields, located relative to the record that states the rule."""
     return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})
+
+
+def check_scales(record: object, length: float | None, has_moduli: bool, at: tuple[str | int, ...] = ()) -> None:
+    """Raise a located error for a number with a unit that has no length, or no moduli, to be compared with."""
+    for place, value in given_with_units(record, at):
+        missing = ["length"] if value.quantity.length and length is None else []
+        missing += ["youngs_modulus"] if value.quantity.modulus and not has_moduli else []
+        if missing:
+            allowed = f"a number without a unit, as there is no {' and no '.join(missing)}"
+            raise broken_rule(place, f"{allowed}; to use units, give {' and '.join(missing)}")

@@ -10,38 +10,21 @@ from gfmd_numba.scene.bodies import check_bodies
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.interface_records import Interface
+from gfmd_numba.scene.loading import Loading, Step, check_loading
 from gfmd_numba.scene.quantities import (
     RECORD,
-    REDUCED_PRESSURE,
     Damping,
     Dimension,
     EpsC,
     EpsF,
     EpsT,
-    ReducedPressure,
+    Length,
     Seed,
-    Signed,
-    Size,
     TimeStep,
     broken_rule,
+    check_scales,
 )
 from gfmd_numba.scene.surfaces import Surface
-
-
-class Loading(BaseModel):
-    """Mean pressure (dimensionless) or punch displacement (m or L_x), exactly one of the two."""
-
-    model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
-    displacement: Signed | None = Field(
-        None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
-    )
-
-    @model_validator(mode="after")
-    def _one_control(self) -> Self:
-        if (self.reduced_pressure is None) == (self.displacement is None):
-            raise broken_rule((), "exactly one of reduced_pressure and displacement")
-        return self
 
 
 class Scene(BaseModel):
@@ -54,13 +37,18 @@ class Scene(BaseModel):
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
-    length: Size | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+    length: Length | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
 
     @property
     def deformable(self) -> tuple[Body, ...]:
         """The elastic bodies."""
         return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
+
+    @property
+    def has_moduli(self) -> bool:
+        """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa."""
+        return all(body.surface_modulus is not None for body in self.deformable)
 
     @property
     def surfaces(self) -> dict[tuple[str, ...], Surface]:
@@ -71,11 +59,6 @@ class Scene(BaseModel):
         return {place: surface for place, surface in places.items() if surface is not None}
 
     @property
-    def has_moduli(self) -> bool:
-        """Whether a body has a modulus in Pa, so that stresses are not in units of E*."""
-        return any(body.youngs_modulus is not None for body in self.deformable)
-
-    @property
     def follows_topography(self) -> bool:
         """Whether a deformable surface is rough, or both bodies deform."""
         return self.counter_body is not None or self.body.roughness is not None
@@ -83,6 +66,8 @@ class Scene(BaseModel):
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
         check_bodies(self)
+        check_loading(self.loading, self.length, self.has_moduli)
+        check_scales(self, self.length, self.has_moduli)
         return self
 
 
@@ -190,19 +175,6 @@ class Numerics(BaseModel):
         return self
 
 
-class Step(BaseModel):
-    """A change of the loading; what is left out stays as it is."""
-
-    model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
-    displacement: Signed | None = Field(
-        None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
-    )
-    sliding: Signed | None = Field(
-        None, description="Tangential displacement of the punch since first touch, in m or L_x likewise"
-    )
-
-
 class SceneFile(BaseModel):
     """A scene with its numerics, discretisation and random realisation."""
 
@@ -233,10 +205,6 @@ class SceneFile(BaseModel):
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
         for i, step in enumerate(self.path):
-            self._check_step(i, step)
+            step.check(self.scene.loading, i)
+        check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
         return self
-
-    def _check_step(self, i: int, step: Step) -> None:
-        other = "displacement" if self.scene.loading.displacement is None else "reduced_pressure"
-        if getattr(step, other) is not None:
-            raise broken_rule(("path", i, other), f"what the loading prescribes, which is not {other}")

@@ -5,9 +5,9 @@ from typing import Self
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.document import Document
-from gfmd_numba.scene.quantities import RECORD, Dimension, Seed, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Length, Measured, Surface
+from gfmd_numba.scene.surfaces import Measured, Surface
 from gfmd_numba.scene.validation import validate
 
 _ARRAYS = 16  # of the surface's size, that making it and its statistics may take
@@ -32,7 +32,7 @@ class SurfaceFile(BaseModel):
 
     model_config = RECORD
     surface: Surface
-    length: Size | None = Field(
+    length: Length | None = Field(
         None,
         description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
     )
@@ -44,6 +44,7 @@ class SurfaceFile(BaseModel):
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         surface = self.surface
+        check_scales(self, self.length, has_moduli=False)
         if isinstance(surface, Measured):
             if self.dimension is not None:
                 raise broken_rule(("dimension",), "nothing, as a measured field has its own")

@@ -11,10 +11,9 @@ from pydantic import BaseModel, BeforeValidator, Field, InstanceOf, PlainSeriali
 
 from gfmd_numba.scene.heights import Heights, heights
 from gfmd_numba.scene.length_units import ALLOWED, length_unit
-from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, RmsGradient, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, Length, RmsGradient, broken_rule
 
 PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
-Length = Annotated[Size, Field(description="Length in m, or in L_x without a length")]
 Points = Annotated[int, Field(ge=4, le=2**40)]
 
 
@@ -27,7 +26,7 @@ class Random(BaseModel):
     model_config = RECORD
     implementation: ClassVar[str]
     of_maps: ClassVar[bool] = False  # whose two directions differ
-    rms_height: Size | None = Field(None, description="Rms height in m, or in L_x without a length")
+    rms_height: Length | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = Field(None, description="Root-mean-square gradient (dimensionless)")
     points: Points | None = Field(None, description="Grid points over L_x; None: those of the discretisation")
     cut_on: Length | None = Field(
@@ -257,7 +256,7 @@ class Measured(BaseModel):
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted first")
     periodic: Literal["none", "mirror", "window"] = Field("none", description="How the ends are made to meet")
     points: Points | None = Field(None, description="Grid points over L_x after resampling; None: as many as measured")
-    cutoff: Size | None = Field(
+    cutoff: Length | None = Field(
         None, description="Shortest wavelength kept, in m, or in L_x if neither the file nor a length gives one in m"
     )
 

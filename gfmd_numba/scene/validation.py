@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from gfmd_numba.scene.document import Document, Location, plain_scalar
+from gfmd_numba.scene.units import has_unit
 from gfmd_numba.text.input_error import MOST_LINES, InputError, brief
 
 Record = TypeVar("Record", bound=BaseModel)
@@ -32,6 +33,9 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
         case "rule":
             location += fault["ctx"]["location"]
             return document.line(location, brief(document.value(location)), fault["ctx"]["allowed"])
+        case "unit":
+            context = fault["ctx"]
+            return document.line(location, brief(document.value(location)), context["allowed"], context["suggestion"])
         case "extra_forbidden" | "invalid_key":
             siblings = list(_at(schema, fault["loc"][:-1])[1]["properties"])
             if document.flat and len(location) == 2:
@@ -46,6 +50,8 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
     number = plain_scalar(value) if isinstance(value, str) else None
     if isinstance(number, int | float) and number in node.get("enum", (number,)):
         hint = f"did you mean {value} without quotes?"
+    if isinstance(value, str) and node.get("type") in ("number", "integer") and has_unit(value):
+        hint = "this number has no unit"
     return document.line(location, brief(value), _allowed(schema, node), hint)
 
 
@@ -98,6 +104,8 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
     if "discriminator" in node:
         union = node["discriminator"]
         return f"a mapping with {union['propertyName']} {_listed(union['mapping'])}"
+    if "quantity" in node:
+        return f"a number{_range(node)}, or {node['in_units']}"
     match node.get("type"):
         case "array":
             item = _allowed(schema, _resolved(schema, node["items"]))

@@ -13,8 +13,8 @@ from gfmd_numba.contact.contact_input import ContactInput, check_room, read_cont
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, SceneFile, validate
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import RECORD, ReducedPressure, Signed
-from gfmd_numba.scene.records import Step
 
 RECORDED = (
     "mean_pressure",

@@ -59,8 +59,8 @@ class Quadratic(BaseModel):
     across_open_gap: ClassVar = True
     needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = False
-    work_of_adhesion: Size = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
-    range: Size = Field(description="Gap at which it ends, in m if the scene has a length, else in L_x")
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    range: Length = Field(description="Gap at which it ends, in m if the scene has a length, else in L_x")
 
 
 ''',

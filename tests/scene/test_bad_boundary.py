@@ -15,7 +15,10 @@ scene:
     tangential_displacement: held.npy
 """
 BESIDE = SCENE.replace("numerics:", "  boundary:\n    normal_traction: wave.csv\nnumerics:").replace("1/64", "1/2")
-VALUES = "a number up to 1e30 in size, for every node, or the name of a .npy or .csv file with one value for each node"
+VALUES = (
+    "a number up to 1e30 in size or a pressure in Pa, kPa, MPa, GPa or the like, for every node, "
+    "or the name of a .npy or .csv file with one value for each node"
+)
 BEFORE = "bad.yaml:4:22: scene.boundary.normal_traction: given "
 LOADS = {
     "nothing prescribed": (

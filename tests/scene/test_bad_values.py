@@ -68,11 +68,12 @@ VALUES = {
     "both loadings": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    displacement: 0.1"),
         "bad.yaml:9:5: scene.loading: given {'displacement': 0.1, 'reduced_pressure': 0.007}; "
-        "allowed: exactly one of reduced_pressure and displacement",
+        "allowed: exactly one of reduced_pressure, pressure, line_load, force and displacement",
     ),
     "no loading": (
         ("loading:\n    reduced_pressure: 0.007", "loading: {}"),
-        "bad.yaml:8:12: scene.loading: given {}; allowed: exactly one of reduced_pressure and displacement",
+        "bad.yaml:8:12: scene.loading: given {}; "
+        "allowed: exactly one of reduced_pressure, pressure, line_load, force and displacement",
     ),
     "half-space under displacement": (
         ("reduced_pressure: 0.007", "displacement: 0.1"),

@@ -28,7 +28,7 @@ def test_flat_file_is_told_its_own_paths(tmp_path):
     assert complaint(tmp_path, load_scene, FLAT) == (
         "bad.yaml:2:33: roughness.hurst: given 1.4; allowed: a number from 0 to 1\n"
         "bad.yaml:4:11: loading.reduced_presure: given an unknown key; allowed: one of 'reduced_pressure', "
-        "'displacement'; did you mean 'reduced_pressure'?"
+        "'pressure', 'line_load', 'force', 'displacement'; did you mean 'reduced_pressure'?"
     )
     assert (
         complaint(tmp_path, load_scene, "roughnes: 1\n" + FLAT)

@@ -88,7 +88,7 @@ def test_command_writes_surface_and_picture(tmp_path, dimension):
     assert gfmd("check", tmp_path / "s.yaml").output == f"{tmp_path / 's.yaml'}: a surface\n"
     done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
     assert done.exit_code == 0
-    assert "rms_height              3e-07 m\n" in done.output
+    assert "rms_height              300 nm\n" in done.output
     assert (tmp_path / "s.png").stat().st_size > 20_000
     assert "give one like steel.nc" in gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "t.png").stderr
     with xr.open_dataset(tmp_path / "s.nc") as dataset:

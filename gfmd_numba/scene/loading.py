@@ -1,0 +1,77 @@
+"""Records of the loading: what is prescribed, at first and after each step of a path."""
+
+from typing import Self
+
+from pydantic import BaseModel, Field, model_validator
+
+from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
+    RECORD,
+    REDUCED_PRESSURE,
+    Force,
+    LineLoad,
+    Pressure,
+    ReducedPressure,
+    SignedLength,
+    broken_rule,
+)
+
+LOADS = ("reduced_pressure", "pressure", "line_load", "force")
+CONTROLS = (*LOADS, "displacement")
+_NEEDED = {"pressure": ("youngs_modulus",)} | dict.fromkeys(("line_load", "force"), ("youngs_modulus", "length"))
+_DISPLACEMENT = "Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
+
+
+class Loading(BaseModel):
+    """One of four loads, or the displacement of the punch."""
+
+    model_config = RECORD
+    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
+    pressure: Pressure | None = Field(None, description=MEAN_PRESSURE)
+    line_load: LineLoad | None = Field(None, description=LINE_LOAD)
+    force: Force | None = Field(None, description=FORCE_ON_A_MAP)
+    displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
+
+    @property
+    def control(self) -> str:
+        """Name of what is prescribed."""
+        return next(name for name in CONTROLS if getattr(self, name) is not None)
+
+    @model_validator(mode="after")
+    def _one_control(self) -> Self:
+        if sum(getattr(self, name) is not None for name in CONTROLS) != 1:
+            raise broken_rule((), f"exactly one of {', '.join(CONTROLS[:-1])} and {CONTROLS[-1]}")
+        return self
+
+
+class Step(BaseModel):
+    """A change of the loading; what is left out stays as it is."""
+
+    model_config = RECORD
+    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
+    pressure: Pressure | None = Field(None, description=MEAN_PRESSURE)
+    line_load: LineLoad | None = Field(None, description=LINE_LOAD)
+    force: Force | None = Field(None, description=FORCE_ON_A_MAP)
+    displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
+    sliding: SignedLength | None = Field(
+        None, description="Tangential displacement of the punch since first touch, in m or L_x likewise"
+    )
+
+    def check(self, loading: Loading, i: int) -> None:
+        """Raise a located error if this step `i` of a path changes what the loading does not prescribe."""
+        for name in CONTROLS:
+            if name != loading.control and getattr(self, name) is not None:
+                raise broken_rule(("path", i, name), f"what the loading prescribes, which is not {name}")
+
+
+def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> None:
+    """Raise an error, located in the scene, for a load in N or Pa without moduli, or without a length it needs."""
+    control = loading.control
+    there = {"youngs_modulus": has_moduli, "length": length is not None}
+    missing = [name for name in _NEEDED.get(control, ()) if not there[name]]
+    if missing:
+        words = {"youngs_modulus": "a youngs_modulus of every elastic body", "length": "the length of the period"}
+        needed = " and ".join(words[name] for name in missing)
+        raise broken_rule(("loading", control), f"{control} beside {needed}, or a reduced_pressure")

@@ -1,0 +1,176 @@
+"""The kinds of quantities that a file gives, and numbers with units of them.
+
+A number without a unit is in SI units, or in L_x and E* where a scene has no length or no moduli. A file whose numbers
+have no units does not import the library of units.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from difflib import get_close_matches
+from functools import lru_cache
+from typing import Any
+
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
+
+_FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|⁻?[¹²³])?"
+_UNIT = rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR}){{0,4}}"
+_NUMBER = r"[-+]?(?:[0-9]+/[0-9]+|(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)"
+_NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
+NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
+_SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
+_LONGEST = 100  # of a text that is looked at
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A kind of quantity: its name, units to name for it, the SI unit first, and what it is counted in without units.
+
+    That is L_x to the power `length` times E* to the power `modulus`. As an annotation of a float it lets the field
+    take text like `0.2 mm`, which becomes a number in SI units.
+    """
+
+    name: str
+    units: tuple[str, ...]
+    length: int = 0
+    modulus: int = 0
+
+    @property
+    def si(self) -> str:
+        """Its SI unit."""
+        return self.units[0]
+
+    @property
+    def article(self) -> str:
+        """Its name with an article."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
+    @property
+    def allowed(self) -> str:
+        """What a number with a unit of it may look like, in words."""
+        return f"{self.article} in {', '.join(self.units)} or the like"
+
+    def scale(self, length: float, modulus: float) -> float:
+        """What it is counted in where the period is `length` and the contact modulus `modulus`."""
+        return length**self.length * modulus**self.modulus
+
+    def si_value(self, text: str) -> float | None:
+        """Value in SI units of a text like `0.2 mm`, None if it is no number with a unit; nan if it is not finite.
+
+        The conversion is in decimals: the result is the very float that the number in SI units is read as. Raises
+        PydanticCustomError for an unknown unit, and for a unit of another quantity.
+        """
+        parts = _SPLIT.fullmatch(text) if len(text) <= _LONGEST else None
+        if parts is None:
+            return None
+        number, unit = parts.groups()
+        factor = self._in_si(unit)
+        if number[-1].isalpha():  # inf, nan
+            return float("nan")
+        above, _, below = number.partition("/")
+        try:
+            return float(Decimal(above) / Decimal(below or 1) * factor)
+        except ArithmeticError:  # a fraction over 0, a power beyond decimals
+            return float("nan")
+
+    def _in_si(self, unit: str) -> Decimal:
+        registry = _registry()
+        written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
+        try:
+            if re.fullmatch(_UNIT, unit) is None:
+                raise self._fault(_meant(self, unit))
+            parsed = registry.parse_units(written)
+            if parsed.dimensionality != registry.parse_units(self.si).dimensionality:
+                raise self._fault(_meant(self, unit) if unit.casefold() in map(str.casefold, self.units) else "")
+            found: Decimal = registry.Quantity(Decimal(1), parsed).to(self.si).magnitude
+            return found
+        except (AttributeError, TypeError, ValueError, ArithmeticError) as error:  # those of pint are among them
+            if isinstance(error, PydanticCustomError):
+                raise
+            raise self._fault(_meant(self, unit)) from None
+
+    def _fault(self, suggestion: str) -> PydanticCustomError:
+        return PydanticCustomError("unit", "allowed: {allowed}", {"allowed": self.allowed, "suggestion": suggestion})
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self._validated, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        both = {"type": ["number", "string"], "pattern": NUMBER_WITH_UNIT}
+        return {**handler(schema), **both, "quantity": self.name, "unit": self.si, "in_units": self.allowed}
+
+    def read(self, given: Any) -> Any:
+        """Number in SI units of a text with a unit; whatever else is given as it is."""
+        value = self.si_value(given) if isinstance(given, str) else None
+        return given if value is None else WithUnit(value, self)
+
+    def _validated(self, given: Any, check: core_schema.ValidatorFunctionWrapHandler) -> Any:
+        value = self.read(given)
+        return WithUnit(check(float(value)), self) if isinstance(value, WithUnit) else check(value)
+
+
+class WithUnit(float):
+    """A number in SI units that was given with a unit of a quantity; in all else a float."""
+
+    quantity: Quantity
+
+    def __new__(cls, value: float, quantity: Quantity) -> "WithUnit":
+        """Number in SI units, and the quantity it is of."""
+        number = super().__new__(cls, value)
+        number.quantity = quantity
+        return number
+
+    def __reduce__(self) -> tuple[type["WithUnit"], tuple[float, Quantity]]:
+        return WithUnit, (float(self), self.quantity)
+
+
+LENGTH = Quantity("length", ("m", "mm", "um", "nm"), length=1)
+PRESSURE = Quantity("pressure", ("Pa", "kPa", "MPa", "GPa"), modulus=1)
+ENERGY_PER_AREA = Quantity("energy per area", ("J/m^2", "mJ/m^2"), length=1, modulus=1)
+FORCE_PER_LENGTH = Quantity("force per length", ("N/m", "kN/m", "N/mm"), length=1, modulus=1)
+FORCE = Quantity("force", ("N", "mN", "kN"), length=2, modulus=1)
+TIME = Quantity("time", ("s", "min", "h"))
+QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME)
+
+
+def given_with_units(record: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], WithUnit]]:
+    """Numbers of a record that were given with units, and their places in it."""
+    if isinstance(record, WithUnit):
+        yield at, record
+    elif isinstance(record, BaseModel):
+        for name, value in record:
+            yield from given_with_units(value, (*at, name))
+    elif isinstance(record, tuple):
+        for i, value in enumerate(record):
+            yield from given_with_units(value, (*at, i))
+
+
+@lru_cache
+def _meant(quantity: Quantity, unit: str) -> str:
+    """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
+    if not unit[0].isalpha():
+        return ""
+    own = [*quantity.units, *(name for other in QUANTITIES for name in other.units)]
+    alike = [name for name in own if name.casefold() == unit.casefold()]
+    near = (
+        alike
+        or get_close_matches(unit, own, 1, 0.5)
+        or get_close_matches(unit, filter(str.isalpha, _registry()), 1, 0.8)
+    )
+    return f"did you mean {near[0]!r}?" if near else ""
+
+
+def has_unit(text: str) -> bool:
+    """Whether a text is a number with something behind it."""
+    return len(text) <= _LONGEST and _SPLIT.fullmatch(text) is not None
+
+
+@lru_cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)

@@ -25,29 +25,40 @@ if TYPE_CHECKING:
 _MOST = 10_000
 
 
-def _load(text: str) -> float:
-    """Return one load, a number in what the loading of the scene prescribes."""
+def _load(text: str) -> tuple[float, str]:
+    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
     from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.loading import Loading, control_of
+    from gfmd_numba.scene.reduced_units import quantities
 
-    number = plain_scalar(text.strip())
+    control, number, si = control_of(text), plain_scalar(text.strip()), ""
+    if control is not None:
+        quantity = quantities(Loading)[control]
+        number, si = quantity.si_value(text), quantity.si
     if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
-        raise click.BadParameter(f"given {text!r}; allowed: a finite number, like 0.01 or 1e-3")
-    return float(number)  # type: ignore[arg-type]
+        raise click.BadParameter(f"given {text!r}; allowed: a finite number, like 0.01 or 1 MPa")
+    return float(number), si  # type: ignore[arg-type]
 
 
-def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float]:
+def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
     """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
     ends = option.split(":")
     if len(ends) == 1:
-        return [_load(text) for text in option.split(",")]
+        return [_text(*_load(text)) for text in option.split(",")]
     count = ends[-1].strip()
     if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
         raise click.BadParameter(f"given {option!r}; allowed: A:B:N with N from 2 to {_MOST}, or a list a,b,c")
-    first, last, n = _load(ends[0]), _load(ends[1]), int(count)
+    (first, unit_of_first), (last, si), n = _load(ends[0]), _load(ends[1]), int(count)
+    if unit_of_first != si:
+        raise click.BadParameter(f"given {option!r}; allowed: two ends with units of one kind, or both without")
     if not (first > 0.0 and last > 0.0 and first != last):
         raise click.BadParameter(f"given {option!r}; allowed: two different ends above 0, or a list a,b,c")
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
-    return [first, *inner, last]
+    return [_text(load, si) for load in (first, *inner, last)]
+
+
+def _text(load: float, si: str) -> float | str:
+    return f"{load!r} {si}" if si else load
 
 
 @main.command()
@@ -57,15 +68,15 @@ def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> lis
     required=True,
     callback=_loads_given,
     metavar="A:B:N",
-    help="N loads from A to B, evenly spaced in their logarithm, or a list a,b,c",
+    help="N loads from A to B, evenly spaced in their logarithm, or a list a,b,c; with units, like 1MPa:1GPa:20",
 )
 @click.option("--realisations", default=1, show_default=True, help="Random surfaces to average over, with errors")
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
-def curve(file: Path, loads: list[float], realisations: int, output: Path) -> None:
+def curve(file: Path, loads: list[float | str], realisations: int, output: Path) -> None:
     """Take the scene FILE through loads and write, print and draw area, gap, stiffness and pressure over them.
 
-    Loads are what the scene's loading prescribes: reduced pressures p/(g E*), or displacements of the punch. Beside the
-    netCDF file stand a table (.csv) and a picture (.png) of the same name.
+    Loads without a unit are what the scene's loading prescribes, like reduced pressures p/(g E*) or displacements of
+    the punch. Beside the netCDF file stand a table (.csv) and a picture (.png) of the same name.
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
@@ -114,7 +125,7 @@ def _columns(dataset: xr.Dataset) -> dict[str, list[object]]:
 def _prescribed(dataset: xr.Dataset) -> str:
     """Name of the variable that the loading prescribes."""
     given = str(dataset.attrs["prescribed"])
-    return "punch_displacement" if given == "displacement" else given
+    return {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}.get(given, given)
 
 
 def _named(dataset: xr.Dataset) -> xr.Dataset:
@@ -137,7 +148,8 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
 def _show(dataset: xr.Dataset) -> None:
     """Print the curve, one line a load."""
     view, load = _named(dataset), _prescribed(dataset)
-    shown = [name for name in _SHOWN if name in view and name != load]
+    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
+    shown = [name for name in _SHOWN if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
     states = dataset["status"].attrs["flag_meanings"].split()
     if dataset["status"].any():

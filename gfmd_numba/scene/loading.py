@@ -3,6 +3,7 @@
 from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
@@ -17,6 +18,7 @@ from gfmd_numba.scene.quantities import (
     SignedLength,
     broken_rule,
 )
+from gfmd_numba.scene.reduced_units import quantities
 
 LOADS = ("reduced_pressure", "pressure", "line_load", "force")
 CONTROLS = (*LOADS, "displacement")
@@ -44,6 +46,17 @@ class Loading(BaseModel):
         if sum(getattr(self, name) is not None for name in CONTROLS) != 1:
             raise broken_rule((), f"exactly one of {', '.join(CONTROLS[:-1])} and {CONTROLS[-1]}")
         return self
+
+
+def control_of(load: str) -> str | None:
+    """Name of the load that a number with a unit is, or None; `50 MPa` is a pressure."""
+    for name, quantity in quantities(Loading).items():
+        try:
+            if quantity.si_value(load) is not None:
+                return name
+        except PydanticCustomError:  # a unit of another quantity
+            continue
+    return None
 
 
 class Step(BaseModel):

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, create_model
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
-from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, SceneFile, validate
-from gfmd_numba.scene.loading import Step
-from gfmd_numba.scene.quantities import RECORD, ReducedPressure, Signed
+from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
+from gfmd_numba.scene.loading import Step, check_loading, control_of
+from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength
 
 RECORDED = (
     "mean_pressure",
@@ -33,17 +34,26 @@ RECORDED = (
 _SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
 
 
-class _Pressures(BaseModel):
+_MANY = Field(min_length=1, max_length=10_000, strict=False)
+
+
+class _Curve(BaseModel):
     model_config = RECORD
-    loads: tuple[ReducedPressure, ...] = Field(min_length=1, max_length=10_000, strict=False)
+    loads: tuple[float, ...] = _MANY
     realisations: int = Field(1, ge=1, le=1_000_000)
 
 
-class _Displacements(_Pressures):
-    loads: tuple[Signed, ...] = Field(min_length=1, max_length=10_000, strict=False)
+def _record(load: Any) -> type[_Curve]:
+    return create_model("_Loads", __base__=_Curve, loads=(tuple[load, ...], _MANY))
 
 
-_LOADS = {"reduced_pressure": _Pressures, "displacement": _Displacements}  # by what a loading prescribes
+_LOADS = {  # by what a loading prescribes
+    "reduced_pressure": _record(ReducedPressure),
+    "pressure": _record(Pressure),
+    "line_load": _record(LineLoad),
+    "force": _record(Force),
+    "displacement": _record(SignedLength),
+}
 
 
 @dataclass(frozen=True)
@@ -64,24 +74,39 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
         raise InputError(document.line(("path",), f"a path of {len(file.path)} steps", allowed))
-    prescribed = prescribed_by(file.scene.loading)
     if isinstance(loads, Iterable) and not isinstance(loads, str | bytes | Mapping):
         loads = loads.tolist() if isinstance(loads, np.ndarray) else list(loads)
+    prescribed = _control(file.scene, loads)
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
     _check_order(asked, checked.loads)
     if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
         allowed = "1, as no surface of this scene is random"
         raise asked.error(("realisations",), checked.realisations, allowed)
-    given = read_contact(file, document)
+    given = read_contact(_loaded(file, prescribed, checked.loads[0]), document)
     if prescribed == "displacement":
         check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
     return LoadCurve(given, document, prescribed, checked.loads, checked.realisations)
 
 
-def prescribed_by(loading: Loading) -> str:
-    """Name of what a loading prescribes."""
-    return next(name for name, value in loading if value is not None)
+def _control(scene: Scene, loads: object) -> str:
+    """What the loads are: what the first one's unit tells, and without one what the loading of the scene prescribes."""
+    first = loads[0] if isinstance(loads, list) and loads else None
+    told = control_of(first) if isinstance(first, str) else None
+    return scene.loading.control if told is None else told
+
+
+def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
+    """The same with a loading of another kind; raises InputError for one that the scene has no scales for."""
+    if control == file.scene.loading.control:
+        return file
+    loading = Loading.model_validate({control: load})
+    try:
+        check_loading(loading, file.scene.length, file.scene.has_moduli)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise InputError(f"loads: given {control}s with a unit; allowed: {context['allowed']}") from None
+    return file.model_copy(update={"scene": file.scene.model_copy(update={"loading": loading})})
 
 
 def _check_order(asked: Document, loads: tuple[float, ...]) -> None:
@@ -129,7 +154,7 @@ def _approached(curve: LoadCurve) -> tuple[float, ...]:
     """Each load behind one a little before it on the path."""
     loads = np.array(curve.loads)
     falls = len(loads) > 1 and loads[1] < loads[0]
-    size = loads if curve.prescribed == "reduced_pressure" else np.full(len(loads), np.ptp(loads) or abs(loads[0]))
+    size = loads if curve.prescribed != "displacement" else np.full(len(loads), np.ptp(loads) or abs(loads[0]))
     short = _SHORT * size
     short[1:] = np.minimum(short[1:], 0.5 * abs(np.diff(loads)))
     return tuple(np.column_stack([loads + short if falls else loads - short, loads]).ravel().tolist())

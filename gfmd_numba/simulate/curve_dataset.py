@@ -28,7 +28,7 @@ _METHOD = (
     "difference of two solutions: each load is approached from a load 0.1 % before it (displacements: 0.1 % of their "
     "range; at most half-way from the load before); no exact tangent"
 )
-_COORDINATES = {"displacement": "punch_displacement"}
+_COORDINATES = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 
 
 def load_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> xr.Dataset:
@@ -50,7 +50,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name in (name for name in _COLUMNS if name in found):
         values = found[name].where(ok)
         dataset[name] = values.mean("realisation").assign_attrs(found[name].attrs)
-        if curve.realisations > 1 and not (curve.prescribed == "reduced_pressure" and name in _PRESSURES):
+        if curve.realisations > 1 and not (curve.prescribed != "displacement" and name in _PRESSURES):
             attributes = cf_attributes(f"standard error of {name} over realisations", found[name].units)
             dataset[f"{name}_standard_error"] = _standard_error(values).assign_attrs(attributes)
     dataset["n_realisations"] = count.assign_attrs(cf_attributes("realisations that are ok at this load"))

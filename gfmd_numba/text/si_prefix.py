@@ -11,7 +11,8 @@ _PREFIXES = (
     (1e-12, "p"),
 )
 _AREAS = ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²"), (1e-18, "nm²"))
-_OTHERS = {"Pa m-1": (1e-12, "MPa/µm"), "J m-2": (1.0, "J/m²")}  # as engineers write them
+_PREFIXED = {"m": "m", "Pa": "Pa", "N": "N", "N m-1": "N/m"}  # as engineers write them
+_OTHERS = {"Pa m-1": (1e-12, "MPa/µm"), "J m-2": (1.0, "J/m²")}
 
 
 def si_prefix(largest: float, unit: str) -> tuple[float, str]:
@@ -19,7 +20,8 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     if unit == "m2":
         scale, name = next(((s, n) for s, n in _AREAS if largest >= s), _AREAS[-1])
         return 1 / scale, name
-    if unit not in ("m", "Pa"):
+    name = _PREFIXED.get(unit)
+    if name is None:
         return _OTHERS.get(unit, (1.0, unit))
     scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
-    return 1 / scale, letter + unit
+    return 1 / scale, letter + name

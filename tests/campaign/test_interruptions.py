@@ -41,9 +41,11 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     """Ctrl-C reaches the workers, too, at any moment after the first shard."""
-    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 60000"}), tmp_path / "out"
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=2"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_heeding
+    )
     while process.poll() is None and not list(out.glob("shards/*.shard")):
         time.sleep(0.001)
     time.sleep(np.random.default_rng().uniform(0, 0.2))
@@ -55,6 +57,11 @@ def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     assert left
     assert all(shards.read(shard) is not None for shard in left if shard.suffix == ".shard")
     assert not [p for p in psutil.process_iter() if p.status() != psutil.STATUS_ZOMBIE and session(p) == process.pid]
+
+
+def _heeding():
+    """A shell's background jobs, and what they start, ignore interrupts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def session(process: psutil.Process) -> int | None:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gfmd_numba.roughness import correlation, spectral, statistics
-from gfmd_numba.roughness.spectra import SelfAffine
+from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 RMS_HEIGHT, ROLL_OFF, SURFACES = 0.3, 50.0, 200  # um, um
 # L_x, points, lambda_s, longest wavelength (um); 50: no waves beyond the roll-off in place of a plateau
@@ -22,7 +22,7 @@ print("   L_x   points  lambda_s  longest   H asked   H fitted          w      r
 for period, nx, cut_on, longest in CASES:
     for hurst in (0.65, 0.7):
         roll_off = min(ROLL_OFF, period)  # beyond the period there are no waves
-        model = SelfAffine(1, hurst, cut_on, roll_off, longest)
+        model = SelfAffineSpectrum(1, hurst, cut_on, roll_off, longest)
         largest = min((nx - 1) // 2, int(period / cut_on * (1 + 1e-9)))
         power = spectral.psd_power(model, nx, largest, period)
         heights = spectral.surfaces(power, nx, largest, 2018, range(SURFACES))

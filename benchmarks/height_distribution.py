@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 from scipy.stats import norm
 
 from gfmd_numba.roughness import distribution, spectral
-from gfmd_numba.roughness.spectra import Exponential, KCorrelation, SelfAffine
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, SelfAffineSpectrum
 
 DISTANCE, SURFACES, PER_LENGTH = 0.02, 200, 64
 RATIOS = (25, 50, 100, 200, 400, 800)
 HURSTS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 KINDS = {
-    "plateau beyond $\\lambda_r$, $\\xi = \\lambda_r$": lambda h, n: SelfAffine(1, h, 2 / PER_LENGTH, 1.0, n),
-    "exponential model, $\\xi$ of (3.10)": lambda h, n: Exponential(1, h, 1.0),
-    "K-correlation model, $\\xi$ of (3.13)": lambda h, n: KCorrelation(1, h, 1.0),
+    "plateau beyond $\\lambda_r$, $\\xi = \\lambda_r$": lambda h, n: SelfAffineSpectrum(1, h, 2 / PER_LENGTH, 1.0, n),
+    "exponential model, $\\xi$ of (3.10)": lambda h, n: ExponentialSpectrum(1, h, 1.0),
+    "K-correlation model, $\\xi$ of (3.13)": lambda h, n: KCorrelationSpectrum(1, h, 1.0),
 }
 COLOURS = ("#0072B2", "#D55E00", "#009E73")
 

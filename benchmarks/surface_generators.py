@@ -14,7 +14,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import correlation, recursive, self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.spectra import Exponential, SelfAffine
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 
@@ -30,7 +30,7 @@ def recursion(name, dimension, hurst, nx):
 
 def asked(dimension, hurst, nx):
     """Mean power of the spectrum with cut-on just below Nyquist, roll-off and plateau, of period 1."""
-    model = SelfAffine(dimension, hurst, 2 / (nx - 2), ROLL_OFF / PERIOD, 1.0)
+    model = SelfAffineSpectrum(dimension, hurst, 2 / (nx - 2), ROLL_OFF / PERIOD, 1.0)
     return spectral.psd_power(model, nx, nx // 2 - 1)
 
 
@@ -100,7 +100,7 @@ def ranking(axis):
                     axis.plot(np.arange(mean.size) / nx * PERIOD, mean, c=COLOURS[name], label=name)
             if (dimension, hurst) == (1, 0.9):
                 axis.plot(np.arange(mean.size) / nx * PERIOD, theory, "--", c=COLOURS["theory"], label="theory")
-            power = spectral.filter_power(Exponential(dimension, hurst, 0.05), nx, largest)
+            power = spectral.filter_power(ExponentialSpectrum(dimension, hurst, 0.05), nx, largest)
             batch = partial(spectral.surfaces, power, nx, largest, realisations=range(SURFACES))
             compare("FFM", dimension, hurst, nx, power, lambda seed, batch=batch: batch(seed=seed))
     axis.set(title=f"Fig. 3.10a, H = 0.9, mean of {BATCHES * SURFACES}", xlabel=r"$\rho$ (µm)", ylabel=r"$R(\rho)$")
@@ -114,7 +114,7 @@ def filtered(axis):
     near = distance < 5
     print(f"Fig. 3.10b, one profile of 2^19 points, L_x/xi = {ratio}: rms deviation from theory up to 5 xi")
     for hurst, style in ((0.5, "-"), (1.0, "--")):
-        model = Exponential(1, hurst, 1 / ratio)
+        model = ExponentialSpectrum(1, hurst, 1 / ratio)
         theory = model.autocorrelation(distance / ratio)
         axis.plot(distance[near], theory[near], style, c=COLOURS["theory"], label=f"theory, H = {hurst:g}")
         powers = {
@@ -173,7 +173,7 @@ def costs():
     print(f"\n{n} profiles of 2^15 points on one core; 20 iterations take", end=" ")
     print(", ".join(f"{value * 1e3:.0f} ms ({solver})" for solver, value in seconds.items()))
     power = asked(1, 0.8, nx)
-    exponential = spectral.filter_power(Exponential(1, 0.8, 0.01), nx, nx // 2 - 1)
+    exponential = spectral.filter_power(ExponentialSpectrum(1, 0.8, 0.01), nx, nx // 2 - 1)
     calls = {
         "self_affine": lambda: self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(n)),
         "PSDM": lambda: spectral.surfaces(power, nx, nx // 2 - 1, 1, range(n)),

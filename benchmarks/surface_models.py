@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded
 
-MODELS = {"exponential": Exponential, "K-correlation": KCorrelation}
+MODELS = {"exponential": ExponentialSpectrum, "K-correlation": KCorrelationSpectrum}
 COLOURS = dict(zip(MODELS, ("#0072B2", "#D55E00"), strict=True))
 TOLERANCE = 0.1
 
@@ -62,7 +62,7 @@ for dimension in (1, 2):
                 f"  {dimension}  {label:14} {hurst:4}  {ratios[0]:14.3f} {ratios[1]:18.3f}   "
                 f"{at[0]:14.1%} {at[1]:12.1%} {at[2]:12.1%}"
             )
-gaussian = Exponential(1, 1.0, 1.0)
+gaussian = ExponentialSpectrum(1, 1.0, 1.0)
 print("Exponential, H = 1: C_mounded/C = exp(-(pi xi/lambda)^2) cosh(pi q xi^2/lambda) grows without bound:")
 for ratio in (0.1, 0.05, 0.02):
     q = np.array([1.0, 5.0, 10.0])

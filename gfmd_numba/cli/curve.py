@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.arguments import beside, check_output, file_argument, picture_beside
-from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.curve_table import columns, show
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
 from gfmd_numba.cli.progress import counting, waiting
-from gfmd_numba.cli.quantities import column, unit
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings
 from gfmd_numba.text.printable import printable
@@ -102,35 +101,13 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
     dataset = curve_dataset(asked, solved)
     write_dataset(output, dataset)
     click.echo(f"results  {printable(output)}")
-    write_table(table, _columns(dataset))
+    write_table(table, columns(dataset))
     click.echo(f"table    {printable(table)}")
     _draw(dataset, picture)
-    _show(dataset)
+    show(dataset)
     for doubt in dataset.attrs["validity"].splitlines():
         say("gfmd:", doubt, width=6, err=True)
     _end(dataset, realisations)
-
-
-def _columns(dataset: xr.Dataset) -> dict[str, list[object]]:
-    """Columns of the table as in the netCDF file, by name and unit."""
-    view = _named(dataset)
-    names = [str(name) for name in ("load", *dataset.data_vars)]
-    units = {
-        name: unit(view, _prescribed(dataset) if name == "load" else name.removesuffix("_standard_error"))
-        for name in names
-    }
-    return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
-
-
-def _prescribed(dataset: xr.Dataset) -> str:
-    """Name of the variable that the loading prescribes."""
-    given = str(dataset.attrs["prescribed"])
-    return {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}.get(given, given)
-
-
-def _named(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset whose load has the name of what is prescribed."""
-    return dataset.assign({_prescribed(dataset): dataset["load"]})
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
@@ -138,40 +115,12 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
     from gfmd_numba.storage.atomic_file import write_picture
 
     if not (dataset["n_realisations"] > 0).any():
+        picture.unlink(missing_ok=True)  # that of an earlier curve
         say("gfmd:", "no load has a result that could be drawn", width=6, err=True)
         return
     with waiting("drawing"):
         write_picture(picture, plot_curve(dataset), dpi=150)
     click.echo(f"picture  {printable(picture)}")
-
-
-def _show(dataset: xr.Dataset) -> None:
-    """Print the curve, one line a load."""
-    view, load = _named(dataset), _prescribed(dataset)
-    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
-    shown = [name for name in _SHOWN if name in view and name not in same]
-    values = dict(column(view, name) for name in shown)
-    states = dataset["status"].attrs["flag_meanings"].split()
-    if dataset["status"].any():
-        values["status"] = [states[int(status)] for status in dataset["status"]]
-    if int(dataset["n_realisations"].max()) > 1:
-        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
-    heading, loads = column(view, load)
-    print_table("load curve", {heading: loads}, values)
-
-
-_SHOWN = (
-    "reduced_pressure",
-    "mean_pressure",
-    "contact_area_fraction",
-    "contact_area",
-    "contact_length",
-    "mean_gap",
-    "contact_stiffness",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-)
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:

@@ -29,7 +29,7 @@ class Model(Protocol):
 
 
 @dataclass(frozen=True)
-class LengthAnisotropy:
+class LengthAnisotropicSpectrum:
     """One Hurst exponent, two correlation lengths (x, y) (3.15); raises ValueError for values out of range."""
 
     isotropic: ClassVar[Literal[False]] = False
@@ -57,7 +57,7 @@ class LengthAnisotropy:
 
 
 @dataclass(frozen=True)
-class ScalingAnisotropy:
+class ScalingAnisotropicSpectrum:
     """Hurst exponent and correlation length of each direction (x, y) (3.16); ValueError for values out of range."""
 
     isotropic: ClassVar[Literal[False]] = False

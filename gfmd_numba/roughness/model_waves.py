@@ -57,7 +57,7 @@ def exponential(
     record: records.ExponentialCorrelation, _: Discretisation | None, period: float, dimension: int, nx: int
 ) -> ModelWaves:
     """Waves of the exponential correlation model, thesis (3.10), perhaps with mounds."""
-    model = spectra.Exponential(dimension, record.hurst, record.correlation_length / period)
+    model = spectra.ExponentialSpectrum(dimension, record.hurst, record.correlation_length / period)
     return ModelWaves.of(_with_mounds(model, record, period), record, period, nx)
 
 
@@ -65,7 +65,7 @@ def k_correlation(
     record: records.KCorrelation, _: Discretisation | None, period: float, dimension: int, nx: int
 ) -> ModelWaves:
     """Waves of the K-correlation model, thesis (3.13), perhaps with mounds."""
-    model = spectra.KCorrelation(dimension, record.hurst, record.correlation_length / period)
+    model = spectra.KCorrelationSpectrum(dimension, record.hurst, record.correlation_length / period)
     return ModelWaves.of(_with_mounds(model, record, period), record, period, nx)
 
 
@@ -73,7 +73,9 @@ def length_anisotropy(
     record: records.LengthAnisotropy, _: Discretisation | None, period: float, dimension: int, nx: int
 ) -> ModelWaves:
     """Waves of the model with two correlation lengths, thesis (3.15)."""
-    return ModelWaves.of(anisotropy.LengthAnisotropy(record.hurst, _lengths(record, period)), record, period, nx)
+    return ModelWaves.of(
+        anisotropy.LengthAnisotropicSpectrum(record.hurst, _lengths(record, period)), record, period, nx
+    )
 
 
 def scaling_anisotropy(
@@ -81,11 +83,11 @@ def scaling_anisotropy(
 ) -> ModelWaves:
     """Waves of the model with two Hurst exponents and correlation lengths, thesis (3.16)."""
     hursts = record.hurst_x, record.hurst_y
-    return ModelWaves.of(anisotropy.ScalingAnisotropy(hursts, _lengths(record, period)), record, period, nx)
+    return ModelWaves.of(anisotropy.ScalingAnisotropicSpectrum(hursts, _lengths(record, period)), record, period, nx)
 
 
 def _with_mounds(
-    model: spectra.Exponential | spectra.KCorrelation, record: records.Correlated, period: float
+    model: spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum, record: records.Correlated, period: float
 ) -> spectra.Model:
     return model if record.mound_separation is None else spectra.Mounded(model, record.mound_separation / period)
 

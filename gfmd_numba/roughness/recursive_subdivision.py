@@ -8,7 +8,7 @@ from gfmd_numba.roughness import recursive, spectral
 from gfmd_numba.roughness.generators import Shape
 from gfmd_numba.roughness.power_law import band
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.spectra import SelfAffine
+from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import MidpointDisplacement, SuccessiveAddition
 
@@ -42,7 +42,7 @@ class RecursiveSubdivision:
 
     def power(self, shape: Shape) -> Reals:
         """Mean power that is asked for, a power law with a plateau; `recursive.power` is that of the recursion."""
-        asked = SelfAffine(len(shape), self.hurst, self.recursion.cut_on, self.recursion.roll_off, 1.0)
+        asked = SelfAffineSpectrum(len(shape), self.hurst, self.recursion.cut_on, self.recursion.roll_off, 1.0)
         return spectral.psd_power(asked, shape[0], (shape[0] - 1) // 2)
 
 

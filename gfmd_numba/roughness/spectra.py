@@ -37,7 +37,7 @@ class Model(Spectrum, Protocol):
 
 
 @dataclass(frozen=True)
-class SelfAffine:
+class SelfAffineSpectrum:
     """Power law q^-(d + 2H) between the cut-on and roll-off wavelengths, then a plateau or nothing (thesis 3.5.2.1).
 
     Lengths in the unit of the period; the plateau ends at `longest`. Raises ValueError for lengths out of order.
@@ -83,7 +83,7 @@ class SelfAffine:
 
 
 @dataclass(frozen=True)
-class Exponential:
+class ExponentialSpectrum:
     """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9), 0 < H <= 1."""
 
     isotropic: ClassVar[Literal[True]] = True
@@ -114,7 +114,7 @@ class Exponential:
 
 
 @dataclass(frozen=True)
-class KCorrelation:
+class KCorrelationSpectrum:
     """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14), 0 < H <= 1."""
 
     isotropic: ClassVar[Literal[True]] = True
@@ -150,7 +150,7 @@ class Mounded:
     """
 
     isotropic: ClassVar[Literal[True]] = True
-    model: Exponential | KCorrelation
+    model: ExponentialSpectrum | KCorrelationSpectrum
     separation: float
 
     def __post_init__(self) -> None:
@@ -189,7 +189,7 @@ class Mounded:
         mound = 2.0 * np.pi / self.separation
         if self.dimension == 1:
             return 0.5 * (self.model.psd(abs(q - mound)) + self.model.psd(q + mound))
-        if isinstance(self.model, KCorrelation):
+        if isinstance(self.model, KCorrelationSpectrum):
             return _k_correlation_ring(self.model, q, mound)
         return _ring_mean(self.model, q, mound)
 
@@ -213,12 +213,12 @@ def matern(z: Reals, order: float) -> Reals:
     return np.where(z == 0.0, 1.0, found)
 
 
-def _k_correlation_peak(model: KCorrelation) -> float:
+def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
     scale, h, d = model.correlation_length / np.sqrt(2.0 * model.hurst), model.hurst, model.dimension
     return float(scale**d * np.exp(gammaln(h + d / 2.0) - gammaln(h)) / np.pi ** (d / 2.0))
 
 
-def _k_correlation_ring(model: KCorrelation, q: Reals, mound: float) -> Reals:
+def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
     """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
     h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
     centre = 1.0 + a * (q**2 + mound**2)
@@ -229,7 +229,7 @@ def _k_correlation_ring(model: KCorrelation, q: Reals, mound: float) -> Reals:
     return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
 
 
-def _ring_mean(model: Exponential, q: Reals, mound: float) -> Reals:
+def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
     t = np.arange(-60, 61) / 16.0
     part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))

@@ -58,6 +58,6 @@ def test_solve_and_surface_print_prefixes(tmp_path):
     (tmp_path / "s.yaml").write_text(changed(SCENE, "reduced_pressure: 0.05", "pressure: 50 MPa"))
     (tmp_path / "r.yaml").write_text(changed(SURFACE, "rms_height: 3e-7", "rms_height: 300 nm"))
     said = gfmd("solve", tmp_path / "s.yaml", "-o", tmp_path / "s.nc").output
-    assert re.search(r"^mean_pressure +50 +MPa$", said, re.M)
+    assert re.search(r"^mean pressure +50 +MPa$", said, re.M)
     said = gfmd("surface", tmp_path / "r.yaml", "-o", tmp_path / "r.nc").output
     assert re.search(r"^rms_height +[23]\d\d\.?\d* nm$", said, re.M)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import spectral, statistics
-from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
+from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
 from gfmd_numba.roughness.model_waves import ModelWaves
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.recursive_subdivision import RecursiveSubdivision
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
-from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded, SelfAffine
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded, SelfAffineSpectrum
 
 NX = 64
 
@@ -18,13 +18,13 @@ NX = 64
 def generators(dimension):
     yield SelfAffineWaves(0.8, 2, 16)
     yield SelfAffineWaves(0.3, 3.5, 16, plateau=False)
-    yield ModelWaves("psd", KCorrelation(dimension, 0.7, 0.1), 16)
-    yield ModelWaves("fourier_filter", Exponential(dimension, 0.7, 0.1), 16)
-    yield ModelWaves("fourier_filter", Mounded(KCorrelation(dimension, 0.5, 0.05), 0.2), 16)
+    yield ModelWaves("psd", KCorrelationSpectrum(dimension, 0.7, 0.1), 16)
+    yield ModelWaves("fourier_filter", ExponentialSpectrum(dimension, 0.7, 0.1), 16)
+    yield ModelWaves("fourier_filter", Mounded(KCorrelationSpectrum(dimension, 0.5, 0.05), 0.2), 16)
     if dimension == 2:
         yield SelfAffineWaves(0.8, 4, 16, anisotropy=2.0)
-        yield ModelWaves("psd", LengthAnisotropy(0.7, (0.1, 0.2)), 16)
-        yield ModelWaves("psd", ScalingAnisotropy((0.7, 0.5), (0.1, 0.2)), 16)
+        yield ModelWaves("psd", LengthAnisotropicSpectrum(0.7, (0.1, 0.2)), 16)
+        yield ModelWaves("psd", ScalingAnisotropicSpectrum((0.7, 0.5), (0.1, 0.2)), 16)
     for method in ("midpoint_displacement", "successive_addition"):
         yield RecursiveSubdivision(Recursion(method, dimension, 0.5, 1 / 16, 1 / 2))
 
@@ -72,7 +72,7 @@ def test_the_power_of_theory_is_the_mean_power_of_the_ensemble(generator, dimens
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("plateau", [True, False])
 def test_the_power_of_self_affine_waves_is_that_of_the_spectrum(plateau, dimension):
-    model = SelfAffine(dimension, 0.3, 1 / 16, 1 / 4, 1.0 if plateau else 1 / 4)
+    model = SelfAffineSpectrum(dimension, 0.3, 1 / 16, 1 / 4, 1.0 if plateau else 1 / 4)
     expected = spectral.psd_power(model, NX, 16)
     found = SelfAffineWaves(0.3, 4, 16, plateau=plateau).power((NX,) * dimension)
     np.testing.assert_allclose(found / found.max(), expected / expected.max(), rtol=1e-12)

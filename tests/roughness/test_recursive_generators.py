@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.roughness import recursive, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.spectra import SelfAffine
+from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 METHODS = ("midpoint_displacement", "successive_addition")
 CASES = [
@@ -80,7 +80,7 @@ def test_both_methods_have_the_same_spectrum_but_not_the_same_heights():
 def test_the_artefact_of_successive_addition_has_its_known_size(hurst, correlation, low, high):
     """Rms error of the autocorrelation up to half a period, and range of power over that asked for; both exact."""
     recursion = Recursion("successive_addition", 1, hurst, 1 / 1024, 1 / 4)
-    asked = spectral.psd_power(SelfAffine(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
+    asked = spectral.psd_power(SelfAffineSpectrum(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
     found = recursive.power(recursion)
     found[0] = 0.0
     curves = [spectral.periodic_autocorrelation(power, 2048) for power in (found, asked)]

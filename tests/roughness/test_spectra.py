@@ -6,12 +6,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
 
-from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
+from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from gfmd_numba.roughness.spectra import (
-    Exponential,
-    KCorrelation,
+    ExponentialSpectrum,
+    KCorrelationSpectrum,
     Mounded,
-    SelfAffine,
+    SelfAffineSpectrum,
     height_height_correlation,
     nayak,
 )
@@ -92,7 +92,7 @@ def test_exponential_spectrum_has_no_seams(hurst, dimension):
 
 def models(dimension):
     for hurst in (0.3, 0.5, 0.8, 1.0):
-        for model in (Exponential(dimension, hurst, 1.3), KCorrelation(dimension, hurst, 1.3)):
+        for model in (ExponentialSpectrum(dimension, hurst, 1.3), KCorrelationSpectrum(dimension, hurst, 1.3)):
             yield model
             yield Mounded(model, 1.5 if hurst in (0.3, 1.0) else 6.0)
 
@@ -130,7 +130,7 @@ def test_mounded_gaussian_is_a_bessel_function():
     q, xi, separation = np.array([0.0, 1.0, 4.0]), 1.3, 2.0
     common = xi**2 / (4 * np.pi) * np.exp(-(4 * np.pi**2 + (q * separation) ** 2) * xi**2 / (4 * separation**2))
     exact = common * np.i0(np.pi * q * xi**2 / separation)
-    np.testing.assert_allclose(Mounded(Exponential(2, 1.0, xi), separation).psd(q), exact, rtol=1e-12)
+    np.testing.assert_allclose(Mounded(ExponentialSpectrum(2, 1.0, xi), separation).psd(q), exact, rtol=1e-12)
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.7])
@@ -141,14 +141,14 @@ def test_mounded_k_correlation_is_the_printed_series(hurst):
     b = 4 * np.pi * xi**2 * separation * q / (2 * hurst * separation**2 * bracket)
     series = mp.nsum(lambda j: mp.gamma(2 * j + hurst + 1) / mp.factorial(j) ** 2 * (b**2 / 4) ** j, [0, mp.inf])
     exact = xi**2 / (2 * np.pi * mp.gamma(hurst + 1) * bracket ** (1 + hurst)) * series
-    found = Mounded(KCorrelation(2, hurst, xi), separation).psd(np.array([q]))[0]
+    found = Mounded(KCorrelationSpectrum(2, hurst, xi), separation).psd(np.array([q]))[0]
     assert found == pytest.approx(float(exact), rel=1e-12)
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("hurst", [0.0, 0.4, 1.0])
 def test_moments_of_a_self_affine_surface_are_integrals_of_its_spectrum(hurst, dimension):
-    model = SelfAffine(dimension, hurst, cut_on=0.01, roll_off=0.3, longest=2.0)
+    model = SelfAffineSpectrum(dimension, hurst, cut_on=0.01, roll_off=0.3, longest=2.0)
     q_0, q_r, q_s = (2 * np.pi / length for length in (2.0, 0.3, 0.01))
     for order in (0, 1, 2, 4):
         area = lambda q: (2 if dimension == 1 else 2 * np.pi * q) * q**order * float(model.psd(np.array(q)))  # noqa: E731, B023
@@ -161,7 +161,7 @@ def test_moments_of_a_self_affine_surface_are_integrals_of_its_spectrum(hurst, d
 
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_moments_of_a_k_correlated_surface_are_integrals_of_its_spectrum(dimension):
-    model = KCorrelation(dimension, 0.7, 0.4)
+    model = KCorrelationSpectrum(dimension, 0.7, 0.4)
     for order in (0, 2, 4):
         area = lambda q: (2 if dimension == 1 else 2 * np.pi * q) * q**order * float(model.psd(np.array(q)))  # noqa: E731, B023
         assert model.moment(order, 0.02) == pytest.approx(quad(area, 0, 2 * np.pi / 0.02, limit=500)[0], rel=1e-8)
@@ -170,25 +170,25 @@ def test_moments_of_a_k_correlated_surface_are_integrals_of_its_spectrum(dimensi
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_moments_of_an_exponential_surface_are_integrals_of_its_spectrum(dimension):
     """Finite for the Gaussian autocorrelation only, whose Nayak parameter is 3 on profiles in any dimension."""
-    model = Exponential(dimension, 1.0, 0.4)
+    model = ExponentialSpectrum(dimension, 1.0, 0.4)
     for order in (0, 2, 4):
         area = lambda q: (2 if dimension == 1 else 2 * np.pi * q) * q**order * float(model.psd(np.array(q)))  # noqa: E731, B023
         assert model.moment(order) == pytest.approx(quad(area, 0, np.inf)[0], rel=1e-8)
     assert nayak((model.moment(0), model.moment(2), model.moment(4)), dimension) == pytest.approx(3.0)
-    assert Exponential(dimension, 0.9, 0.4).moment(2) == np.inf
+    assert ExponentialSpectrum(dimension, 0.9, 0.4).moment(2) == np.inf
 
 
 def test_height_height_correlation_is_self_affine_at_short_distances():
     r = 1e-4
     for hurst in (0.3, 0.8):
-        model = Exponential(1, hurst, 1.0)
+        model = ExponentialSpectrum(1, hurst, 1.0)
         near, far = height_height_correlation(model, np.array([r, 2 * r]))
         assert np.log2(far / near) == pytest.approx(2 * hurst, abs=2e-2)
         assert height_height_correlation(model, np.array([1e6]))[0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize(
-    "model", [LengthAnisotropy(0.7, (0.5, 0.1)), ScalingAnisotropy((0.9, 0.4), (0.5, 0.1))], ids=repr
+    "model", [LengthAnisotropicSpectrum(0.7, (0.5, 0.1)), ScalingAnisotropicSpectrum((0.9, 0.4), (0.5, 0.1))], ids=repr
 )
 def test_anisotropic_spectra_are_transforms_of_their_autocorrelation(model):
     """Unit integral, and along x the transform of the autocorrelation."""
@@ -209,20 +209,20 @@ def test_anisotropic_spectra_are_transforms_of_their_autocorrelation(model):
 def test_length_anisotropy_with_equal_lengths_is_the_k_correlation_model():
     q = np.array([0.0, 1.0, 30.0])
     hurst, xi = 0.7, 0.2
-    isotropic = KCorrelation(2, hurst, xi * np.sqrt(2 * hurst)).psd(q)
-    np.testing.assert_allclose(LengthAnisotropy(hurst, (xi, xi)).psd(0.6 * q, 0.8 * q), isotropic, rtol=1e-12)
+    isotropic = KCorrelationSpectrum(2, hurst, xi * np.sqrt(2 * hurst)).psd(q)
+    np.testing.assert_allclose(LengthAnisotropicSpectrum(hurst, (xi, xi)).psd(0.6 * q, 0.8 * q), isotropic, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: SelfAffine(1, 1.2, 0.1, 0.5, 1.0), "Hurst exponent of 1.2"),
-        (lambda: SelfAffine(1, 0.8, 0.6, 0.5, 1.0), "in this order"),
-        (lambda: Exponential(1, 0.0, 0.5), "Hurst exponent of 0"),
-        (lambda: KCorrelation(2, 0.5, -1.0), "correlation length of -1"),
-        (lambda: Mounded(Exponential(1, 0.5, 2.0), 1.0), "mounds cannot be larger"),
-        (lambda: LengthAnisotropy(1.5, (1.0, 1.0)), "Hurst exponent of 1.5"),
-        (lambda: ScalingAnisotropy((0.5, 0.5), (1.0, 0.0)), "correlation length of 0"),
+        (lambda: SelfAffineSpectrum(1, 1.2, 0.1, 0.5, 1.0), "Hurst exponent of 1.2"),
+        (lambda: SelfAffineSpectrum(1, 0.8, 0.6, 0.5, 1.0), "in this order"),
+        (lambda: ExponentialSpectrum(1, 0.0, 0.5), "Hurst exponent of 0"),
+        (lambda: KCorrelationSpectrum(2, 0.5, -1.0), "correlation length of -1"),
+        (lambda: Mounded(ExponentialSpectrum(1, 0.5, 2.0), 1.0), "mounds cannot be larger"),
+        (lambda: LengthAnisotropicSpectrum(1.5, (1.0, 1.0)), "Hurst exponent of 1.5"),
+        (lambda: ScalingAnisotropicSpectrum((0.5, 0.5), (1.0, 0.0)), "correlation length of 0"),
     ],
 )
 def test_models_that_make_no_sense_are_refused(make, message):

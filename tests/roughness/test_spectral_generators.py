@@ -5,20 +5,20 @@ import pytest
 
 from gfmd_numba.roughness import spectral
 from gfmd_numba.roughness.amplitudes import waves
-from gfmd_numba.roughness.anisotropy import LengthAnisotropy, ScalingAnisotropy
-from gfmd_numba.roughness.spectra import Exponential, KCorrelation, Mounded, SelfAffine
+from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded, SelfAffineSpectrum
 
 PERIOD = 3.0
 MODELS = [
-    Exponential(1, 0.8, 0.2),
-    KCorrelation(1, 0.3, 0.2),
-    Mounded(KCorrelation(1, 0.7, 0.2), 0.6),
-    Exponential(2, 0.5, 0.3),
-    Mounded(Exponential(2, 0.8, 0.3), 0.6),
-    LengthAnisotropy(0.7, (0.2, 0.1)),
-    ScalingAnisotropy((0.9, 0.4), (0.2, 0.1)),
+    ExponentialSpectrum(1, 0.8, 0.2),
+    KCorrelationSpectrum(1, 0.3, 0.2),
+    Mounded(KCorrelationSpectrum(1, 0.7, 0.2), 0.6),
+    ExponentialSpectrum(2, 0.5, 0.3),
+    Mounded(ExponentialSpectrum(2, 0.8, 0.3), 0.6),
+    LengthAnisotropicSpectrum(0.7, (0.2, 0.1)),
+    ScalingAnisotropicSpectrum((0.9, 0.4), (0.2, 0.1)),
 ]
-PLATEAU = [SelfAffine(d, 0.8, PERIOD / 30, PERIOD / 4, PERIOD) for d in (1, 2)]
+PLATEAU = [SelfAffineSpectrum(d, 0.8, PERIOD / 30, PERIOD / 4, PERIOD) for d in (1, 2)]
 POWERS = {spectral.psd_power: MODELS + PLATEAU, spectral.filter_power: MODELS}
 CASES = [pytest.param(power, model, id=f"{power.__name__}-{model}") for power, some in POWERS.items() for model in some]
 
@@ -50,7 +50,7 @@ def test_filtered_surfaces_have_the_autocorrelation_asked_for(model):
     nx = 2 * largest + 1
     exact = spectral.periodic_autocorrelation(spectral.filter_power(model, nx, largest, PERIOD), nx)
     shift = np.fft.fftfreq(nx) * PERIOD
-    if isinstance(model, LengthAnisotropy | ScalingAnisotropy):
+    if isinstance(model, LengthAnisotropicSpectrum | ScalingAnisotropicSpectrum):
         asked = model.autocorrelation(shift[np.newaxis], shift[:, np.newaxis])
     else:
         asked = model.autocorrelation(abs(shift) if model.dimension == 1 else np.hypot(shift, shift[:, np.newaxis]))
@@ -74,7 +74,7 @@ def test_more_waves_refine_the_same_surface(dimension):
 
 @pytest.mark.parametrize("nx", [48, 49, 98])
 def test_the_wave_at_the_cut_off_is_kept_in_all_directions(nx):
-    power = spectral.psd_power(SelfAffine(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
+    power = spectral.psd_power(SelfAffineSpectrum(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
     assert power[0, 20] == power[20, 0] == power[-20, 0] > 0.0
 
 
@@ -117,4 +117,4 @@ def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
 
 def test_a_period_too_short_for_the_correlation_is_refused():
     with pytest.raises(ValueError, match="negative at wave index"):
-        spectral.filter_power(Exponential(1, 0.9, 1.0), 64, 31, 1.0)
+        spectral.filter_power(ExponentialSpectrum(1, 0.9, 1.0), 64, 31, 1.0)

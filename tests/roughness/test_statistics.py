@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
-from gfmd_numba.roughness.spectra import Exponential, SelfAffine, nayak
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum, nayak
 
 LENGTHS = (2.0, 5.0)
 
@@ -67,7 +67,7 @@ def test_the_radial_mean_of_a_radial_function_is_the_function():
 def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
     nx, length, hurst = (4096, 3.0, 0.7) if dimension == 1 else (256, 3.0, 0.7)
     largest = nx // 2 - 1
-    model = SelfAffine(dimension, hurst, length / (0.9 * largest), length / 4, length)
+    model = SelfAffineSpectrum(dimension, hurst, length / (0.9 * largest), length / 4, length)
     power = spectral.psd_power(model, nx, largest, length)
     heights = 0.01 * spectral.surfaces(power, nx, largest, 4, range(6))
     lengths = (length,) * dimension
@@ -86,7 +86,7 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
 
 
 def test_error_of_the_hurst_exponent_is_the_scatter():
-    model = SelfAffine(1, 0.5, 1 / 100, 1 / 2, 1.0)
+    model = SelfAffineSpectrum(1, 0.5, 1 / 100, 1 / 2, 1.0)
     heights = spectral.surfaces(spectral.psd_power(model, 256, 100), 256, 100, 9, range(400))
     found = np.array([correlation.hurst_exponent(h, 4 * np.pi, 200 * np.pi) for h in heights])
     assert found[:, 0].std() == pytest.approx(found[0, 1], rel=0.12)
@@ -97,7 +97,7 @@ def test_error_of_the_hurst_exponent_is_the_scatter():
 def test_moments_of_surfaces_are_those_of_their_model(dimension):
     """Period long against the roll-off: rms height, gradient, curvature and Nayak's parameter in closed form."""
     largest = 100
-    model = SelfAffine(dimension, 0.6, 1 / largest, 1 / 20, 1.0)
+    model = SelfAffineSpectrum(dimension, 0.6, 1 / largest, 1 / 20, 1.0)
     nx = 256
     heights = spectral.surfaces(
         spectral.psd_power(model, nx, largest), nx, largest, 2, range(40 if dimension == 1 else 3)
@@ -138,7 +138,7 @@ def test_the_gaussian_distance_is_that_of_the_distributions():
 def test_gaussian_test_rejects_as_often_as_it_says():
     """5 % of Gaussian surfaces, and surfaces with cut-off peaks always."""
     n, nx, largest = 600, 4096, 2047
-    power = spectral.psd_power(Exponential(1, 0.5, 1 / 512), nx, largest)
+    power = spectral.psd_power(ExponentialSpectrum(1, 0.5, 1 / 512), nx, largest)
     heights = spectral.surfaces(power, nx, largest, 6, range(n))
     rejected = (distribution.gaussian_p_value(heights, 4 * 8) < 0.05).mean()
     assert rejected == pytest.approx(0.05, abs=3.5 * np.sqrt(0.05 * 0.95 / n))

@@ -13,7 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.spectra import matern
 
 
-class Model(Protocol):
+class AnisotropicModel(Protocol):
     """Model of a map whose two directions differ."""
 
     @property

@@ -16,11 +16,13 @@ class ModelWaves:
 
     unit_gradient: ClassVar = False
     method: Literal["psd", "fourier_filter"]
-    model: spectra.Model | anisotropy.Model
+    model: spectra.Model | anisotropy.AnisotropicModel
     largest_index: int
 
     @classmethod
-    def of(cls, model: spectra.Model | anisotropy.Model, record: records.Spectral, period: float, nx: int) -> Self:
+    def of(
+        cls, model: spectra.Model | anisotropy.AnisotropicModel, record: records.Spectral, period: float, nx: int
+    ) -> Self:
         """Waves of a model down to the cut-on wavelength of a record, or all below the Nyquist wave of its grid."""
         highest = (nx - 1) // 2
         largest = highest if record.cut_on is None else min(highest, int(period / record.cut_on * (1.0 + 1e-9)))

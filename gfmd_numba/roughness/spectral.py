@@ -15,7 +15,9 @@ from gfmd_numba.roughness.spectra import Model, Spectrum
 _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
 
 
-def psd_power(spectrum: Spectrum | anisotropy.Model, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def psd_power(
+    spectrum: Spectrum | anisotropy.AnisotropicModel, nx: int, largest_index: int, period: float = 1.0
+) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
     Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere, or
@@ -36,7 +38,7 @@ def psd_power(spectrum: Spectrum | anisotropy.Model, nx: int, largest_index: int
     return _usable(power, largest_index, nx)
 
 
-def filter_power(model: Model | anisotropy.Model, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def filter_power(model: Model | anisotropy.AnisotropicModel, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2, laid out like that of `psd_power`, of the Fourier filtering method.
 
     It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves.

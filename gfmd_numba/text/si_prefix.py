@@ -20,8 +20,7 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     if unit == "m2":
         scale, name = next(((s, n) for s, n in _AREAS if largest >= s), _AREAS[-1])
         return 1 / scale, name
-    name = _PREFIXED.get(unit)
-    if name is None:
+    if unit not in _PREFIXED:
         return _OTHERS.get(unit, (1.0, unit))
     scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
-    return 1 / scale, letter + name
+    return 1 / scale, letter + _PREFIXED[unit]

@@ -54,19 +54,24 @@ def solve(
 
 
 def load_curve(
-    scene: str | Path | Mapping[str, Any] | SceneFile, loads: Sequence[float], realisations: int = 1
+    scene: str | Path | Mapping[str, Any] | SceneFile,
+    loads: Sequence[float | str],
+    realisations: int = 1,
+    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
 ) -> xr.Dataset:
     """Solve a scene, a file, mapping or record, at one load after another: observables over `load` (SI units).
 
-    `loads` are what its loading prescribes, reduced pressures p/(g E*) or displacements of the punch (m or L_x), all
-    rising or all falling; each begins where the last one ended. Several `realisations` of random surfaces give means,
-    and their standard errors as `..._standard_error`. The contact stiffness is that of a short step of the path
-    before each load. A load at which a run failed says so in `status`. Raises InputError for what makes no sense.
+    `loads` are what its loading prescribes, like reduced pressures p/(g E*) or displacements of the punch (m or L_x),
+    or text with units, like `50 MPa`. All rise or all fall, and each begins where the last one ended. `heights` are as
+    in `solve`. Several `realisations` of random surfaces give means, and their standard errors as
+    `..._standard_error`. The contact stiffness is that of a short step of the path before each load. A load at which a
+    run failed says so in `status`. Raises InputError for what makes no sense.
     """
     from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.scene_file import with_heights
     from gfmd_numba.simulate.curve_dataset import load_curve as curve_of
 
-    dataset = curve_of(*load_scene(scene), loads, realisations)
+    dataset = curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), loads, realisations)
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset

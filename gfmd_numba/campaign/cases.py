@@ -9,7 +9,8 @@ from itertools import product
 from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, given_surface, random_surface, reduce
+from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, given_surface, random_surface
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene, Surface

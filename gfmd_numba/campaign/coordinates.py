@@ -4,9 +4,9 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, units
 from gfmd_numba.contact.prescribed_load import reduced_pressure
-from gfmd_numba.contact.problem import contact_modulus
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 

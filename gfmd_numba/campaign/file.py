@@ -16,10 +16,10 @@ from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Measured
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 

@@ -135,8 +135,8 @@ def fields(file: Path, output: Path, body: str) -> None:
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE, with its statistics and a picture."""
     from gfmd_numba.analysis import plot_surface
+    from gfmd_numba.scene.measured_record import Measured
     from gfmd_numba.scene.surface_file import load_surface
-    from gfmd_numba.scene.surfaces import Measured
     from gfmd_numba.simulate.surface import surface_dataset
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from gfmd_numba.contact.problem import contact_modulus
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 

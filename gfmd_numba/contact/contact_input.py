@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
-from gfmd_numba.contact.problem import contact_modulus, effective_modulus
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions

@@ -7,10 +7,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import recorded
-from gfmd_numba.contact.problem import Effect, Problem, contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.quantities import (

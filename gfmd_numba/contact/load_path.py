@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from gfmd_numba.contact import solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.prescribed_load import steps_of
-from gfmd_numba.contact.problem import Effect, Problem, reduce
+from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed, RoughBody
 from gfmd_numba.scene.reduced_units import rounded

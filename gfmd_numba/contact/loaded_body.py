@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import contact_modulus, elastic_body, solver_options
+from gfmd_numba.contact.bodies import contact_modulus, elastic_body
+from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity.body import ElasticBody

@@ -5,11 +5,12 @@ from collections.abc import Iterable
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution, rough_bodies_dataset
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed, load_attributes
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
-from gfmd_numba.contact.problem import Problem, contact_modulus
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
@@ -50,7 +51,15 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     steep = "" if given.surfaces.bodies is None else rough_bodies_dataset.doubt(given.surfaces.bodies, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
-    return "\n".join([*implausible, *filter(None, (steep, coarse))])
+    return "\n".join([*implausible, *filter(None, (steep, coarse, _beyond_elasticity(given, dataset)))])
+
+
+def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:
+    """What is to be said of a mean pressure above E*; nothing of any other."""
+    ratio = float(dataset["mean_pressure"].max()) / contact_modulus(given.file.scene)
+    if not ratio > 1.0:
+        return ""
+    return f"the mean pressure is {ratio:.3g} E*, where elasticity is not linear: check the units of load and moduli"
 
 
 def _joined(steps: list[xr.Dataset]) -> xr.Dataset:

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
-from gfmd_numba.contact.problem import contact_modulus
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, topography

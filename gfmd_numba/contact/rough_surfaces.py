@@ -8,7 +8,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
-from gfmd_numba.contact.problem import GivenSurface, contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.problem import GivenSurface
 from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface

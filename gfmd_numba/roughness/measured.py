@@ -14,7 +14,7 @@ from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
-from gfmd_numba.scene.surfaces import Measured
+from gfmd_numba.scene.measured_record import Measured
 
 _SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded

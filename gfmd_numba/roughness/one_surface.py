@@ -9,8 +9,9 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.recipe import random_surface, rms_gradient
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.surface_file import SurfaceFile
-from gfmd_numba.scene.surfaces import Measured, Random
+from gfmd_numba.scene.surfaces import Random
 
 _ROUNDING = 1e-12  # of the largest height, below which a range of heights is rounding
 

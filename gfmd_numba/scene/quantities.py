@@ -90,6 +90,7 @@ FrictionCoefficient = Annotated[
         json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
     ),
 ]
+Points = Annotated[int, Field(ge=4, le=2**40)]
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

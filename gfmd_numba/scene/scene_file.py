@@ -10,9 +10,10 @@ from gfmd_numba.scene.boundary_file import BoundaryFile
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Measured, Surface
+from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.validation import validate
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")

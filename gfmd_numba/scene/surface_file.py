@@ -5,9 +5,10 @@ from typing import Self
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.document import Document
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Measured, Surface
+from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.validation import validate
 
 _ARRAYS = 16  # of the surface's size, that making it and its statistics may take

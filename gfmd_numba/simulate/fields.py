@@ -9,8 +9,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.bodies import effective_modulus, elastic_body
 from gfmd_numba.contact.dataset import CONVENTIONS
-from gfmd_numba.contact.problem import effective_modulus, elastic_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody

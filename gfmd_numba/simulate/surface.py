@@ -12,8 +12,8 @@ from gfmd_numba.contact.dataset import CONVENTIONS
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
-from gfmd_numba.scene.surfaces import Measured
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
 

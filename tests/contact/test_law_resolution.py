@@ -8,8 +8,9 @@ import yaml
 
 import gfmd_numba
 from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
-from gfmd_numba.contact.problem import CounterBody, ElasticBody, Problem
+from gfmd_numba.contact.problem import CounterBody, Problem
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions

@@ -6,7 +6,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.contact_area import contact_area_fraction
-from gfmd_numba.contact.problem import Problem, reduce
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody

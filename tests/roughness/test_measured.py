@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.scene.surfaces import Measured
+from gfmd_numba.scene.measured_record import Measured
 
 N, LENGTH = 64, 1e-4
 X = np.arange(N) / N * LENGTH

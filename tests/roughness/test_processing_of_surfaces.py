@@ -14,7 +14,7 @@ from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.processing import made_periodic
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.surfaces import FileUnits, Measured
+from gfmd_numba.scene.measured_record import FileUnits, Measured
 from support.command_line import gfmd
 
 

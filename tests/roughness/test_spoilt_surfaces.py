@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.scene.surfaces import FileUnits, Measured
+from gfmd_numba.scene.measured_record import FileUnits, Measured
 
 N, LENGTH = 512, 1e-3
 X = np.arange(N) / N * LENGTH

@@ -7,7 +7,7 @@ import xarray as xr
 from gfmd_numba import make_surface, solve
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.surfaces import FileUnits, Measured
+from gfmd_numba.scene.measured_record import FileUnits, Measured
 from support.faulty_files import complaint
 
 HEIGHTS = 1e-3 * np.random.default_rng(0).normal(size=32)

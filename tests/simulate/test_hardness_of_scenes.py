@@ -12,7 +12,7 @@ from gfmd_numba.cli import main
 from gfmd_numba.contact import contact_area
 from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
 from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.problem import reduce
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.problem import reduce
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid

@@ -7,7 +7,7 @@ from pkgutil import resolve_name
 import numpy as np
 import pytest
 
-from gfmd_numba.contact.problem import reduce
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves

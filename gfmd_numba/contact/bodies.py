@@ -1,0 +1,49 @@
+"""Elastic bodies of a scene in units of L_x and E*, and the moduli that E* stands for."""
+
+import math
+from functools import lru_cache
+
+from gfmd_numba.elasticity import moduli
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.scene import Body, LoadedBody, Scene
+from gfmd_numba.scene.layer_records import Layer
+from gfmd_numba.scene.layer_records import Material as MaterialRecord
+
+
+def effective_modulus(body: Body) -> float:
+    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
+
+    Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
+    """
+    if body.surface_modulus is None:
+        return body.stiffness_scale
+    return moduli.plane_modulus(body.stiffness_scale * body.surface_modulus, body.surface_poissons_ratio, body.state)
+
+
+@lru_cache(maxsize=4096)
+def elastic_body(body: Body, length: float | None) -> ElasticBody:
+    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known."""
+    if body.layers is None:
+        nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
+        return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
+    top = body.layers[0]
+
+    def material(part: Layer | MaterialRecord) -> Material:
+        # a quotient of Young's moduli does not depend on their unit, to the last digit
+        shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
+        modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
+        return Material(modulus, body.effective_poissons_ratio(part.poissons_ratio))
+
+    return ElasticBody.layered(
+        tuple(layer.height / (length or 1.0) for layer in body.layers),
+        tuple(material(layer) for layer in body.layers),
+        None if body.base is None or body.base == "rigid" else material(body.base),
+    )
+
+
+def contact_modulus(scene: Scene | LoadedBody) -> float:
+    """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
+    if isinstance(scene, LoadedBody) or scene.counter_body is None:
+        return effective_modulus(scene.body)
+    return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)

@@ -1,0 +1,141 @@
+"""From a scene to its dimensionless problem, and what became of each of its effects.
+
+A frictionless hard wall on a linear body scales: with heights in g L_x and stresses in g E* (g the rms gradient)
+neither E, L_x nor g is left, and Poisson's ratio matters only through the stiffness of a finite slab. E* of layers is
+that of the topmost one.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.prescribed_load import reduced_pressure
+from gfmd_numba.contact.problem import CounterBody, Effect, GivenSurface, Problem
+from gfmd_numba.contact.tractions import Tractions
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.table import LAWS
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.scene import Interface, Numerics, Scene
+from gfmd_numba.scene.reduced_units import in_reduced_units, rounded
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import SOLVERS, automatic
+
+_ROUNDING = float(np.finfo(float).eps) / 2
+
+
+def reduce(
+    scene: Scene,
+    surface: RandomSurface | GivenSurface,
+    rms_gradient: float,
+    numerics: Numerics,
+    tractions: Tractions | None = None,
+) -> tuple[Problem, tuple[Effect, ...]]:
+    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    Raises ValueError for a load that is beyond all measure beside the rms gradient and the moduli, or that the hardness
+    cannot carry.
+    """
+    loading = scene.loading
+    period, modulus = scene.length or 1.0, contact_modulus(scene)
+    displacement = None
+    if loading.displacement is not None:
+        displacement = rounded(loading.displacement / period) / rms_gradient
+    given = elastic_body(scene.body, scene.length)
+    interface, interactions = _interface(scene.interface, given, period, modulus, rms_gradient)
+    exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
+    tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
+    body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
+    options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
+    load = reduced_pressure(scene, rms_gradient, modulus)
+    pressure = None if load is None else load / scene.body.stiffness_scale
+    counter = None
+    if scene.counter_body is not None:
+        counter_body = elastic_body(scene.counter_body, scene.length)
+        other = _body(counter_body, interface, displacement is not None, False, tolerance)[0]
+        counter = CounterBody(other, modulus / effective_modulus(scene.counter_body))
+    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
+    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
+    if scene.body.stiffness_scale != 1.0:
+        wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
+        effects = (Effect("stiffness scale", "on", wrong), *effects)
+    return problem, effects
+
+
+@lru_cache
+def solver_options(numerics: Numerics, automatic: str) -> Options:
+    """Options of the solver that the numerics name, or of the `automatic` one, without those that it does not have."""
+    solver = automatic if numerics.solver == "auto" else numerics.solver
+    own = {name: getattr(numerics, name) for name in SOLVERS[solver].options}
+    return Options(solver, numerics.residual, numerics.max_iterations, numerics.precision, **own)
+
+
+@lru_cache(maxsize=4096)
+def _body(
+    body: ElasticBody, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
+) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    condensed = Effect(
+        "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
+    )
+    coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
+    if body.stack is not None:
+        return _stack(body, coupled if interface.couples else condensed, mean_matters or loaded, tolerance)
+    if body.aspect_ratio is None:
+        off = Effect("slab", "off", "the body is a half-space")
+        if interface.couples:
+            return body, (coupled, off)
+        if loaded:  # tangential tractions move the surface up and down by nu
+            return body, (condensed, off)
+        unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
+        return ElasticBody(None, None), (condensed, off, unknown)
+    if interface.couples:
+        return body, (coupled, Effect("slab", "on", "its mean displacement counts"))
+    effect = stiffness.stiffening(body.nu, body.aspect_ratio)
+    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
+    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
+    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
+        return body, (condensed, Effect(name, "on", bound))
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
+
+
+def _stack(
+    body: ElasticBody, tangential: Effect, all_matters: bool, tolerance: float
+) -> tuple[ElasticBody, tuple[Effect, ...]]:
+    assert body.stack is not None
+    n = len(body.stack.heights)
+    name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
+    if tangential.state == "on":
+        return body, (tangential, Effect(name, "on", "both displacements feel them"))
+    effect = stiffness.deviation(body.condensed_stiffness, body.stack.heights[0])
+    bound = f"what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most {effect:.1e}"
+    if all_matters or effect > max(_ROUNDING, tolerance):
+        return body, (tangential, Effect(name, "on", bound))
+    return ElasticBody(None, None), (tangential, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
+
+
+def _below(effect: float, tolerance: float) -> str:
+    return "below " + ("double precision" if effect <= _ROUNDING else f"numerics.effects = {tolerance:g}")
+
+
+@lru_cache(maxsize=4096)
+def _interface(
+    asked: Interface, body: ElasticBody, period: float, modulus: float, rms_gradient: float
+) -> tuple[Interactions, tuple[Effect, ...]]:
+    laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
+    interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
+    effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
+    incompressible = body.aspect_ratio is None and body.poissons_ratio == 0.5
+    if interactions.friction is not None and incompressible:
+        interactions = replace(interactions, friction=None)
+        reason = "an incompressible half-space has no tangential displacement under normal load"
+        effects["friction"] = Effect("friction", "dropped", reason)
+    if interactions.hardness is not None:
+        effects["hardness"] = Effect("hardness", "on", f"the pressure is at most {interactions.hardness:.4g} g E*")
+    return interactions, tuple(effects.values())
+
+
+def _as_asked(name: str, record: object) -> Effect:
+    return Effect(name, "off", "not in the scene") if record is None else Effect(name, "on", "in the scene")

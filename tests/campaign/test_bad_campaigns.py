@@ -76,9 +76,7 @@ CAMPAIGNS = {
     ),
     "measured profile": (
         ("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: steel.npy}"),
-        "bad.yaml:6:23: scene.roughness.method: given 'measured'; allowed: a random surface in a "
-        "campaign, like method 'psd'; a measured profile "
-        "belongs to `gfmd solve`",
+        "bad.yaml:3:15: realisations: given 30; allowed: 1, as a measured surface has no random realisations",
     ),
     "pressure axis under displacement": (
         (

@@ -63,8 +63,9 @@ def test_members_of_a_batch_end_on_their_own(solver):
     for i in range(len(punch)):
         alone = equilibrate(punch[i : i + 1], body, 0.05, numerics)
         for field in dataclasses.fields(batch):
-            if field.name not in ("wall_time", "tangential", "growing_wave"):
-                np.testing.assert_array_equal(getattr(alone, field.name)[0], getattr(batch, field.name)[i])
+            whole = getattr(batch, field.name)
+            if field.name != "wall_time" and whole is not None:  # of an effect that is absent
+                np.testing.assert_array_equal(getattr(alone, field.name)[0], whole[i])
 
 
 def test_transforms_are_those_of_the_algorithm():

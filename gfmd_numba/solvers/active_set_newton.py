@@ -19,23 +19,23 @@ from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
 Rows = npt.NDArray[np.int64]
 
-# others take more transforms, but not many: chosen for half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8
+# tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
 _COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of the grid its contact is guessed on
-_COARSEST = 256  # nodes up to which all begin in contact
-_COARSE_STEPS = 6  # on a coarser grid, whose contact
-_SETTLED = 0.02  # may still change by this share
-_LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error of the first pressure on a contact, and
-_TIGHTEN = 0.1  # of the next one over that of the last,
-_TIGHTEN_MAP = 0.5  # at least, and at most
-_AHEAD = 0.1  # of the share of nodes that changed
+_COARSEST = 256  # nodes up to which the first guess is full contact
+_COARSE_STEPS = 6  # on the coarser grid, at most
+_SETTLED = 0.02  # share of the contact that may still change when the coarser grid is left
+_LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error allowed in the first pressure on a new contact, of profiles and of maps
+_TIGHTEN = 0.1  # factor on that error after each step of a profile
+_TIGHTEN_MAP = 0.5  # largest factor on it after a step of a map whose contact changed
+_AHEAD = 0.1  # error allowed then, over the share of nodes that changed sides
 _INNER_ITERATIONS, _SPARE_ITERATIONS = 40, 200  # the latter with the preconditioner that is farther off
 
 
 class ActiveSetNewton(PressureIterate):
     """Pressure of a batch, found by guessing the contact: its nodes alone then pose a linear problem.
 
-    Nodes under tension leave, overlapping ones join. Where neighbours are drawn along by a displaced node, as on a
-    half-space, the contact of exact solutions shrinks towards that of the equilibrium. The linear problems are
+    Nodes under tension leave, overlapping ones join. If displacing a node pulls its neighbours the same way, as on a
+    half-space, and each linear problem is solved exactly, the contact shrinks to that of equilibrium. They are
     solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles (by the stiffness
     itself where that cannot be used), they take some transforms whatever the grid; on maps, by near and far field, a
     few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
@@ -47,8 +47,8 @@ class ActiveSetNewton(PressureIterate):
     def __init__(self, batch: Batch, options: Options) -> None:
         super().__init__(batch)
         rows, n = len(batch.punch), self.field.n
-        self.changed = np.full(rows, n)  # nodes by the last step, out of
-        self.touching = np.full(rows, n)
+        self.changed = np.full(rows, n)  # nodes that changed sides in the last step
+        self.touching = np.full(rows, n)  # nodes in contact before it
         self._coarse_transforms = np.zeros(rows)
         if n > _COARSEST:
             self._guess(batch, options)
@@ -89,7 +89,7 @@ class ActiveSetNewton(PressureIterate):
             self._coarse_transforms[i] += self._spent - spent
             changed = self._revise(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
-            if self._is_map and changed:  # its inner iterations converge slower: no digit before the contact has it
+            if self._is_map and changed:  # inner iterations converge slower: be no more exact than the contact is known
                 tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
@@ -105,7 +105,7 @@ class ActiveSetNewton(PressureIterate):
         kernels.open_gap(self.field.result[i], self.wall[i], self.field.n, self.gap[i])
 
     def _revise(self, row: Rows, count: int) -> int:
-        """Nodes that changed sides."""
+        """Revise the contact of a row; returns how many nodes changed sides."""
         i = row[0]
         changed = kernels.revise_contact(
             self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, self.field.n, self.load[i],
@@ -161,7 +161,7 @@ class ActiveSetNewton(PressureIterate):
         """Begin with the pressure of the waves that a coarser grid holds."""
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
-        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # bits of a row alone
+        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
         smooth, waves = smooth.astype(batch.punch.dtype), batch.normal_stiffness[grid.wave_indices(shape)]
         coarse = type(self)(replace(batch, punch=smooth, stiffness=waves), replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
@@ -171,7 +171,7 @@ class ActiveSetNewton(PressureIterate):
         m = coarse.field.n
         for fine, p in zip(self.pressure, coarse.pressure, strict=True):
             p = p[:m].reshape(shape)
-            # of nodes beside the contact, whose pressure would be interpolated too, those nearer to it than not
+            # of nodes next to the contact, which interpolation would load too, keep those nearer to a contact node
             inside = _interpolated((p > 0.0).astype(np.float64), fine_shape) >= 0.5
             fine[:n] = np.where(inside, _interpolated(p, fine_shape), 0.0).ravel()
         self._balance()

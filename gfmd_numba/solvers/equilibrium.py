@@ -22,7 +22,8 @@ from gfmd_numba.solvers.table import SOLVERS
 Rows = npt.NDArray[np.int64]
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
-_YIELDS, _SURELY = 2.0, 1e-2  # an elastic contact: pressure over hardness, at this residual
+_SURELY_YIELDS = 2.0  # peak pressure of an elastic contact over the hardness, judged at
+_RESIDUAL_TO_JUDGE = 1e-2
 _FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected to exceed that
 
 
@@ -68,7 +69,7 @@ class Equilibrium:
 
 
 def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
-    """Begin with an equilibrium whose touching nodes follow the punch, also sideways.
+    """Initial state for the next load: the equilibrium before, whose touching nodes move with the punch, also sideways.
 
     A gap torn open by the step itself would break an adhesive contact early.
     """
@@ -176,10 +177,13 @@ def _solve(
     result: Equilibrium,
     hardness: float = np.inf,
 ) -> None:
-    """Run the solver of the options, and its successor on the rows that it gives up; none that will surely yield."""
+    """Run the solver of the options, and its successor on the rows that it gives up.
+
+    An elastic run stops once its peak pressure is far above the hardness: that contact surely yields.
+    """
     solver = SOLVERS[options.solver]
     _iterate(begin(batch(rows, laws), options), rows, blown_up, options, result, hardness)
-    stuck = rows[(result.status[rows] != Status.ok) & ~_above(_YIELDS * hardness, result, rows)]
+    stuck = rows[(result.status[rows] != Status.ok) & ~_above(_SURELY_YIELDS * hardness, result, rows)]
     if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
         other = replace(options, solver=solver.successor)
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
@@ -236,7 +240,7 @@ def _iterate(
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.not_converged) | (iterations >= limit)
-        ended |= (residual <= _SURELY) & (solver.certificate.peak[active] > _YIELDS * hardness)
+        ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more
         solver.certificate.pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)

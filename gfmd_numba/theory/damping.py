@@ -9,7 +9,7 @@ Stiffness = TypeVar("Stiffness", float, Reals)
 
 
 def critical_damping(stiffness: Stiffness, time_step: float) -> Stiffness:
-    """Damping eta at which a mode of this stiffness is critically damped (6.41); an array damps every mode critically.
+    """Damping eta at which a mode of this stiffness is critically damped (6.41), for each of several stiffnesses.
 
     Both roots are 1 - dt sqrt(K): from K dt^2 = 1 on, eta falls with K, and at the stability limit it is zero.
     """
@@ -35,5 +35,6 @@ def stability_limit(softest: float, stiffest: float, damping: float) -> float:
     """
     a = stiffest - 2.0 * damping * softest
     b = 2.0 * damping * math.sqrt(softest)
-    # positive root of a dt^2 + 2 b dt - 4 = 0, in the form that is safe for a -> 0; a < 0 has no upper limit there
+    # smaller positive root of a dt^2 + 2 b dt - 4 = 0, in the form that is safe for a -> 0 and right for a < 0;
+    # b^2 + 4 a = 4 (Kmax - Kmin) + 4 Kmin (damping - 1)^2 is negative by rounding only
     return 4.0 / (b + math.sqrt(max(b * b + 4.0 * a, 0.0)))

@@ -43,7 +43,10 @@ def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> lis
     """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
     ends = option.split(":")
     if len(ends) == 1:
-        return [_text(*_load(text)) for text in option.split(",")]
+        loads = [_load(text) for text in option.split(",")]
+        if len({si for _, si in loads}) > 1:
+            raise click.BadParameter(f"given {option!r}; allowed: loads with units of one kind, or all without")
+        return [_text(*load) for load in loads]
     count = ends[-1].strip()
     if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
         raise click.BadParameter(f"given {option!r}; allowed: A:B:N with N from 2 to {_MOST}, or a list a,b,c")

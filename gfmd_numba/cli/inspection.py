@@ -61,12 +61,16 @@ def _check_surface(document: Document) -> tuple[str, str]:
 
 def _check_scene(document: Document) -> tuple[str, str]:
     from gfmd_numba.contact.refusal import check_combination
-    from gfmd_numba.scene import BoundaryFile, load_scene
+    from gfmd_numba.scene import BoundaryFile, Measured, load_scene
 
     file, document = load_scene(document)
     if isinstance(file, BoundaryFile):
         check_combination(document, file.scene, file.numerics)
         return "a loaded body", ""
+    if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
+        from gfmd_numba.contact.contact_input import with_measured
+
+        file = file.model_copy(update={"scene": with_measured(file.scene, document)[0]})
     check_combination(document, file.scene, file.numerics, file.path)
     kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
     if not file.scene.interface.reaches_across:

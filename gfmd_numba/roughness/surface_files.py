@@ -129,6 +129,8 @@ def _read_netcdf(path: Path) -> Content:
     if "height" not in names and len([name for name in names if name != "x"]) != 1:
         raise ValueError(f"variables {', '.join(names)}, not one named height")
     height = dataset["height" if "height" in names else next(name for name in names if name != "x")]
+    if set(height.dims) == set(AXES):
+        height = height.transpose(*AXES)
     positions = {axis: height[dim] for axis, dim in _axes(height) if dim in height.coords}
     if height.ndim == 1 and "x" not in positions and "x" in dataset.variables and dataset["x"].dims == height.dims:
         positions["x"] = dataset["x"]

@@ -43,6 +43,10 @@ def heights(given: Any) -> Heights:
         if _SAID.fullmatch(given) is None:
             raise ValueError("no numbers")
         return Heights(given)
+    if hasattr(given, "dims") and set(given.dims) == set(AXES):
+        given = given.transpose(*AXES)
+    if np.ma.isMaskedArray(given):  # masked heights are missing ones
+        given = np.ma.filled(given.astype(np.float64), np.nan)
     values = np.array(given.values if hasattr(given, "dims") else given)  # a copy, which nobody changes
     if values.ndim not in (1, 2) or values.dtype.kind not in "fiu" or values.size == 0:
         raise ValueError("no row or table of numbers")

@@ -117,8 +117,8 @@ def _numbers(z: npt.ArrayLike) -> Reals:
 def _checked(body: ElasticBody, length: float, z: Reals) -> Reals:
     lowest = body.base * length
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
-    if z.ndim != 1 or outside.any():
-        given = f"{z[outside][0]:g}" if z.ndim == 1 else f"an array of shape {z.shape}"
+    if z.ndim != 1 or z.size == 0 or outside.any():
+        given = f"{z[outside][0]:g}" if z.ndim == 1 and z.size else f"an array of shape {z.shape}"
         allowed = f"one row of heights from the surface, in the unit of x, {lowest:g} (the base) to 0"
         raise InputError(f"z: given {given}; allowed: {allowed}")
     return z

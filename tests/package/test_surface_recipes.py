@@ -65,7 +65,7 @@ class RandomPhases(PowerLaw):
 
 
 ''',
-            "class Measured(BaseModel):",
+            "def _self_affine_by_default(",
         ),
         ("RandomPhases | ", "MidpointDisplacement | SuccessiveAddition | Measured,"),
     ),

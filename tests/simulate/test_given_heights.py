@@ -110,3 +110,21 @@ def test_an_array_that_only_its_digest_tells_is_asked_for_again():
     assert again.scene.roughness.heights == record.scene.roughness.heights
     with pytest.raises(InputError, match="an array that was not kept: give it again"):
         gfmd_numba.solve(again)
+
+
+def test_masked_heights_are_missing_ones(pressed):
+    heights = pressed["height"].values
+    hidden = np.zeros(heights.shape, dtype=bool)
+    hidden.flat[3:6] = True
+    masked = np.ma.array(np.where(hidden, 0.0, heights), mask=hidden)
+    with pytest.raises(InputError, match="height nan at index"):
+        gfmd_numba.solve(SCENE, masked)
+    filled = gfmd_numba.solve(SCENE | {"roughness": {"fill": "interpolate"}}, masked)
+    assert "filled 3 missing heights" in filled.attrs["processing"]
+
+
+def test_the_dimensions_of_a_map_count_by_their_names():
+    heights = 1e-3 * np.random.default_rng(0).normal(size=(16, 16))
+    straight = gfmd_numba.solve(SCENE, xr.DataArray(heights, dims=("y", "x")))
+    turned = gfmd_numba.solve(SCENE, xr.DataArray(heights.T, dims=("x", "y")))
+    xr.testing.assert_identical(turned["pressure"], straight["pressure"])

@@ -59,6 +59,7 @@ def test_units_of_the_loads_replace_the_loading_of_the_scene(heights):
         (["50 kg"], r"loads\[0\]: given '50 kg'"),
         (["a lot"], r"loads\[0\]: given 'a lot'"),
         ("50 MPa", r"loads: given '50 MPa'"),
+        ([10, "50 MPa"], r"loads: given \[10, '50 MPa'\]; allowed: loads that all have a unit, or none"),
     ],
 )
 def test_loads_of_no_kind_are_refused(heights, loads, said):

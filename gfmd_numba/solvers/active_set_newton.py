@@ -35,11 +35,12 @@ class ActiveSetNewton(PressureIterate):
     """Pressure of a batch, found by guessing the contact: its nodes alone then pose a linear problem.
 
     Nodes under tension leave, overlapping ones join. If displacing a node pulls its neighbours the same way, as on a
-    half-space, and each linear problem is solved exactly, the contact shrinks to that of equilibrium. They are
+    half-space, and each linear problem is solved exactly, the contact shrinks to that of equilibrium. These are
     solved by conjugate gradients, ever more exactly. Preconditioned by an exponential sum on profiles (by the stiffness
     itself where that cannot be used), they take some transforms whatever the grid; on maps, by near and far field, a
     few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
-    `equilibrium.py` finds the residual small enough, not when the contact stops changing.
+    the residual is at most `options.residual`, not when the contact stops changing: `certificate.py` measures it, the
+    largest violation of a contact condition over the largest pressure.
     """
 
     check_every = 1

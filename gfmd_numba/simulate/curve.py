@@ -16,6 +16,7 @@ from gfmd_numba.contact.path_dataset import doubts, step_dataset
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.loading import Step, check_loading, control_of
 from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength
+from gfmd_numba.scene.units import has_unit
 from gfmd_numba.text.input_error import brief
 
 RECORDED = (
@@ -92,7 +93,7 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
 
 def _control(scene: Scene, loads: object) -> str:
     """What the loads are: what the first one's unit tells, and without one what the loading of the scene prescribes."""
-    if isinstance(loads, list) and len({isinstance(load, str) for load in loads}) > 1:
+    if isinstance(loads, list) and len({isinstance(load, str) and has_unit(load) for load in loads}) > 1:
         raise InputError(f"loads: given {brief(loads)}; allowed: loads that all have a unit, or none")
     first = loads[0] if isinstance(loads, list) and loads else None
     told = control_of(first) if isinstance(first, str) else None

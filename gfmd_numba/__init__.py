@@ -81,7 +81,8 @@ def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, bo
     """Displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
 
     `contact` is what `solve` returns, or the path of its netCDF file. `z` counts from the body's surface, negative
-    inside, in the unit of x; without it, 101 levels down to the base. Raises InputError for z outside.
+    inside, in the unit of x; without it, 101 levels down to the base. Raises InputError for z outside, and for a
+    contact that was cropped or thinned: its tractions have to be those of a whole period.
     """
     from gfmd_numba.simulate.fields import body_fields as fields_of
 

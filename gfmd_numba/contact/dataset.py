@@ -25,6 +25,7 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
+POINTS = "points_per_period"  # attribute of x, which tells a whole period from a part of one
 INDICES = {
     "case": "case, in the order of the campaign",
     "realisation": "realisation: the same random surface in every case",
@@ -136,7 +137,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
     for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
-        attributes = cf_attributes(f"position {along[dim]}", unit["height"])
+        attributes = cf_attributes(f"position {along[dim]}", unit["height"]) | {POINTS: nodes}
         dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
     dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():

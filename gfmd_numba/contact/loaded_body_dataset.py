@@ -5,6 +5,7 @@ import xarray as xr
 
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
+    POINTS,
     cf_attributes,
     measure_attributes,
     modulus_attributes,
@@ -23,7 +24,7 @@ def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, defor
     scale, unit = scales(scene, 1.0), units(scene)
     nx = deformed.traction.shape[1]
     dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})
-    dataset["x"].attrs = cf_attributes("position along the surface", unit["height"])
+    dataset["x"].attrs = cf_attributes("position along the surface", unit["height"]) | {POINTS: nx}
     for kind, quantity, values in (
         ("height", "displacement", deformed.displacement),
         ("pressure", "traction", deformed.traction),

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import effective_modulus, elastic_body
-from gfmd_numba.contact.dataset import CONVENTIONS
+from gfmd_numba.contact.dataset import CONVENTIONS, POINTS
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
@@ -21,6 +21,8 @@ from gfmd_numba.text.input_error import brief
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
 _LEVELS = 101
+_ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
+_WHOLE = "all nodes of the period, as gfmd_numba.solve returns them; cut the fields inside afterwards"
 _FIELDS = ("pressure", "normal_traction", "tangential_traction", "body_height", "counter_body_height")
 _NAMES = {
     "u1": ("displacement_1", "length", "displacement along x"),
@@ -77,7 +79,21 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     if not _is_whole(contact):
         raise InputError("contact: given an altered one; allowed: what gfmd_numba.solve returns")
+    _check_period(contact["x"], scene.length or 1.0)
     return scene, order
+
+
+def _check_period(x: xr.DataArray, length: float) -> None:
+    """Raise InputError unless the nodes `x` are all those of the period: the tractions between them are periodic."""
+    present = x.size
+    solved = x.attrs.get(POINTS, present)
+    if str(solved) != str(present):
+        raise InputError(f"contact: given {present} of the {solved} nodes of its period; allowed: {_WHOLE}")
+    spacing, at = length / present, x.values.astype(np.float64)
+    rounding = 4.0 * float(np.finfo(x.dtype).eps) * abs(at).max() if x.dtype.kind == "f" else 0.0
+    if not (abs(np.diff(at) - spacing) <= _ROUNDING * spacing + rounding).all():
+        given = f"nodes x from {at[0]:.6g} to {at[-1]:.6g} that are not all {spacing:.6g} apart, as in a period"
+        raise InputError(f"contact: given {given}; allowed: {_WHOLE}")
 
 
 def _is_whole(contact: xr.Dataset) -> bool:

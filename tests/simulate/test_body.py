@@ -145,6 +145,40 @@ def test_what_is_no_contact_is_refused():
         plot_body(gfmd_numba.solve(scene()))
 
 
+CUTS = {
+    "cropped": lambda contact: contact.isel(x=slice(0, 40)),
+    "thinned": lambda contact: contact.isel(x=slice(None, None, 2)),
+    "averaged": lambda contact: contact.coarsen(x=2).mean(keep_attrs=True),
+    "uneven": lambda contact: contact.isel(x=np.delete(np.arange(contact.sizes["x"]), 7)),
+    "refined": lambda contact: contact.interp(x=np.linspace(0, contact.x[-1].item(), 300)),
+    "rolled": lambda contact: contact.roll(x=5, roll_coords=True),
+    "in other units": lambda contact: contact.assign_coords(x=1e3 * contact.x),
+}
+
+
+@pytest.mark.parametrize("cut", CUTS)
+@pytest.mark.parametrize("length", [None, 1e-4])
+def test_a_contact_that_is_not_a_whole_period_any_more_has_no_fields(cut, length):
+    body = ROUGH["body"] | ({"youngs_modulus": 70e9} if length else {})
+    contact = gfmd_numba.solve(scene(body=body, **({"length": length} if length else {})))
+    with pytest.raises(InputError, match=r"^contact: given .*nodes .*; allowed: all nodes of the period"):
+        gfmd_numba.body_fields(CUTS[cut](contact))
+
+
+def test_a_shift_of_the_origin_and_single_precision_leave_a_period_whole():
+    contact = gfmd_numba.solve(scene())
+    fields = gfmd_numba.body_fields(contact, -0.1)
+    for same in (contact.assign_coords(x=contact.x - 0.5), contact.assign_coords(x=contact.x.astype(np.float32))):
+        np.testing.assert_array_equal(gfmd_numba.body_fields(same, -0.1).stress_3, fields.stress_3)
+
+
+def test_a_loaded_body_that_was_thinned_has_no_fields():
+    body = {"poissons_ratio": 0.33, "aspect_ratio": 0.5}
+    loaded = gfmd_numba.solve({"scene": {"body": body, "boundary": {"normal_traction": 1e-3}}, "points": 64})
+    with pytest.raises(InputError, match="given 32 of the 64 nodes of its period"):
+        gfmd_numba.body_fields(loaded.isel(x=slice(None, None, 2)))
+
+
 def test_fields_on_the_command_line(tmp_path):
     gfmd_numba.solve(scene()).to_netcdf(tmp_path / "contact.nc")
     run = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "fields.nc")])

@@ -29,6 +29,20 @@ def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
     return (None,) * wanted
 
 
+def axis_units(header: list[str]) -> dict[str, str]:
+    """Units of x and y, as far as the last line that names one states them."""
+    for line in reversed(header):
+        named = {axis: unit for label, unit in _found(line, line is header[-1]) if (axis := _axis(label)) is not None}
+        if named:
+            return named
+    return {}
+
+
+def _axis(label: str) -> str | None:
+    found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
+    return None if found is None else found.group(1).lower()
+
+
 def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
     """What stands before each unit of a line, and the unit's name."""
     found, begin = [], 0

@@ -3,13 +3,14 @@
 import io
 import re
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.header_units import stated_units
+from gfmd_numba.roughness.header_units import axis_units, stated_units
 from gfmd_numba.roughness.text_layout import Layout, is_row, layout_of
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
 
@@ -23,12 +24,15 @@ _WIDEST = 2**16  # columns of a map that are read: a table of more columns than 
 class Table:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
-    `units` are those that the header states for each column, or the one of a map; None where it states none.
+    `units` are those that the header states for each column, or the one of a map; None where it states none. It may
+    name units of positions beside a map, `axis_units`. `line` is that of the first row, counted from 1.
     """
 
     values: Reals
     units: tuple[str | None, ...]
     done: tuple[str, ...] = ()
+    axis_units: Mapping[str, str] = field(default_factory=dict)
+    line: int = 1
 
 
 def read_table(path: Path) -> Table:
@@ -60,7 +64,7 @@ def read_table(path: Path) -> Table:
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
     done = ("read commas as decimal commas",) if layout.decimal == "," else ()
-    return Table(values, stated_units(header, values.shape[1]), done)
+    return Table(values, stated_units(header, values.shape[1]), done, axis_units(header), first + 1)
 
 
 def _text(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Units of length that the header of a text file states for its columns: `x [mm]`, `height (um)`, `z/nm`."""
+"""What the header of a text file says of its columns: names and units of length: `x [mm]`, `height (um)`, `z/nm`."""
 
 import re
 
@@ -7,6 +7,7 @@ from gfmd_numba.scene.length_units import length_unit
 _STATED = re.compile(r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;]{1,12})")
 _HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
 _POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
+_NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)  # as y is, where the other is x
 _VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
 
 
@@ -27,6 +28,20 @@ def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)
     return (None,) * wanted
+
+
+def heights_first(header: list[str]) -> bool:
+    """Whether the labels of two columns say that the first holds heights, and the second positions."""
+    for line in reversed(header):
+        parts = re.split("[,;\t]", _STATED.sub("", line))
+        parts = parts if len(parts) == 2 else _STATED.sub("", line).split()
+        labels = [re.sub("_[^_]*$", "", part.strip("\"' ")) for part in parts]  # of z_um z
+        if len(labels) == 2 and any(_HEIGHT.search(label) or _POSITION.search(label) for label in labels):
+            first, second = labels
+            of_x = _NO_HEIGHT.search(second) is not None and not _NO_HEIGHT.search(first)
+            of_z = _HEIGHT.search(first) is not None and _POSITION.search(second) is not None
+            return of_x or of_z
+    return False
 
 
 def axis_units(header: list[str]) -> dict[str, str]:

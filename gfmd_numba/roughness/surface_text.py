@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.header_units import axis_units, stated_units
+from gfmd_numba.roughness.header_units import axis_units, heights_first, stated_units
 from gfmd_numba.roughness.text_layout import Layout, is_row, layout_of
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
 
@@ -63,8 +63,12 @@ def read_table(path: Path) -> Table:
         raise _bad_row(lines, first, layout, columns)
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
-    done = ("read commas as decimal commas",) if layout.decimal == "," else ()
-    return Table(values, stated_units(header, values.shape[1]), done, axis_units(header), first + 1)
+    done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
+    units = stated_units(header, values.shape[1])
+    if values.shape[1] == 2 and heights_first(header):
+        values, units = values[:, ::-1], units[::-1]
+        done += ("took the first of two columns for heights and the second for positions, as their labels say",)
+    return Table(values, units, done, axis_units(header), first + 1)
 
 
 def _text(path: Path) -> str:

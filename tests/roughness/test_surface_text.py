@@ -61,6 +61,41 @@ def test_units_of_two_columns_in_a_header(tmp_path, header, units):
 
 
 @pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("z,x", (None, None)),
+        ("z x", (None, None)),
+        ("# Height; Position", (None, None)),
+        ("z [um], x [mm]", ("mm", "um")),
+        ("z/nm\tx/um", ("um", "nm")),
+        ("height (um), lateral position (mm)", ("mm", "um")),
+        ("z, x [mm]", ("mm", None)),
+        ("z [um] x", (None, "um")),
+        ('"y","x"', (None, None)),
+        ("z, y", (None, None)),
+        ("signal, distance", (None, None)),
+        ("z_um,x_mm", (None, None)),
+        ("z, x\n# second line of a header", (None, None)),
+    ],
+)
+def test_labels_tell_which_column_holds_the_heights(tmp_path, header, units):
+    table = read_table(written(tmp_path, np.column_stack([Z, X]), header=header + "\n"))
+    np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
+    assert table.units == units
+    said = "took the first of two columns for heights and the second for positions, as their labels say"
+    assert table.done == (said,)
+
+
+@pytest.mark.parametrize(
+    "header", ["x,z", "x,y", "y,z", "x [mm], x [um]", "position height", "a,b", "z, z2", "x z\nz,"]
+)
+def test_columns_in_their_usual_order_stay(tmp_path, header):
+    table = read_table(written(tmp_path, np.column_stack([X, Z]), header=header + "\n"))
+    np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
+    assert table.done == ()
+
+
+@pytest.mark.parametrize(
     ("header", "unit"),
     [
         ("z [um]", "um"),

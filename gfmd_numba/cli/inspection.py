@@ -68,9 +68,9 @@ def _check_scene(document: Document) -> tuple[str, str]:
         check_combination(document, file.scene, file.numerics)
         return "a loaded body", ""
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
-        from gfmd_numba.contact.contact_input import with_measured
+        from gfmd_numba.contact.contact_input import with_measured_surfaces
 
-        file = file.model_copy(update={"scene": with_measured(file.scene, document)[0]})
+        file = with_measured_surfaces(file, document)[0]
     check_combination(document, file.scene, file.numerics, file.path)
     kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
     if not file.scene.interface.reaches_across:

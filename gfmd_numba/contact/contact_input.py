@@ -1,9 +1,10 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
@@ -12,11 +13,9 @@ from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces,
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface
-from gfmd_numba.scene import Document, InputError, Scene, SceneFile
+from gfmd_numba.scene import Document, Scene, SceneFile
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
-
-_ROUNDING = 1e-6  # of a period, by which two files may differ
 
 
 @dataclass(frozen=True)
@@ -34,9 +33,8 @@ class ContactInput:
 
 def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
-    scene, measured = with_measured(file.scene, document)
-    file = file.model_copy(update={"scene": scene})
-    check_combination(document, scene, file.numerics, file.path)
+    file, measured = with_measured_surfaces(file, document)
+    check_combination(document, file.scene, file.numerics, file.path)
     surfaces = pressed_surfaces(file, measured, document)
     check_range(document, file.scene, surfaces.surface.nx)
     _check_loads(file, surfaces, document)
@@ -48,33 +46,36 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
 
 
-def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurfaces]:
-    """A scene with the dimension and the period that its measured surfaces tell, and these surfaces.
+def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
+    """A scene file with the dimension and the period that its measured surfaces tell, and these surfaces.
 
-    Raises InputError for surfaces that cannot be used, or that do not fit each other.
+    Raises InputError for surfaces that cannot be used or do not fit each other, and for what does not fit the period.
     """
-    measured = measured_surfaces(scene, document)
+    scene, measured = with_measured(file.scene, document)
+    file = file.model_copy(update={"scene": scene})
+    _check(file.check_period, document, ())
+    return file, measured
+
+
+def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurfaces]:
+    """As `with_measured_surfaces`, of a scene alone."""
+    measured, length = measured_surfaces(scene, document)
     dimensions = {surface.heights.ndim for surface in measured.values()}
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
-    length = _period(scene, measured, document)
-    return scene if length is None else scene.model_copy(update={"length": length}), measured
+    scene = scene if length is None else scene.model_copy(update={"length": length})
+    _check(scene.check_period, document, ("scene",))
+    return scene, measured
 
 
-def _period(scene: Scene, measured: MeasuredSurfaces, document: Document) -> float | None:
-    """Period L_x in m of a scene, or of its measured surfaces where it has none."""
-    in_metres = {place: surface for place, surface in measured.items() if surface.unit == "m"}
-    if scene.length is not None or not in_metres:
-        return scene.length
-    length = next(iter(in_metres.values())).lengths[-1]
-    for place, surface in measured.items():
-        if surface.unit != "m" or abs(surface.lengths[-1] - length) > _ROUNDING * length:
-            unit = "m" if surface.unit == "m" else "L_x"
-            given = f"a surface with a period of {surface.lengths[-1]:.7g} {unit}"
-            raise InputError(
-                document.line(("scene", *place), given, f"one of {length:.7g} m, as the other surface has")
-            )
-    return length
+def _check(rules: Callable[[], None], document: Document, place: Location) -> None:
+    """Raise InputError where rules of a record at a place of the document are broken."""
+    try:
+        rules()
+    except PydanticCustomError as error:
+        context = error.context or {}
+        at = (*place, *context["location"])
+        raise document.error(at, document.value(at), context["allowed"]) from None
 
 
 def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:

@@ -13,7 +13,7 @@ from gfmd_numba.contact.problem import GivenSurface
 from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.roughness.measured import Field, MeasuredSurface, measured_field, periodic_surface
 from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
 
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -33,13 +33,21 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
 
 
-def measured_surfaces(scene: Scene, document: Document) -> dict[Place, MeasuredSurface]:
-    """Measured surfaces of a scene by their places; raises InputError for files that cannot be used."""
-    return {
-        place: _measured(record, scene, document, ("scene", *place))
-        for place, record in scene.surfaces.items()
-        if isinstance(record, Measured)
-    }
+def measured_surfaces(scene: Scene, document: Document) -> tuple[dict[Place, MeasuredSurface], float | None]:
+    """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
+
+    Raises InputError for files that cannot be used, or that tell different periods.
+    """
+    records = {place: record for place, record in scene.surfaces.items() if isinstance(record, Measured)}
+    fields = {place: _field(record, document, ("scene", *place)) for place, record in records.items()}
+    told = {place: field.period for place, field in fields.items() if field.period is not None}
+    first = next(iter(told), None) if scene.length is None else None
+    length, told_by = (scene.length, "length") if first is None else (told[first], f"{'.'.join(first)}")
+    surfaces = {}
+    for place, field in fields.items():
+        own = place == first  # whose period is told by nobody else
+        surfaces[place] = _measured(field, scene, None if own else length, told_by, document, ("scene", *place))
+    return surfaces, length
 
 
 def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
@@ -119,10 +127,20 @@ def _random(surface: Random, file: SceneFile, seed: int, document: Document, pla
         raise _unusable(document, place, error) from None
 
 
-def _measured(record: Measured, scene: Scene, document: Document, place: Place) -> MeasuredSurface:
+def _field(record: Measured, document: Document, place: Place) -> Field:
+    try:
+        return measured_field(record)
+    except ValueError as error:
+        raise _unusable_file(record, document, place, error) from None
+
+
+def _measured(
+    field: Field, scene: Scene, length: float | None, told_by: str, document: Document, place: Place
+) -> MeasuredSurface:
+    record = field.record
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-        found = measured_surface(record, scene.length, dimension, scene.has_moduli)
+        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):

@@ -15,6 +15,7 @@ from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.units import WithUnit
 
 _SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
@@ -40,21 +41,49 @@ class MeasuredSurface:
         return self.heights / self.lengths[-1]
 
 
-def measured_surface(
-    record: Measured, length: float | None, dimension: int | None = None, in_si: bool = False
-) -> MeasuredSurface:
-    """Periodic surface of a record, of period `length` in m, or that of the file, or 1 if heights are in L_x.
+@dataclass(frozen=True)
+class Field:
+    """What a record measures, before it is made periodic: `fields` of it, side by side, are a period along x."""
 
-    `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
-    assumed even without a length. Raises ValueError, saying what is wrong and what to do.
-    """
+    record: Measured
+    found: Measurement
+    fields: float
+
+    @property
+    def period(self) -> float | None:
+        """Period L_x in m that positions or sizes tell, None without them or if they are in L_x."""
+        return self.fields * self.found.lengths[-1] if self.found.unit == "m" and self.found.lengths else None
+
+
+def measured_field(record: Measured) -> Field:
+    """Heights of a record in the units that are stated; raises ValueError, saying what is wrong and what to do."""
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     found = measurement(_content(record), units, resample=record.points is not None)
+    return Field(record, found, 2.0 if record.periodic == "mirror" else 1.0)
+
+
+def measured_surface(record: Measured, length: float | None, dimension: int | None = None) -> MeasuredSurface:
+    """Surface of a record on its own, as `periodic_surface` makes it."""
+    return periodic_surface(measured_field(record), length, dimension)
+
+
+def periodic_surface(
+    field: Field, length: float | None, dimension: int | None = None, in_si: bool = False, told_by: str = "length"
+) -> MeasuredSurface:
+    """Periodic surface of a field, of period `length` in m, or that of the file, or 1 if heights are in L_x.
+
+    `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
+    assumed even without a length. `told_by` names what the length stands in. Raises ValueError, saying what is wrong
+    and what to do.
+    """
+    record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
         kind, other = ("a map", "a profile") if dimension == 1 else ("a profile", "a map")
         shape = " x ".join(map(str, found.heights.shape))
         raise ValueError(f"{kind} of {shape} heights, where dimension: {dimension} needs {other}")
-    sizes, unit = _sizes(found, length, 2.0 if record.periodic == "mirror" else 1.0, in_si)
+    sizes, unit = _sizes(field, length, in_si, told_by)
+    if unit == "1" and isinstance(record.cutoff, WithUnit):
+        raise ValueError("a cutoff with a unit, as neither the file nor a length tells the period in m: give length")
     heights, filled, share = fill_gaps(found.heights, record.fill)
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
@@ -73,29 +102,37 @@ def _content(record: Measured) -> Content:
 
 
 def _sizes(
-    found: Measurement, length: float | None, fields: float, in_si: bool
+    field: Field, length: float | None, in_si: bool, told_by: str
 ) -> tuple[tuple[float, ...], Literal["m", "1"]]:
-    """Sizes of the measured field, of which so many make a period along x, in m or L_x, and which of the two."""
+    """Sizes of the measured field in m or L_x, and which of the two: the one place where a file meets a length."""
+    found = field.found
     if found.unit is None and (length is not None or in_si):
         beside, units = (
             ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
         )
         raise ValueError(f"heights without a unit beside {beside}: write units: {units} with theirs, beside file")
     if found.unit == "1" and length is not None:
+        if told_by != "length":
+            raise ValueError(
+                f"heights in units of the period, beside {length:.7g} m in {told_by}: give both in m or L_x"
+            )
         raise ValueError("heights in units of the period, so that length has to be left out")
     shape = found.heights.shape
     if found.lengths is None:
         if found.unit == "m" and length is None:
             raise ValueError("heights in m without positions, so that length is needed, the period along x in m")
-        spacing = (length or 1.0) / fields / shape[-1]
+        spacing = (length or 1.0) / field.fields / shape[-1]
         return tuple(n * spacing for n in shape), "m" if found.unit == "m" else "1"
-    period = fields * found.lengths[-1]
+    period = field.fields * found.lengths[-1]
     wanted = 1.0 if found.unit == "1" else length
-    named = "1, the period" if found.unit == "1" else f"length = {length} m"
     if wanted is not None and abs(period - wanted) > max(_SIZES * period, _SPACING * period / shape[-1]):
-        mirrored = " once mirrored" if fields == 2.0 else ""
+        mirrored = " once mirrored" if field.fields == 2.0 else ""
+        own = f"{period:.7g}{' m' if found.unit == 'm' else ''}{mirrored}"
+        if told_by != "length":
+            raise ValueError(f"positions over a period of {own}, not {length:.7g} m as in {told_by}")
+        named = "1, the period" if found.unit == "1" else f"length = {length} m"
         raise ValueError(
-            f"positions over a period of {period:.7g}{' m' if found.unit == 'm' else ''}{mirrored}, one spacing for "
-            f"each of the {shape[-1]} points, not {named}: leave length out, or correct it"
+            f"positions over a period of {own}, one spacing for each of the {shape[-1]} points, not {named}: leave "
+            "length out, or correct it"
         )
     return found.lengths, "m" if found.unit == "m" else "1"

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
 def check_bodies(scene: Scene) -> None:
     """Raise a located PydanticCustomError for bodies that cannot be pressed together."""
     counter = scene.counter_body
-    for name, body in (("body", scene.body), ("counter_body", counter)):
-        if body is not None and body.layers is not None:
-            check_layers((name,), body.layers, body.base or "rigid", scene.length)
     if not scene.surfaces:
         raise broken_rule(
             ("roughness",),
@@ -30,3 +27,10 @@ def check_bodies(scene: Scene) -> None:
                 raise broken_rule((name, "youngs_modulus"), "a number above 0 for both bodies, as they share the load")
         if counter.state != scene.body.state:
             raise broken_rule(("counter_body", "state"), f"{scene.body.state!r}, as that of the body")
+
+
+def check_stacks(scene: Scene) -> None:
+    """Raise a located PydanticCustomError for layers that do not fit the period."""
+    for name, body in (("body", scene.body), ("counter_body", scene.counter_body)):
+        if body is not None and body.layers is not None:
+            check_layers((name,), body.layers, body.base or "rigid", scene.length)

@@ -6,11 +6,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.bodies import check_bodies
+from gfmd_numba.scene.bodies import check_bodies, check_stacks
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.loading import Loading, Step, check_loading
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import (
     RECORD,
     Damping,
@@ -37,7 +38,10 @@ class Scene(BaseModel):
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
     boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
-    length: Length | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+    length: Length | None = Field(
+        None,
+        description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
+    )
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
 
     @property
@@ -63,12 +67,23 @@ class Scene(BaseModel):
         """Whether a deformable surface is rough, or both bodies deform."""
         return self.counter_body is not None or self.body.roughness is not None
 
+    @property
+    def awaits_period(self) -> bool:
+        """Whether the file of a measured surface may tell the period: what depends on it is checked by then."""
+        return self.length is None and any(isinstance(surface, Measured) for surface in self.surfaces.values())
+
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
         check_bodies(self)
+        if not self.awaits_period:
+            self.check_period()
+        return self
+
+    def check_period(self) -> None:
+        """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
+        check_stacks(self)
         check_loading(self.loading, self.length, self.has_moduli)
         check_scales(self, self.length, self.has_moduli)
-        return self
 
 
 class Discretisation(BaseModel):
@@ -200,11 +215,16 @@ class SceneFile(BaseModel):
             )
         if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
             raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
-        for place, surface in rough.items():
+        for i, step in enumerate(self.path):
+            step.check(self.scene.loading, i)
+        if not self.scene.awaits_period:
+            self.check_period()
+        return self
+
+    def check_period(self) -> None:
+        """Raise a located PydanticCustomError for waves that do not fit the period, and steps that need one."""
+        for place, surface in self.scene.surfaces.items():
             wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
                 raise broken_rule(("scene", *place, wrong[0]), wrong[1])
-        for i, step in enumerate(self.path):
-            step.check(self.scene.loading, i)
         check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
-        return self

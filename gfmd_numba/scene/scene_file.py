@@ -81,13 +81,14 @@ def _check_grid(file: SceneFile, document: Document) -> None:
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
         check_discretisation(document, file.discretisation, locations, dimension=scene.dimension)
-        check_range(document, scene, file.discretisation.nx)
+        if not scene.awaits_period:
+            check_range(document, scene, file.discretisation.nx)
         anisotropy = getattr(scene.roughness, "anisotropy", None)
         if anisotropy is not None and scene.dimension == 2:
             check_anisotropy_fits(document, anisotropy, ("scene", "roughness", "anisotropy"), file.discretisation)
     check_surfaces(document, scene)
     for surface in scene.surfaces.values():
-        if surface.points is not None:
+        if surface.points is not None and not scene.awaits_period:
             check_range(document, scene, surface.points)
 
 

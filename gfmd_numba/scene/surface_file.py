@@ -45,11 +45,11 @@ class SurfaceFile(BaseModel):
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         surface = self.surface
-        check_scales(self, self.length, has_moduli=False)
         if isinstance(surface, Measured):
             if self.dimension is not None:
                 raise broken_rule(("dimension",), "nothing, as a measured field has its own")
-            return self
+            return self  # its file may tell the period, which units need
+        check_scales(self, self.length, has_moduli=False)
         if surface.points is None:
             raise broken_rule(("surface", "points"), "a whole number at least 4, with cut_on and roll_off")
         if self.dimension != 2 and surface.of_maps:

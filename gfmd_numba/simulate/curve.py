@@ -10,12 +10,12 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact
+from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.loading import Step, check_loading, control_of
-from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength
+from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength, check_scales
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.text.input_error import brief
 
@@ -76,16 +76,23 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
         raise InputError(document.line(("path",), f"a path of {len(file.path)} steps", allowed))
+    file, _ = with_measured_surfaces(file, document)
     if isinstance(loads, Iterable) and not isinstance(loads, str | bytes | Mapping):
         loads = loads.tolist() if isinstance(loads, np.ndarray) else list(loads)
     prescribed = _control(file.scene, loads)
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
+    loaded = _loaded(file, prescribed, checked.loads[0])
+    try:
+        check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("loads",))
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise asked.error(context["location"], asked.value(context["location"]), context["allowed"]) from None
     _check_order(asked, checked.loads)
     if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
         allowed = "1, as no surface of this scene is random"
         raise asked.error(("realisations",), checked.realisations, allowed)
-    given = read_contact(_loaded(file, prescribed, checked.loads[0]), document)
+    given = read_contact(loaded, document)
     if prescribed == "displacement":
         check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
     return LoadCurve(given, document, prescribed, checked.loads, checked.realisations)

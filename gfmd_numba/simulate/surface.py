@@ -14,6 +14,7 @@ from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
+from gfmd_numba.scene.units import given_with_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
 
@@ -34,6 +35,9 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
             raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
         raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
     if file.hurst_range is not None:
+        if made.unit == "1" and any(given_with_units(file.hurst_range)):
+            allowed = "wavelengths without a unit, as neither the file nor a length tells the period in m"
+            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed)
         try:
             _add_hurst_exponent(dataset, file.hurst_range, made)
         except ValueError as error:

@@ -99,6 +99,13 @@ def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustom
     return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})
 
 
+def check_seed(seed: int, realisation: int, is_random: bool) -> None:
+    """Raise a located error for a seed, or a realisation, that chooses nothing: 0 stands for none."""
+    for name, given in (("seed", seed), ("realisation", realisation)):
+        if given != 0 and not is_random:
+            raise broken_rule((name,), "nothing, as no surface of this file is random")
+
+
 def check_scales(record: object, length: float | None, has_moduli: bool, at: tuple[str | int, ...] = ()) -> None:
     """Raise a located error for a number with a unit that has no length, or no moduli, to be compared with."""
     for place, value in given_with_units(record, at):

@@ -24,8 +24,9 @@ from gfmd_numba.scene.quantities import (
     TimeStep,
     broken_rule,
     check_scales,
+    check_seed,
 )
-from gfmd_numba.scene.surfaces import Surface
+from gfmd_numba.scene.surfaces import Random, Surface
 
 
 class Scene(BaseModel):
@@ -215,6 +216,7 @@ class SceneFile(BaseModel):
             )
         if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
             raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
+        check_seed(self.seed, self.realisation, any(isinstance(surface, Random) for surface in rough.values()))
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
         if not self.scene.awaits_period:

@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales
+from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.validation import validate
@@ -48,6 +48,7 @@ class SurfaceFile(BaseModel):
         if isinstance(surface, Measured):
             if self.dimension is not None:
                 raise broken_rule(("dimension",), "nothing, as a measured field has its own")
+            check_seed(self.seed, self.realisation, is_random=False)
             return self  # its file may tell the period, which units need
         check_scales(self, self.length, has_moduli=False)
         if surface.points is None:

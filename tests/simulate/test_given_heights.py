@@ -1,5 +1,7 @@
 """Heights that a user gives as an array, or as a map in a file, are pressed like any other surface."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -128,3 +130,34 @@ def test_the_dimensions_of_a_map_count_by_their_names():
     straight = gfmd_numba.solve(SCENE, xr.DataArray(heights, dims=("y", "x")))
     turned = gfmd_numba.solve(SCENE, xr.DataArray(heights.T, dims=("x", "y")))
     xr.testing.assert_identical(turned["pressure"], straight["pressure"])
+
+
+@pytest.mark.parametrize("knob", ["seed", "realisation"])
+def test_nothing_is_drawn_where_no_surface_is_random(tmp_path, knob):
+    np.save(tmp_path / "p.npy", 1e-3 * np.cos(2 * np.pi * np.arange(32) / 32))
+    rough = {"method": "measured", "file": str(tmp_path / "p.npy")}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": rough, "interface": {"hard_wall": {}}}
+    file = {"scene": scene | {"loading": {"reduced_pressure": 0.1}}, "path": [{"reduced_pressure": 0.2}]}
+    said = f"^{knob}: given 3; allowed: nothing, as no surface of this file is random"
+    with pytest.raises(InputError, match=said):
+        gfmd_numba.solve(file | {knob: 3})
+    del file["path"]
+    with pytest.raises(InputError, match=said):
+        gfmd_numba.load_curve(file | {knob: 3}, [0.1, 0.2])
+    with pytest.raises(InputError, match=said):
+        gfmd_numba.make_surface({"surface": rough, knob: 3})
+    again = json.loads(gfmd_numba.solve(file).attrs["scene"])  # in which both are 0
+    assert int(gfmd_numba.solve(again)["status"]) == 0
+
+
+def test_a_random_body_beside_a_measured_punch_is_drawn(tmp_path):
+    np.save(tmp_path / "p.npy", 1e-3 * np.cos(2 * np.pi * np.arange(32) / 32))
+    random = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01, "points": 32, "cut_on": 0.1, "roll_off": 0.5}
+    scene = {
+        "body": {"poissons_ratio": 0.3, "roughness": random},
+        "roughness": {"method": "measured", "file": str(tmp_path / "p.npy")},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.1},
+    }
+    heights = [gfmd_numba.solve({"scene": scene, **knob})["body_height"].values for knob in ({}, {"seed": 3})]
+    assert (heights[0] != heights[1]).any()

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.input_error import InputError
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
@@ -19,7 +20,7 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
 FEWEST_NODES = 2
 
 
-class UnusableDataError(ValueError):
+class UnusableDataError(InputError):
     """What a dataset lacks for the analysis asked of it."""
 
 

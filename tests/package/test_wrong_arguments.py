@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
+from gfmd_numba.analysis import contact_stiffness, plot_curve
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run
 from gfmd_numba.scene import InputError
@@ -80,8 +81,20 @@ def test_options_of_a_fit_are_checked(tmp_path):
     ):
         with pytest.raises(ValueError, match=r"not |it has "):
             gfmd_numba.fit_tfc(dataset, **options)
-    with pytest.raises(ValueError, match="given no campaign's results"):
-        gfmd_numba.fit_tfc(xr.Dataset())
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (gfmd_numba.fit_tfc, "given no campaign's results; allowed: what a finished `gfmd run` leaves"),
+        (gfmd_numba.contact_statistics, "given no results of a line contact; allowed: what `gfmd solve` leaves"),
+        (contact_stiffness, "given no results of several loads; allowed: a campaign's, or those of a path"),
+        (plot_curve, "given no load curve; allowed: what `gfmd curve` leaves"),
+    ],
+)
+def test_a_dataset_of_another_kind_is_an_error_of_the_input(function, said):
+    with pytest.raises(InputError, match=said):
+        function(xr.Dataset())
 
 
 @pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])

@@ -15,6 +15,7 @@ from gfmd_numba.roughness.text_layout import Layout, is_row, layout_of
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
 
 _COMMENTS = "#%"
+_FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
 _MISSING = ["-", "--", "---", "*", "Bad", "BAD", "bad"]  # beside what pandas knows
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
@@ -51,7 +52,7 @@ def read_table(path: Path) -> Table:
         begin = next((line for line in lines if line.strip()), "")
         raise ValueError(f"no row of numbers, but {_short(begin)}" if begin else "no number")
     header = [line.lstrip(_COMMENTS + "/ ").strip() for line in lines[:first]]
-    rows = [line for line in lines[first:] if not _is_comment(line)]
+    rows = [_FORTRAN.sub("e", line) for line in lines[first:] if not _is_comment(line)]
     while not rows[-1].strip():
         rows.pop()
     layout = layout_of(rows, header[-1] if header else "")

@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from typing import Literal
 
 import numpy as np
@@ -12,6 +12,8 @@ _LOOKED_AT = 200  # rows that decide the layout
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
 _WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*)", re.IGNORECASE)
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
+_QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 
@@ -57,6 +59,7 @@ def layout_of(rows: list[str], header: str) -> Layout:
     tells, or whole equidistant numbers before it, which are positions, or a number before it that follows itself.
     """
     looked_at = [row.partition("#")[0].strip() for row in islice((row for row in rows if row.strip()), _LOOKED_AT)]
+    _check_thousands(looked_at, header)
     for separator in (";", "\t"):
         if any(separator in row for row in looked_at):
             return Layout(separator, "," if any("," in row for row in looked_at) else ".")
@@ -71,6 +74,30 @@ def layout_of(rows: list[str], header: str) -> Layout:
     if len(tokens) > len(looked_at):
         return Layout(BLANKS, ",")
     return _one_comma(looked_at, header)
+
+
+def _check_thousands(rows: list[str], header: str) -> None:
+    """Raise ValueError for commas between thousands, where they can be neither decimal ones nor between columns."""
+    tokens = [re.findall(r"[^;\s]+", row) for row in rows]
+    grouped = [token for token in chain(*tokens) if "," in token]
+    surely = [token for token in grouped if "." in token or token.count(",") > 1]
+    found = [token for row in rows for token in _QUOTED.findall(row)]
+    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)) and not _are_columns(tokens, header):
+        found = surely
+    if found:
+        written = found[0].strip('"')
+        raise ValueError(f"numbers like {written} with commas between thousands: write {written.replace(',', '')}")
+
+
+def _are_columns(tokens: list[list[str]], header: str) -> bool:
+    """Whether commas may separate columns: as many in each row, and if it is one, behind positions or a header."""
+    commas = {row[0].count(",") for row in tokens if len(row) == 1}
+    if any(len(row) > 1 for row in tokens) or len(commas) > 1:
+        return False
+    steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
+    in_order = bool((steps > 0).all() or (steps < 0).all())
+    two_names = len(re.split("[,;\t]", header)) == 2
+    return max(commas) > 1 or two_names or (in_order and not _NAME.fullmatch(header))
 
 
 def _one_comma(rows: list[str], header: str) -> Layout:

@@ -21,18 +21,22 @@ _SPELLINGS = {
     "\u03bcm": "um",  # Greek mu, which the micro sign is normalised to
     "micron": "um",
     "microns": "um",
-    "micrometer": "um",
-    "micrometre": "um",
     "\u00c5": "angstrom",  # A with ring, which the sign of the unit is normalised to
-    "Angstrom": "angstrom",
+    "angstroms": "angstrom",
     "inch": "in",
-    "metre": "m",
-    "meter": "m",
+    "inches": "in",
+    "mils": "mil",
+}
+_PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
+_SPELLINGS |= {
+    f"{prefix}{metre}": f"{letter}m"
+    for prefix, letter in _PREFIXES.items()
+    for metre in ("meter", "meters", "metre", "metres")
 }
 
 
 def length_unit(text: str) -> str | None:
     """Return the name of a unit of length, a key of `METRES` or `PERIOD`, however it is spelt; None if it is none."""
     text = normalize("NFKC", text).strip()
-    name = _SPELLINGS.get(text, text)
+    name = _SPELLINGS.get(text) or _SPELLINGS.get(text.lower(), text)
     return name if name in METRES or name == PERIOD else None

@@ -15,6 +15,8 @@ from typing import Any
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
+from gfmd_numba.scene.number_spelling import respelt
+
 _FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|⁻?[¹²³])?"
 _UNIT = rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR}){{0,4}}"
 _NUMBER = r"[-+]?(?:[0-9]+/[0-9]+|(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)"
@@ -65,6 +67,8 @@ class Quantity:
         parts = _SPLIT.fullmatch(text) if len(text) <= _LONGEST else None
         if parts is None:
             return None
+        if hint := respelt(text):
+            raise self._fault(hint)
         number, unit = parts.groups()
         factor = self._in_si(unit)
         if number[-1].isalpha():  # inf, nan

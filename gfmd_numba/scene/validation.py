@@ -8,11 +8,13 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from gfmd_numba.scene.document import Document, Location, plain_scalar
+from gfmd_numba.scene.number_spelling import respelt
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.text.input_error import MOST_LINES, InputError, brief
 
 Record = TypeVar("Record", bound=BaseModel)
 
+_LONGEST = 100  # of a text that may be a number, and
 _MOST_HOMES = 6  # of a key, that a message names
 
 
@@ -52,6 +54,8 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
         hint = f"did you mean {value} without quotes?"
     if isinstance(value, str) and node.get("type") in ("number", "integer") and has_unit(value):
         hint = "this number has no unit"
+    if isinstance(value, str) and node.get("type") in ("number", "integer", ["number", "string"]):
+        hint = respelt(value[:_LONGEST]) or hint
     return document.line(location, brief(value), _allowed(schema, node), hint)
 
 

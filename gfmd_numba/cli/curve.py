@@ -27,7 +27,7 @@ _MOST = 10_000
 def _load(text: str) -> tuple[float, str]:
     """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
     from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.loading import Loading, control_of
+    from gfmd_numba.scene.loading import Loading, control_of, load_meant
     from gfmd_numba.scene.reduced_units import quantities
 
     control, number, si = control_of(text), plain_scalar(text.strip()), ""
@@ -35,7 +35,9 @@ def _load(text: str) -> tuple[float, str]:
         quantity = quantities(Loading)[control]
         number, si = quantity.si_value(text), quantity.si
     if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
-        raise click.BadParameter(f"given {text!r}; allowed: a finite number, like 0.01 or 1 MPa")
+        hint = load_meant(text)
+        told = f"given {text!r}; allowed: a finite number, like 0.01 or 1 MPa"
+        raise click.BadParameter(f"{told}; {hint}" if hint else told)
     return float(number), si  # type: ignore[arg-type]
 
 

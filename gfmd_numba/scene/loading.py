@@ -5,6 +5,7 @@ from typing import Self
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.scene.number_spelling import respelt
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -57,6 +58,20 @@ def control_of(load: str) -> str | None:
         except PydanticCustomError:  # a unit of another quantity
             continue
     return None
+
+
+def load_meant(load: str) -> str:
+    """How to write a number with a unit that is no load, or the unit that may be meant; nothing without a guess."""
+    if hint := respelt(load):
+        return hint
+    for quantity in quantities(Loading).values():
+        try:
+            quantity.si_value(load)
+        except PydanticCustomError as error:
+            hint = str((error.context or {})["suggestion"])
+            if hint:
+                return hint
+    return ""
 
 
 class Step(BaseModel):

@@ -14,7 +14,7 @@ from gfmd_numba.contact.contact_input import ContactInput, check_room, read_cont
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
-from gfmd_numba.scene.loading import Step, check_loading, control_of
+from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength, check_scales
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.text.input_error import brief
@@ -104,6 +104,8 @@ def _control(scene: Scene, loads: object) -> str:
         raise InputError(f"loads: given {brief(loads)}; allowed: loads that all have a unit, or none")
     first = loads[0] if isinstance(loads, list) and loads else None
     told = control_of(first) if isinstance(first, str) else None
+    if told is None and isinstance(first, str) and (hint := load_meant(first)):
+        raise InputError(f"loads[0]: given {brief(first)}; allowed: numbers, or text with the unit of a load; {hint}")
     return scene.loading.control if told is None else told
 
 

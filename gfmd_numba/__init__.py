@@ -59,7 +59,7 @@ def load_curve(
     realisations: int = 1,
     heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
 ) -> xr.Dataset:
-    """Solve a scene, a file, mapping or record, at one load after another: observables over `load` (SI units).
+    """Solve a scene, a file, mapping or record, at one load after another: observables over `prescribed_load` (SI).
 
     `loads` are what its loading prescribes, like reduced pressures p/(g E*) or displacements of the punch (m or L_x),
     or text with units, like `50 MPa`. All rise or all fall, and each begins where the last one ended. `heights` are as

@@ -132,7 +132,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
     """Say which loads are not to be used, or that there would be more; exits with 3 or 130 then."""
     failed = dataset["status"].values != 0
     if failed.any():
-        loads = ", ".join(f"{load:.4g}" for load in dataset["load"].values[failed])
+        loads = ", ".join(f"{load:.4g}" for load in dataset["prescribed_load"].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
         say("gfmd:", f"not ok at load {loads}: {left}", width=6, err=True)
         for _, sentence in endings(dataset["status"]):

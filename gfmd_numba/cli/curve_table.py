@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Columns of the table as in the netCDF file, by name and unit."""
     view = _named(dataset)
-    names = [str(name) for name in ("load", *dataset.data_vars)]
+    names = [str(name) for name in ("prescribed_load", *dataset.data_vars)]
     units = {
-        name: unit(view, _prescribed(dataset) if name == "load" else name.removesuffix("_standard_error"))
+        name: unit(view, _prescribed(dataset) if name == "prescribed_load" else name.removesuffix("_standard_error"))
         for name in names
     }
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
@@ -30,7 +30,7 @@ def _prescribed(dataset: xr.Dataset) -> str:
 
 def _named(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset whose load has the name of what is prescribed."""
-    return dataset.assign({_prescribed(dataset): dataset["load"]})
+    return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})
 
 
 def show(dataset: xr.Dataset) -> None:

@@ -74,7 +74,7 @@ def plot(
     check_picture(picture)
     dataset = read_results(file)
     with naming(file):
-        fitted = None if {"x", "load"} & set(dataset.dims) else _fit(dataset, fixed, variable, exponents)
+        fitted = None if {"x", "prescribed_load"} & set(dataset.dims) else _fit(dataset, fixed, variable, exponents)
         draw(dataset, fitted, picture)
 
 
@@ -122,6 +122,6 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
         if fitted is not None:
             figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
         else:
-            figure = plot_curve(dataset) if "load" in dataset.dims else plot_contact(dataset)
+            figure = plot_curve(dataset) if "prescribed_load" in dataset.dims else plot_contact(dataset)
         write_picture(path, figure, dpi=150)
     click.echo(f"picture  {printable(path)}")

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 WORDS = {
-    "load": "load",
     "reduced_pressure": "p*",
     "prescribed_pressure": "pressure",
     "line_load": "line load",

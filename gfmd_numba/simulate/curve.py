@@ -181,12 +181,12 @@ def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:
 
 
 def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
-    """The scalars over (realisation, load); a path that was interrupted counts only where no other is whole."""
+    """Scalars over (realisation, prescribed_load); an interrupted path counts only where no other is whole."""
     whole, loads = divmod(len(solved), len(curve.loads))
     rows, columns = (whole, len(curve.loads)) if whole else (1, loads)
     counted = solved[: rows * columns]
     values: dict[str, Any] = {}
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
-        values[str(name)] = (("realisation", "load"), numbers, variable.attrs)
-    return xr.Dataset(values, coords={"load": list(curve.loads[:columns])}, attrs=counted[-1].attrs)
+        values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
+    return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=counted[-1].attrs)

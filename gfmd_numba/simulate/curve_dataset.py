@@ -32,20 +32,20 @@ _COORDINATES = {"displacement": "punch_displacement", "pressure": "prescribed_pr
 
 
 def load_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> xr.Dataset:
-    """Observables over `load` in SI units; raises InputError. A load at which a run failed says so in `status`."""
+    """Observables over `prescribed_load` in SI units; raises InputError. The `status` says which runs failed."""
     curve = read_curve(file, document, loads, realisations)
     return curve_dataset(curve, list(solve_curve(curve)))
 
 
 def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
-    """One row a load of what was solved, all or the beginning of it: columns `[load]` in SI units.
+    """One row a load of what was solved, all or the beginning of it: columns `[prescribed_load]` in SI units.
 
     Several realisations give means and standard errors over those that are ok at a load, which `n_realisations` counts.
     """
     found = by_realisation(curve, solved)
     _add_derived(curve, found)
     ok = found["status"] == 0
-    dataset = xr.Dataset(coords={"load": found["load"]})
+    dataset = xr.Dataset(coords={"prescribed_load": found["prescribed_load"]})
     count = ok.sum("realisation")
     for name in (name for name in _COLUMNS if name in found):
         values = found[name].where(ok)
@@ -61,7 +61,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     dataset["residual"] = found["residual"].max("realisation").assign_attrs(found["residual"].attrs)
     for name in ("n_iterations", "wall_time"):
         dataset[name] = found[name].sum("realisation").assign_attrs(found[name].attrs)
-    dataset["load"].attrs = load_attributes(curve.given.file.scene)[
+    dataset["prescribed_load"].attrs = load_attributes(curve.given.file.scene)[
         _COORDINATES.get(curve.prescribed, curve.prescribed)
     ]
     dataset.attrs = {
@@ -106,7 +106,7 @@ def _stiffness_attributes(scene: Scene) -> dict[str, Any]:
 
 
 def _finished(curve: LoadCurve, found: xr.Dataset) -> str:
-    loads, realisations = found.sizes["load"], found.sizes["realisation"]
+    loads, realisations = found.sizes["prescribed_load"], found.sizes["realisation"]
     if curve.realisations == 1:
         return f"after {loads} of {len(curve.loads)} loads"
     if loads < len(curve.loads):

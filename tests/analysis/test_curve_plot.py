@@ -56,7 +56,7 @@ def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
 
 def test_other_datasets_are_no_curves():
     with pytest.raises(UnusableDataError, match="no load curve"):
-        plot_curve(xr.Dataset({"load": ("load", [1.0])}))
+        plot_curve(xr.Dataset({"prescribed_load": ("prescribed_load", [1.0])}))
 
 
 def test_the_picture_of_a_path_says_which_step_it_shows():

@@ -43,7 +43,7 @@ def test_table_and_netcdf_have_the_same_numbers_and_units(scene, tmp_path, reali
     for name, column in columns.items():
         np.testing.assert_array_equal(written[name].values, column, err_msg=name)
         assert units[name] == written[name].attrs.get("units", "1")
-    np.testing.assert_allclose(columns["load"], [0.01, 0.1, 1.0])
+    np.testing.assert_allclose(columns["prescribed_load"], [0.01, 0.1, 1.0])
     assert (tmp_path / "c.png").stat().st_size > 10_000
     printed = [line.split() for line in done.stdout.splitlines() if line.strip().startswith("0.1 ")]
     assert printed[0][1] == f"{columns['mean_pressure'][1] * 1e-6:.4g}"
@@ -118,7 +118,7 @@ def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
         done = gfmd("curve", scene, "--loads=0.1,0.2,0.3", f"--realisations={realisations}", "-o", tmp_path / "c.nc")
         assert done.exit_code == 130
         assert told in unfolded(done.stderr)
-        assert xr.load_dataset(tmp_path / "c.nc").sizes["load"] == loads
+        assert xr.load_dataset(tmp_path / "c.nc").sizes["prescribed_load"] == loads
     interrupt_after(0)
     done = gfmd("curve", scene, "--loads=0.1,0.2", "-o", tmp_path / "none.nc")
     assert done.exit_code == 130

@@ -258,3 +258,9 @@ def test_rough_bodies_and_laws_have_load_curves():
 def test_the_peak_is_the_largest_pressure_of_the_fields():
     contact = gfmd_numba.solve(scene_file())
     assert float(contact["peak_pressure"]) == float(contact["pressure"].max())
+
+
+def test_no_name_of_a_result_is_that_of_a_method_of_xarray():
+    for found in (load_curve(scene_file(), [0.05, 0.1], 2), solve(scene_file())):
+        for name in found.variables:
+            xr.testing.assert_identical(getattr(found, name), found[name])

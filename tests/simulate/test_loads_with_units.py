@@ -35,11 +35,11 @@ def test_a_file_and_an_array_give_the_same_curve_in_one_command_and_one_call(hei
     assert done.exit_code == 0, done.output
     found = gfmd_numba.load_curve(SCENE | {"roughness": {"units": {"z": "m"}}}, LOADS, heights=heights)
     with xr.open_dataset(tmp_path / "curve.nc") as written:
-        np.testing.assert_allclose(written["load"], [1e7, 1e8, 1e9], rtol=1e-12)
-        assert written["load"].units == "Pa"
+        np.testing.assert_allclose(written["prescribed_load"], [1e7, 1e8, 1e9], rtol=1e-12)
+        assert written["prescribed_load"].units == "Pa"
         for name in ("contact_area_fraction", "mean_gap", "peak_pressure", "mean_pressure"):
             np.testing.assert_allclose(written[name], found[name], rtol=1e-6, err_msg=name)
-        np.testing.assert_allclose(written["mean_pressure"], written["load"], rtol=1e-9)
+        np.testing.assert_allclose(written["mean_pressure"], written["prescribed_load"], rtol=1e-9)
 
 
 def test_units_of_the_loads_replace_the_loading_of_the_scene(heights):

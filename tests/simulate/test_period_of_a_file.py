@@ -155,8 +155,8 @@ def test_a_surface_file_counts_by_the_period_of_its_file(profile):
 def test_a_load_curve_counts_by_the_period_of_the_file(profile, tmp_path):
     loads = ["0.05 um", "0.1 um"]
     found = gfmd_numba.load_curve(scene(profile), loads)
-    np.testing.assert_allclose(found["load"], [5e-8, 1e-7])
-    assert found["load"].units == "m"
+    np.testing.assert_allclose(found["prescribed_load"], [5e-8, 1e-7])
+    assert found["prescribed_load"].units == "m"
     stated = gfmd_numba.load_curve(scene(profile, length=LENGTH), loads)
     np.testing.assert_allclose(found["mean_pressure"], stated["mean_pressure"])
     by_force = gfmd_numba.load_curve(scene(profile), ["10 N/m", "20 N/m"])

@@ -25,16 +25,16 @@ def plot_curve(dataset: xr.Dataset) -> Figure:
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
-    if not {"load", "n_realisations", *(name for name, *_ in _PANELS)} <= dataset.variables.keys():
+    if not {"prescribed_load", "n_realisations", *(name for name, *_ in _PANELS)} <= dataset.variables.keys():
         raise UnusableDataError("given no load curve; allowed: what `gfmd curve` leaves")
-    dataset = dataset.isel(load=dataset["n_realisations"].values > 0)
-    if not dataset.sizes["load"]:
+    dataset = dataset.isel(prescribed_load=dataset["n_realisations"].values > 0)
+    if not dataset.sizes["prescribed_load"]:
         raise UnusableDataError("given no load with a result; allowed: a load curve with runs that are ok")
     by_pressure = dataset.attrs.get("prescribed") != "displacement"
     over, label, natural = (
         (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")
         if by_pressure
-        else (dataset["load"], "Punch displacement", "L_x")
+        else (dataset["prescribed_load"], "Punch displacement", "L_x")
     )
     factor, unit = prefix(over, natural)
     with mpl.rc_context(STYLE):

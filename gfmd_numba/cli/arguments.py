@@ -128,7 +128,7 @@ def beside(output: Path, kind: str, suffix: str) -> Path:
     if not may_be_replaced(file):
         raise InputError(
             f"{file}: given a file that gfmd did not write, where its {kind} would go; "
-            "allowed: no such file (move it, or choose another --output)"
+            "allowed: no such file, or one of gfmd's that nobody changed since (move it, or choose another --output)"
         )
     return file
 

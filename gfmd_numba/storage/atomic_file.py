@@ -93,11 +93,10 @@ def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
     Floats stand with all digits that they need to be read again unchanged.
     """
     content = io.StringIO(newline="")
-    content.write(f"{mark.IN_TABLES}\n")
     table = csv.writer(content, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    replace(path, content.getvalue().encode())
+    replace(path, mark.marked_table(content.getvalue().encode()))
 
 
 _BINARY = getattr(os, "O_BINARY", 0)  # on Windows

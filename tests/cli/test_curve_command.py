@@ -9,6 +9,7 @@ import xarray as xr
 
 from gfmd_numba.cli import progress
 from gfmd_numba.simulate import curve
+from gfmd_numba.storage.mark import marked_table
 from support.command_line import gfmd, refused, unfolded
 from support.scenes import SCENE
 
@@ -137,7 +138,7 @@ def test_files_of_somebody_else_are_not_written_over(scene, tmp_path):
         assert gfmd("curve", scene, "--loads=0.1", "-o", tmp_path / "mine.nc").exit_code == 0
     assert "the table takes the name with .csv" in refused("curve", scene, "--loads=0.1", "-o", tmp_path / "c.csv")
     profile = tmp_path / "p.csv"
-    profile.write_text("# written by gfmd-numba\n0\n1\n0\n2\n")
+    profile.write_bytes(marked_table(b"0\n1\n0\n2\n"))
     text = SCENE.replace("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: p.csv}")
     scene.write_text(text.partition("discretisation")[0])
     assert "p.csv, which is an input" in refused("curve", scene, "--loads=0.1", "-o", tmp_path / "p.nc")

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 from gfmd_numba.cli import main
-from gfmd_numba.storage.atomic_file import write_dataset, write_picture
+from gfmd_numba.storage.atomic_file import write_dataset, write_picture, write_table
 from gfmd_numba.storage.mark import may_be_replaced
 from support.command_line import unfolded
 from support.scenes import SCENE
@@ -74,3 +74,39 @@ def test_datasets_of_ours_are_known_from_those_of_others(tmp_path):
     dataset.to_netcdf(tmp_path / "other.nc")
     assert may_be_replaced(tmp_path / "ours.nc")
     assert not may_be_replaced(tmp_path / "other.nc")
+
+
+EDITS = {
+    "a number": lambda text: text.replace(b"2.5", b"2.6"),
+    "a row": lambda text: text + b"3,4\n",
+    "line ends": lambda text: text.replace(b"\n", b"\r\n"),
+    "the mark": lambda text: text.replace(b"sha256 ", b"sha256 0"),
+    "a mark without a digest": lambda text: b"# written by gfmd-numba\n" + text.partition(b"\n")[2],
+    "a cut": lambda text: text[:40],
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_a_table_of_ours_that_was_edited_is_its_editors(tmp_path, edit):
+    table = tmp_path / "c.csv"
+    write_table(table, {"a (1)": [1.0, 2.5], "b (m)": [3, 4]})
+    assert may_be_replaced(table)
+    text = table.read_bytes()
+    table.write_bytes(EDITS[edit](text))
+    assert table.read_bytes() != text
+    assert not may_be_replaced(table)
+
+
+def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
+    asked = ("curve", scene, "--loads", "0.05,0.1", "-o", tmp_path / "c.nc")
+    for _ in range(2):
+        assert gfmd(*asked)[0] == 0
+    table = tmp_path / "c.csv"
+    edited = table.read_text() + "# my notes\n"
+    table.write_text(edited)
+    before = (tmp_path / "c.nc").read_bytes()
+    code, said = gfmd(*asked)
+    assert code == 2
+    assert f"{table}: given a file that gfmd did not write, where its table would go; allowed: no such file, or" in said
+    assert table.read_text() == edited
+    assert (tmp_path / "c.nc").read_bytes() == before

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from math import floor, isfinite, log10
+from math import isfinite
 from typing import TYPE_CHECKING
+
+from gfmd_numba.text.si_prefix import si_prefix
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.grid import Grid
     from gfmd_numba.scene import Scene
 
-_PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
-_PREFIXED = ("m", "Pa", "N", "J m-2", "N m-1", "J/m^2", "N/m")  # units that take a prefix, in a file or in a record
-
 
 def readable(value: float, unit: str) -> tuple[str, str]:
     """Number and unit of a value, with a prefix where the unit may have one and the number is far from 1."""
-    if unit not in _PREFIXED or not isfinite(value) or value == 0.0:
+    if not isfinite(value):
         return f"{value:.6g}", unit
-    thousands = floor(log10(float(f"{abs(value):.5e}")) / 3.0)
-    if thousands not in _PREFIXES:
-        return f"{value:.6g}", unit
-    return f"{value * 1000.0**-thousands:.6g}", _PREFIXES[thousands] + unit
+    factor, name = si_prefix(abs(float(f"{value:.5e}")), unit)
+    return f"{value * factor:.6g}", name
 
 
 def dimensions(scene: Scene, varied: Grid | None = None) -> str:

@@ -1,4 +1,4 @@
-"""Numbers with units in the SI prefix that suits them, for tables and figures."""
+"""Numbers with units in the SI prefix that suits them, for tables, figures and sentences: the only such choice."""
 
 _PREFIXES = (
     (1e9, "G"),
@@ -11,16 +11,19 @@ _PREFIXES = (
     (1e-12, "p"),
 )
 _AREAS = ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²"), (1e-18, "nm²"))
-_PREFIXED = {"m": "m", "Pa": "Pa", "N": "N", "N m-1": "N/m"}  # as engineers write them
-_OTHERS = {"Pa m-1": (1e-12, "MPa/µm"), "J m-2": (1.0, "J/m²")}
+_PREFIXED = {"m": "m", "Pa": "Pa", "N": "N"} | dict.fromkeys(("N m-1", "N/m"), "N/m")  # as engineers write them
+_PREFIXED |= dict.fromkeys(("J m-2", "J/m^2"), "J/m²")
+_OTHERS = {"Pa m-1": (1e-12, "MPa/µm")}
+_LEAST = 1e-15  # below which a number of the smallest prefix would be no shorter than one without
 
 
 def si_prefix(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor on values of up to `largest` in a unit of the files, and the unit that they then have."""
+    """Return the factor on values of up to `largest` in a unit of files or records, and the unit they then have."""
     if unit == "m2":
         scale, name = next(((s, n) for s, n in _AREAS if largest >= s), _AREAS[-1])
         return 1 / scale, name
     if unit not in _PREFIXED:
         return _OTHERS.get(unit, (1.0, unit))
-    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1] if largest else (1.0, ""))
+    smallest = _PREFIXES[-1] if largest > _LEAST else (1.0, "")
+    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), smallest)
     return 1 / scale, letter + _PREFIXED[unit]

@@ -30,7 +30,7 @@ def test_help_and_check_import_nothing_of_weight(tmp_path):
 def test_check_tells_campaigns_from_scenes(tmp_path):
     scene = tmp_path / "scene.yaml"
     scene.write_text(SCENE)
-    assert gfmd("check", scene).output == f"{scene}: a scene, length 100 um, youngs_modulus 70 GPa\n"
+    assert gfmd("check", scene).output == f"{scene}: a scene, length 100 µm, youngs_modulus 70 GPa\n"
     path = campaign(tmp_path)
     assert gfmd("check", path).output == f"{path}: a campaign of 10 cases x 6 realisations, youngs_modulus 70 GPa\n"
 

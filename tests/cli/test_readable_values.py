@@ -3,9 +3,12 @@
 import re
 
 import pytest
+import xarray as xr
 
+from gfmd_numba.analysis.plots import style
+from gfmd_numba.cli import quantities
 from gfmd_numba.cli.readable import readable
-from gfmd_numba.scene.units import LENGTH, PRESSURE
+from gfmd_numba.scene.units import ENERGY_PER_AREA, FORCE_PER_LENGTH, LENGTH, PRESSURE
 from support.campaigns import SMALL
 from support.command_line import gfmd
 from support.faulty_files import changed
@@ -16,10 +19,12 @@ from support.scenes import SCENE, SURFACE
     ("value", "unit", "expected"),
     [
         (5e7, "Pa", ("50", "MPa")),
-        (-2e-4, "m", ("-200", "um")),
-        (0.05, "J m-2", ("50", "mJ m-2")),
+        (-2e-4, "m", ("-200", "µm")),
+        (0.05, "J m-2", ("50", "mJ/m²")),
         (999.9999999, "Pa", ("1", "kPa")),
         (1e3, "N", ("1", "kN")),
+        (2.5e4, "N/m", ("25", "kN/m")),
+        (2.5e-3, "J/m^2", ("2.5", "mJ/m²")),
         (1.0, "m", ("1", "m")),
         (0.0, "m", ("0", "m")),
         (1e-25, "m", ("1e-25", "m")),
@@ -34,15 +39,22 @@ def test_a_value_has_the_prefix_that_makes_it_short(value, unit, expected):
 
 @pytest.mark.parametrize("value", [1.23456e-11, 3.3e-7, 0.25, 77.7, 123456.0, 8.5e10])
 def test_what_is_printed_reads_as_the_same_value(value):
-    for quantity in (LENGTH, PRESSURE):
+    for quantity in (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH):
         assert quantity.si_value(" ".join(readable(value, quantity.si))) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize("unit", ["m", "Pa", "N", "N m-1", "J m-2"])
+@pytest.mark.parametrize("value", [2.5e-13, 2.5e-10, 2.5e-7, 2.5e-4, 2.5, 2.5e4, 2.5e7])
+def test_sentences_tables_and_figures_write_one_unit(value, unit):
+    line = xr.Dataset({"force": ((), value, {"units": unit})})
+    assert quantities.line(line, "force")[2] == readable(value, unit)[1] == style.prefix(line["force"], "")[1]
 
 
 def test_check_tells_what_a_scene_is_in_si(tmp_path):
     text = changed(SCENE, "length: 1e-4", "length: 0.1 mm")
     (tmp_path / "s.yaml").write_text(changed(text, "reduced_pressure: 0.05", "pressure: 50 MPa"))
     said = gfmd("check", tmp_path / "s.yaml").output
-    assert said == f"{tmp_path / 's.yaml'}: a scene, length 100 um, youngs_modulus 70 GPa, pressure 50 MPa\n"
+    assert said == f"{tmp_path / 's.yaml'}: a scene, length 100 µm, youngs_modulus 70 GPa, pressure 50 MPa\n"
 
 
 def test_check_and_plan_tell_no_load_that_the_grid_replaces(tmp_path):

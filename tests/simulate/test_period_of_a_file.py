@@ -179,4 +179,4 @@ def test_check_reads_the_period_from_the_file(profile, tmp_path):
         "loading: {displacement: 0.1 um}\n"
     )
     (tmp_path / "s.yaml").write_text(text)
-    assert "length 400 um" in gfmd("check", tmp_path / "s.yaml").output
+    assert "length 400 µm" in gfmd("check", tmp_path / "s.yaml").output

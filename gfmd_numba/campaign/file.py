@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
-from gfmd_numba.campaign.rewriting import with_text
+from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
@@ -20,6 +20,7 @@ from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
+from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 
@@ -147,12 +148,14 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     document = document_of(
         source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
     )
+    if document.path is not None:
+        document = replace(document, home=home_of(document.path))
     check_keys(document)
     campaign = validate(document, Campaign)
-    varied = {name: values for name, values in campaign.grid if values is not None}
-    check_combination(document, campaign.scene, campaign.numerics, grid=varied)
+    if not isinstance(campaign.scene.roughness, Measured):  # only its file tells the dimension
+        check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    campaign, document = _with_located_file(campaign, document)
+    _check_file(document, campaign.scene.roughness)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
@@ -160,7 +163,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
-    anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
+    anisotropies, with_ranges = list(_anisotropies(campaign)), ranges(campaign, campaign.scene)
     check_surfaces(document, campaign.scene)
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
@@ -172,25 +175,26 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
         nx = campaign.scene.roughness.points if discretisation is None else discretisation.nx
         assert nx is not None  # the records' promise
-        for scene, place in ranges:
+        for scene, place in with_ranges:
             check_range(document, scene, nx, place)
     return campaign, document
 
 
-def _with_located_file(campaign: Campaign, document: Document) -> tuple[Campaign, Document]:
-    """The same, with the whole path of a measured surface's file in both: the text is kept with the results."""
-    place, surface = ("scene", "roughness"), campaign.scene.roughness
+def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
+    """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
+    varied = {name: values for name, values in campaign.grid if values is not None}
+    check_combination(document, scene, campaign.numerics, grid=varied)
+
+
+def _check_file(document: Document, surface: Surface | None) -> None:
+    """Raise InputError for a measured surface whose file does not exist, or that has none."""
+    place = ("scene", "roughness")
     if not isinstance(surface, Measured):
-        return campaign, document
+        return
     if surface.file is None:
-        raise document.error(
-            (*place, "heights"), surface.shown, "a file in a campaign: save the array as .npy, and name it"
-        )
-    file = existing_file(document, (*place, "file"), surface.file, ())
-    if document.path is not None:
-        document = replace(document, text=with_text(document.text, (*place, "file"), file))
-    surface = surface.model_copy(update={"file": file})
-    return campaign.model_copy(update={"scene": campaign.scene.model_copy(update={"roughness": surface})}), document
+        allowed = "a file in a campaign: save the array as .npy, and name it"
+        raise document.error((*place, "heights"), surface.shown, allowed)
+    existing_file(document, (*place, "file"), surface.file, ())
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
@@ -202,10 +206,10 @@ def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
         yield own, ("scene", "roughness", "anisotropy")
 
 
-def _ranges(campaign: Campaign) -> list[tuple[Scene, Location | None]]:
-    """Scenes with each interaction range of a campaign, and where that stands in the file if not in the scene."""
-    varied = varied_scenes(campaign.scene, campaign.grid)
-    ranges: list[tuple[Scene, Location | None]] = [
-        (scene, location) for axis, location, scene in varied if axis.name == "interaction_range"
+def ranges(campaign: Campaign, scene: Scene) -> list[tuple[Scene, Location | None]]:
+    """The scene with each interaction range of a campaign, and where that stands in the file if not in the scene."""
+    varied = varied_scenes(scene, campaign.grid)
+    found: list[tuple[Scene, Location | None]] = [
+        (each, location) for axis, location, each in varied if axis.name == "interaction_range"
     ]
-    return ranges or [(campaign.scene, None)]
+    return found or [(scene, None)]

@@ -54,11 +54,16 @@ def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurf
     Raises InputError for surfaces that cannot be used, or that do not fit each other.
     """
     measured = measured_surfaces(scene, document)
+    return as_told(scene, measured, document), measured
+
+
+def as_told(scene: Scene, measured: MeasuredSurfaces, document: Document) -> Scene:
+    """A scene with the dimension and the period that measured surfaces tell; InputError if they do not fit."""
     dimensions = {surface.heights.ndim for surface in measured.values()}
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
     length = _period(scene, measured, document)
-    return scene if length is None else scene.model_copy(update={"length": length}), measured
+    return scene if length is None else scene.model_copy(update={"length": length})
 
 
 def _period(scene: Scene, measured: MeasuredSurfaces, document: Document) -> float | None:

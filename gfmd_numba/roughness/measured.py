@@ -4,6 +4,7 @@
 and with it the period: the same, or twice as much if the field is mirrored. Without them, `length` does.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -15,6 +16,8 @@ from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
+
+Reader = Callable[[Path], Content]
 
 _SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
@@ -41,15 +44,20 @@ class MeasuredSurface:
 
 
 def measured_surface(
-    record: Measured, length: float | None, dimension: int | None = None, in_si: bool = False
+    record: Measured,
+    length: float | None,
+    dimension: int | None = None,
+    in_si: bool = False,
+    read: Reader = read_content,
 ) -> MeasuredSurface:
     """Periodic surface of a record, of period `length` in m, or that of the file, or 1 if heights are in L_x.
 
     `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
-    assumed even without a length. Raises ValueError, saying what is wrong and what to do.
+    assumed even without a length. `read` gives the content of a file. Raises ValueError, saying what is wrong and what
+    to do.
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
-    found = measurement(_content(record), units, resample=record.points is not None)
+    found = measurement(_content(record, read), units, resample=record.points is not None)
     if dimension is not None and found.heights.ndim != dimension:
         kind, other = ("a map", "a profile") if dimension == 1 else ("a profile", "a map")
         shape = " x ".join(map(str, found.heights.shape))
@@ -65,11 +73,11 @@ def measured_surface(
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
 
 
-def _content(record: Measured) -> Content:
+def _content(record: Measured, read: Reader) -> Content:
     if record.heights is not None:
         return content_of(record.heights)
     assert record.file is not None  # the record's promise
-    return read_content(Path(record.file))
+    return read(Path(record.file))
 
 
 def _sizes(

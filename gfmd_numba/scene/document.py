@@ -40,7 +40,10 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
 
 @dataclass(frozen=True)
 class Document:
-    """Text and data of one input, with the line and column of each value and key (counted from 1)."""
+    """Text and data of one input, with the line and column of each value and key (counted from 1).
+
+    Names of files in it are relative to its `folder`: that of its file, or for a mapping the current one.
+    """
 
     path: Path | None
     text: str
@@ -48,6 +51,13 @@ class Document:
     positions: Mapping[Location, tuple[int, int]] = field(default_factory=dict)
     key_positions: Mapping[Location, tuple[int, int]] = field(default_factory=dict)
     flat: bool = False
+    home: Path | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder that names of files are relative to: `home`, if that is another than the folder of its own file."""
+        own = Path() if self.path is None else self.path.parent
+        return own if self.home is None else self.home
 
     def value(self, location: Location) -> object:
         """Value at a location, or ABSENT."""

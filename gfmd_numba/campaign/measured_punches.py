@@ -1,0 +1,109 @@
+"""Measured punches of a campaign: each file is read once, and tells the dimension and the period of its cases."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+from gfmd_numba.campaign.axes import Place, with_values
+from gfmd_numba.campaign.file import Campaign, check_scene, ranges
+from gfmd_numba.campaign.grid import surfaces_of_grid
+from gfmd_numba.contact.contact_input import as_told
+from gfmd_numba.contact.problem import GivenSurface
+from gfmd_numba.contact.rough_surfaces import given_punch, read_surface
+from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.surface_files import read_content
+from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
+from gfmd_numba.scene.checks import check_range
+from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.source import existing_file
+
+_FILE = ("roughness", "file")
+
+
+@dataclass(frozen=True)
+class MeasuredPunch:
+    """Surface in g L_x of a measured record, its rms gradient g, and what its file tells of a scene.
+
+    `period` is L_x in m, None where lengths are in L_x. `done` says what was done to the heights, and `doubts` what
+    makes them implausible.
+    """
+
+    surface: GivenSurface
+    rms_gradient: float
+    dimension: int
+    period: float | None
+    done: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+    def under(self, scene: Scene) -> Scene:
+        """Scene of this dimension and period."""
+        return scene.model_copy(update={"dimension": self.dimension, "length": self.period})
+
+
+Punches = Mapping[Surface | None, MeasuredPunch]
+
+
+def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | None, MeasuredPunch]:
+    """Punches of a campaign by their records, none if they are random; raises InputError for unusable files."""
+    if not isinstance(campaign.scene.roughness, Measured):
+        return {}
+    read = lru_cache(maxsize=1)(read_content)  # the files are the outermost of the grid's loops
+    found: dict[Surface | None, MeasuredPunch] = {}
+    first: tuple[Measured, MeasuredSurface] | None = None
+    for values, locations in surfaces_of_grid(campaign.grid):
+        scene = with_values(campaign.scene, values)
+        record = scene.roughness
+        assert isinstance(record, Measured)  # as the campaign's own
+        measured, location = _read(record, scene, document, locations, read)
+        first = first or (record, measured)
+        if measured.unit != first[1].unit:
+            kinds = {"m": "m", "1": "L_x"}
+            given = f"{record.shown} (lengths in {kinds[measured.unit]})"
+            allowed = f"a surface with lengths in {kinds[first[1].unit]}, as {first[0].shown} has them"
+            raise InputError(document.line(location, given, allowed))
+        surface, rms_gradient = given_punch(measured, record, document, location)
+        told = as_told(scene, {("roughness",): measured}, document)
+        check_scene(document, campaign, told)
+        for each, place in ranges(campaign, told):
+            check_range(document, each, surface.nx, place)
+        punch = MeasuredPunch(surface, rms_gradient, told.dimension, told.length, measured.done, measured.doubts)
+        found[record] = punch
+    return found
+
+
+def said_of(punches: Punches, of: Literal["done", "doubts"]) -> list[str]:
+    """What was done to punches, or makes them implausible, each after the name of its file if there are several."""
+    return [
+        sentence if len(punches) == 1 else f"{record.shown}: {sentence}"
+        for record, punch in punches.items()
+        if isinstance(record, Measured)
+        for sentence in getattr(punch, of)
+    ]
+
+
+def _read(
+    record: Measured, scene: Scene, document: Document, locations: Mapping[Place, Location], read: Reader
+) -> tuple[MeasuredSurface, Location]:
+    """Surface of a record, and where in the document it is told; an InputError names the value that is to blame.
+
+    `locations` are those of the grid's values, by their places in the scene.
+    """
+    location = locations.get(_FILE, ("scene", *_FILE))
+    assert record.file is not None  # the campaign's promise
+    located = record.model_copy(update={"file": existing_file(document, location, record.file, ())})
+    try:
+        return read_surface(located, scene, document, location, read), location
+    except InputError:
+        for place, at in locations.items():
+            if place != _FILE and _is_usable(located.model_copy(update={place[-1]: None}), scene, document, read):
+                read_surface(located, scene, document, at, read)
+        raise
+
+
+def _is_usable(record: Measured, scene: Scene, document: Document, read: Reader) -> bool:
+    try:
+        read_surface(record, scene, document, (), read)
+    except InputError:
+        return False
+    return True

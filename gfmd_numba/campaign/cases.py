@@ -91,6 +91,7 @@ def _surface(
     campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
 ) -> tuple[RandomSurface, float]:
     """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
+    assert campaign.seed is not None  # the campaign's promise
     try:
         scene = campaign.scene.model_copy(update={"roughness": roughness})
         return random_surface(scene, discretisation, campaign.seed)

@@ -98,7 +98,7 @@ def described(planned: Plan) -> dict[str, Any]:
         "title": campaign.name,
         "campaign": text,
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "seed": campaign.seed,
+        **({} if campaign.seed is None else {"seed": campaign.seed}),
         "fit": campaign.fit.model_dump_json(exclude_none=True),
         **({} if campaign.target is None else {"target": campaign.target}),
     }

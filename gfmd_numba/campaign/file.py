@@ -10,17 +10,17 @@ from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
+from gfmd_numba.campaign.limits import COUNT, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule, check_scales
+from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Surface
+from gfmd_numba.scene.surfaces import Random, Surface
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 
@@ -59,8 +59,11 @@ class Campaign(BaseModel):
         description="Name of the campaign and of its output",
         json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
     )
-    seed: Seed
-    realisations: NumberOfSurfaces = Field(description="Random surfaces of each case, a number or one for each limit")
+    seed: Seed | None = Field(None, description="Seed of the random surfaces; None: no surface is random")
+    realisations: NumberOfSurfaces = Field(
+        Realisations(reference=1),
+        description="Random surfaces of each case, a number or one for each limit; left out where no surface is random",
+    )
     scene: Scene = Field(description="What is in contact")
     reference: Discretisation | None = Field(
         None, description="Discretisation around which the limits are taken; None: surfaces have points of their own"
@@ -114,13 +117,23 @@ class Campaign(BaseModel):
                     yield axis, i, value
 
     @model_validator(mode="after")
+    def _draws_what_is_random(self) -> Self:
+        random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
+        rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
+        for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", COUNT)):
+            given = name in self.model_fields_set
+            if random and (not given or getattr(self, name) is None):
+                raise broken_rule((name,), allowed)
+            if rough and given and not random:
+                raise broken_rule((name,), "nothing, as a measured surface is not random")
+        return self
+
+    @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
-        if isinstance(self.scene.roughness, Measured) and self.realisations.reference != 1:
-            raise broken_rule(("realisations",), "1, as a measured surface has no random realisations")
         if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         for axis in DISCRETISATIONS:

@@ -44,7 +44,8 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.scene import Measured
 
     campaign, _ = load_campaign(document)
-    kind = f"a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations"
+    kind = f"a campaign of {campaign.n_cases} cases"
+    kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
     kind = ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid))))
     if not campaign.scene.interface.reaches_across and not isinstance(campaign.scene.roughness, Measured):
         return kind, ""

@@ -76,7 +76,7 @@ CAMPAIGNS = {
     ),
     "measured profile": (
         ("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: steel.npy}"),
-        "bad.yaml:3:15: realisations: given 30; allowed: 1, as a measured surface has no random realisations",
+        "bad.yaml:2:7: seed: given 2018; allowed: nothing, as a measured surface is not random",
     ),
     "pressure axis under displacement": (
         (

@@ -19,6 +19,7 @@ SCENE = {
     "loading": {"reduced_pressure": 0.05},
     "roughness": {"method": "measured", "file": "steel.npy", "detrend": "mean"},
 }
+RANDOM = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}
 GRID = {"reduced_pressure": [0.01, 0.05], "aspect_ratio": [0.1, 1.0]}
 
 
@@ -32,7 +33,7 @@ def folder(request, tmp_path):
 
 
 def write(folder, **changes):
-    campaign = {"name": "steel", "seed": 1, "realisations": 1, "scene": SCENE, "grid": GRID} | changes
+    campaign = {"name": "steel", "scene": SCENE, "grid": GRID} | changes
     (folder / "steel.yaml").write_text(yaml.safe_dump(campaign))
     return folder / "steel.yaml"
 
@@ -69,7 +70,12 @@ def test_another_surface_is_another_problem(folder):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"realisations": 2}, r"realisations: given 2; allowed: 1, as a measured surface has no random"),
+        ({"seed": 1}, r"seed: given 1; allowed: nothing, as a measured surface is not random"),
+        ({"realisations": 1}, r"realisations: given 1; allowed: nothing, as a measured surface is not random"),
+        (
+            {"scene": SCENE | {"body": SCENE["body"] | {"roughness": RANDOM}}},
+            r"seed: given nothing; allowed: a whole number at least 0 and below 4294967296, as surfaces are random",
+        ),
         ({"reference": {"eps_c": 1, "eps_f": 1, "eps_t": 1}}, r"reference: given .*; allowed: nothing, as the surface"),
         ({"grid": {"hurst": [0.3, 0.8]}}, r"grid.hurst: given .*; allowed: nothing without"),
         ({"scene": SCENE | {"roughness": {"method": "measured", "file": "steal.npy"}}}, r"did you mean 'steel.npy'"),

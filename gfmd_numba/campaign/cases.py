@@ -159,7 +159,7 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
     physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
-    found: dict[tuple[float | None, ...], list[Case]] = {}
+    found: dict[tuple[float | str | None, ...], list[Case]] = {}
     for case in cases:
         found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)
     return list(found.values())

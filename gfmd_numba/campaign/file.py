@@ -1,10 +1,10 @@
 """The campaign file: a scene, a reference discretisation, and what varies around it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -20,7 +20,7 @@ from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
-from gfmd_numba.scene.surfaces import Random, Surface
+from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 
@@ -164,11 +164,12 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
     check_keys(document)
+    document = _with_a_file(document)
     campaign = validate(document, Campaign)
     if not isinstance(campaign.scene.roughness, Measured):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    _check_file(document, campaign.scene.roughness)
+    _check_files(document, campaign)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
@@ -199,15 +200,31 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     check_combination(document, scene, campaign.numerics, grid=varied)
 
 
-def _check_file(document: Document, surface: Surface | None) -> None:
-    """Raise InputError for a measured surface whose file does not exist, or that has none."""
-    place = ("scene", "roughness")
+def _with_a_file(document: Document) -> Document:
+    """Document whose measured surface has a file, the grid's first, where the grid alone names its files."""
+    data: Any = document.data
+    surface: Any = document.value(("scene", "roughness"))
+    files = document.value(("grid", "file"))
+    measured = isinstance(surface, Mapping) and surface.get("method") == "measured"
+    if not measured or not isinstance(files, list | tuple) or {"file", "heights"} & surface.keys():
+        return document
+    first = next((name for name in files if isinstance(name, str) and name), "grid.file")
+    return replace(document, data={**data, "scene": {**data["scene"], "roughness": {**surface, "file": first}}})
+
+
+def _check_files(document: Document, campaign: Campaign) -> None:
+    """Raise InputError for a measured surface whose files do not all exist, or that has none."""
+    place, surface = ("scene", "roughness"), campaign.scene.roughness
     if not isinstance(surface, Measured):
         return
     if surface.file is None:
         allowed = "a file in a campaign: save the array as .npy, and name it"
         raise document.error((*place, "heights"), surface.shown, allowed)
-    existing_file(document, (*place, "file"), surface.file, ())
+    varied = values_of(campaign.grid, "file")
+    if varied is None:
+        existing_file(document, (*place, "file"), surface.file, ())
+    for i, name in enumerate(varied or ()):
+        existing_file(document, ("grid", "file", i), name, ())
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:

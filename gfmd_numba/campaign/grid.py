@@ -42,10 +42,12 @@ else:
     )
 
 
-def values_of(grid: Grid, axis: str) -> tuple[float, ...] | None:
-    """Values that a grid gives to an axis, or None."""
-    given: tuple[float, ...] | None = getattr(grid, axis)
-    return None if given is None else tuple(map(float, given))  # whether with a unit, only `Campaign` needs to know
+def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
+    """Values that a grid gives to an axis, numbers or names, or None."""
+    given: tuple[Any, ...] | None = getattr(grid, axis)
+    if given is None:
+        return None  # whether a number has a unit, only `Campaign` needs to know
+    return tuple(float(value) if isinstance(value, float) else value for value in given)
 
 
 def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
@@ -94,7 +96,7 @@ def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place,
         yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
 
 
-def _surface_fault(scene: Scene, values: Mapping[Place, float]) -> tuple[str, str] | None:
+def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
     """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
     surface = with_values(scene, values).roughness
     assert surface is not None  # the combinations' promise

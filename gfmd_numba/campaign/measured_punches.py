@@ -25,10 +25,11 @@ _FILE = ("roughness", "file")
 class MeasuredPunch:
     """Surface in g L_x of a measured record, its rms gradient g, and what its file tells of a scene.
 
-    `period` is L_x in m, None where lengths are in L_x. `done` says what was done to the heights, and `doubts` what
-    makes them implausible.
+    `name` is what a grid calls it, if anything, and `period` L_x in m, None where lengths are in L_x. `done` says what
+    was done to the heights, and `doubts` what makes them implausible.
     """
 
+    name: str
     surface: GivenSurface
     rms_gradient: float
     dimension: int
@@ -67,17 +68,23 @@ def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | N
         check_scene(document, campaign, told)
         for each, place in ranges(campaign, told):
             check_range(document, each, surface.nx, place)
-        punch = MeasuredPunch(surface, rms_gradient, told.dimension, told.length, measured.done, measured.doubts)
-        found[record] = punch
+        found[record] = MeasuredPunch(
+            name=", ".join(value if place == _FILE else f"{place[-1]} {value:g}" for place, value in values.items()),
+            surface=surface,
+            rms_gradient=rms_gradient,
+            dimension=told.dimension,
+            period=told.length,
+            done=measured.done,
+            doubts=measured.doubts,
+        )
     return found
 
 
 def said_of(punches: Punches, of: Literal["done", "doubts"]) -> list[str]:
-    """What was done to punches, or makes them implausible, each after the name of its file if there are several."""
+    """What was done to punches, or makes them implausible, each after the name of its punch if it has one."""
     return [
-        sentence if len(punches) == 1 else f"{record.shown}: {sentence}"
-        for record, punch in punches.items()
-        if isinstance(record, Measured)
+        f"{punch.name}: {sentence}" if punch.name else sentence
+        for punch in punches.values()
         for sentence in getattr(punch, of)
     ]
 

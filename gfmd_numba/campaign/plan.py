@@ -141,6 +141,9 @@ def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
     punches = measured_punches(campaign, document)
+    scenes = {(punch.dimension, punch.period): punch.under(campaign.scene) for punch in punches.values()}
+    if len(scenes) == 1:
+        campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
     cases = expand(campaign, punches)
     return Plan(campaign, document, cases, distinct(cases), punches)
 

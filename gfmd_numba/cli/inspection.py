@@ -43,15 +43,15 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import load_campaign
     from gfmd_numba.scene import Measured
 
-    campaign, _ = load_campaign(document)
+    campaign, validity = load_campaign(document)[0], ""
+    if campaign.scene.interface.reaches_across or isinstance(campaign.scene.roughness, Measured):
+        from gfmd_numba.campaign.plan import plan
+
+        planned = plan(document)
+        campaign, validity = planned.campaign, planned.validity
     kind = f"a campaign of {campaign.n_cases} cases"
     kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
-    kind = ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid))))
-    if not campaign.scene.interface.reaches_across and not isinstance(campaign.scene.roughness, Measured):
-        return kind, ""
-    from gfmd_numba.campaign.plan import plan
-
-    return kind, plan(document).validity
+    return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), validity
 
 
 def _check_surface(document: Document) -> tuple[str, str]:

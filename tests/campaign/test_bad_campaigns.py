@@ -48,7 +48,7 @@ CAMPAIGNS = {
     ),
     "unknown axis": (
         ("grid: {hurst", "grid: {hurts"),
-        "bad.yaml:11:8: grid.hurts: given an unknown key; allowed: one of 'hurst', ",
+        "bad.yaml:11:8: grid.hurts: given an unknown key; allowed: one of 'file', 'hurst', ",
     ),
     "axis that is no list": (
         ("[0.3, 0.5]", "0.3"),

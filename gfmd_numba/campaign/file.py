@@ -14,7 +14,13 @@ from gfmd_numba.campaign.limits import COUNT, FixedExponents, Limits, NumberOfSu
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
-from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
+from gfmd_numba.scene.checks import (
+    check_anisotropy_fits,
+    check_discretisation,
+    check_memory,
+    check_range,
+    check_surfaces,
+)
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
@@ -179,6 +185,9 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies, with_ranges = list(_anisotropies(campaign)), ranges(campaign, campaign.scene)
     check_surfaces(document, campaign.scene)
+    points = values_of(campaign.grid, "points") or ()
+    for i, value in enumerate(points):
+        check_memory(document, ("grid", "points", i), value, campaign.scene.dimension)
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
         return campaign, document
@@ -187,7 +196,8 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
             check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
-        nx = campaign.scene.roughness.points if discretisation is None else discretisation.nx
+        own = min(points, default=campaign.scene.roughness.points)
+        nx = own if discretisation is None else discretisation.nx
         assert nx is not None  # the records' promise
         for scene, place in with_ranges:
             check_range(document, scene, nx, place)

@@ -69,7 +69,7 @@ def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | N
         for each, place in ranges(campaign, told):
             check_range(document, each, surface.nx, place)
         found[record] = MeasuredPunch(
-            name=", ".join(value if place == _FILE else f"{place[-1]} {value:g}" for place, value in values.items()),
+            name=", ".join(value if place == _FILE else f"{place[-1]} {value:.10g}" for place, value in values.items()),
             surface=surface,
             rms_gradient=rms_gradient,
             dimension=told.dimension,

@@ -11,6 +11,7 @@ import gfmd_numba
 from gfmd_numba.analysis import plot_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
+from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import InputError
 
 FILES = {"data/a.csv": (64, 1.0), "data/b.csv": (96, 2.0), "data/c_1$.csv": (80, 1.5)}  # points, and mm
@@ -197,3 +198,57 @@ def test_long_names_are_told_by_their_ends_within_eighty_columns(folder):
     assert all(len(line) <= 80 for line in said.splitlines() if not line.startswith("results"))
     assert said.count("...") == 4
     assert "worn/0.csv" in said
+
+
+TREATED = {"file": ["data/a.csv", "data/b.csv"], "cutoff": [5e-5, 1e-4], "points": [128, 200]}
+
+
+def test_cutoff_and_points_are_axes_of_a_measured_surface(folder):
+    found = gfmd_numba.run(write(folder, grid=TREATED), folder / "out")
+    assert found["cutoff"].attrs["units"] == "m"
+    assert found["kappa"].sizes["case"] == len(np.unique(found["case_id"])) == 8
+    for case in range(8):
+        values = {name: found[name].values[case].item() for name in TREATED}
+        treated = SCENE["roughness"] | values | {"file": str(folder / values["file"])}
+        one = gfmd_numba.solve(SCENE | {"roughness": treated})
+        assert one.sizes["x"] == values["points"] == int(found["nx"][case])
+        assert float(found["kappa"][case, 0]) == pytest.approx(float(one["kappa"]), rel=1e-12)
+    assert "data/b.csv, cutoff 0.0001, points 200: resampled from" in found.attrs["processing"]
+
+
+def test_a_file_is_read_once_however_many_surfaces_are_made_of_it(folder, monkeypatch):
+    read = []
+    whole = surface_files.read_table
+    monkeypatch.setattr(surface_files, "read_table", lambda path: read.append(path.name) or whole(path))
+    assert len(plan(write(folder, grid=TREATED)).problems) == 8
+    assert read == ["a.csv", "b.csv"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"cutoff": [5e-5, 5e-3]}, r"grid.cutoff\[1\]: given a.csv \(no wave as long as cutoff = 0.005 in the period"),
+        ({"cutoff": [5e-8]}, r"grid.cutoff\[0\]: given a.csv \(no wave shorter than cutoff = 5e-08"),
+        ({"cutoff": [0.0]}, r"grid.cutoff\[0\]: given 0.0; allowed: a number from 1e-30"),
+        ({"points": [128, 3]}, r"grid.points\[1\]: given 3; allowed: a whole number from 4"),
+        ({"points": [128.0]}, r"grid.points\[0\]: given 128.0; allowed: a whole number from 4"),
+        (
+            {"points": [128, 2**36]},
+            r"grid.points\[1\]: given 68719476736; allowed: a grid that fits in .* GB of memory",
+        ),
+        ({"file": ["data/a.csv", "words.csv"]}, r"grid.file\[1\]: given words.csv \("),
+    ],
+)
+def test_a_value_of_the_treatment_that_makes_no_surface_is_told_where_it_stands(folder, change, said):
+    (folder / "words.csv").write_text("no numbers\n")
+    with pytest.raises(InputError, match=said):
+        plan(write(folder, grid=TREATED | change))
+
+
+def test_a_map_too_large_for_the_memory_is_refused_before_it_is_made(folder):
+    np.save(folder / "map.npy", np.random.default_rng(0).normal(size=(8, 8)))
+    scene = SCENE | {"body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 0.05}}
+    with pytest.raises(
+        InputError, match=r"grid.points\[1\]: given map.npy \(1000000 x 1000000 points after resampling, not"
+    ):
+        plan(write(folder, scene=scene, grid={"file": ["map.npy"], "points": [16, 1_000_000]}))

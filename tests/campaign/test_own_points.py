@@ -85,6 +85,6 @@ def test_a_map_beyond_its_period_is_refused_everywhere():
 def test_points_of_a_grid_refine_the_same_surfaces(tmp_path):
     found = gfmd_numba.run(campaign(POWER_LAW, {"points": [64, 256]}), tmp_path / "out")
     assert found["points"].values.tolist() == found["nx"].values.tolist() == [64, 256]
-    coarse, fine = found["rms_height"].values
+    coarse, fine = found["nayak"].values
     assert coarse == pytest.approx(fine, rel=1e-9)
     assert fine[0] != fine[1]

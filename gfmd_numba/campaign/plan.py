@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
 import psutil
 
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
+from gfmd_numba.campaign.conditions import meeting
 from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
@@ -19,7 +19,6 @@ from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
-from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.source import Source
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
@@ -112,19 +111,8 @@ class Plan:
         return dict(reasons)
 
     def only(self, conditions: Mapping[str, str]) -> list[Case]:
-        """Cases that meet all conditions, name of a coordinate -> value; raises InputError."""
-        columns = coordinates(self.cases)
-        chosen = np.ones(len(self.cases), dtype=bool)
-        for name, given in conditions.items():
-            if name not in columns:
-                raise InputError(f"--only: given {name}; allowed: {', '.join(columns)}")
-            value = given if isinstance(columns[name][0], str) else plain_scalar(given)
-            met = np.array([held == value for held in columns[name]])
-            if not met.any():
-                held = ", ".join(map(str, list(dict.fromkeys(columns[name]))[:10]))
-                raise InputError(f"--only: given {name}={given}; allowed: a value of the campaign, like {held}")
-            chosen &= met
-        return [case for case, wanted in zip(self.cases, chosen, strict=True) if wanted]
+        """Cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
+        return meeting(self.cases, conditions)
 
     def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
         """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""

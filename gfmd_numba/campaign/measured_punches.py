@@ -17,6 +17,7 @@ from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.source import existing_file
+from gfmd_numba.text.input_error import brief
 
 _FILE = ("roughness", "file")
 
@@ -104,7 +105,8 @@ def _read(
     except InputError:
         for place, at in locations.items():
             if place != _FILE and _is_usable(located.model_copy(update={place[-1]: None}), scene, document, read):
-                read_surface(located, scene, document, at, read)
+                given = f"{brief(document.value(at))} for {record.shown}"
+                read_surface(located, scene, document, at, read, given)
         raise
 
 

@@ -120,14 +120,22 @@ def _random(surface: Random, file: SceneFile, seed: int, document: Document, pla
 
 
 def read_surface(
-    record: Measured, scene: Scene, document: Document, location: Location, read: Reader = read_content
+    record: Measured,
+    scene: Scene,
+    document: Document,
+    location: Location,
+    read: Reader = read_content,
+    given: str | None = None,
 ) -> MeasuredSurface:
-    """Measured surface of a record, at a location of the document; raises InputError for a file that cannot be used."""
+    """Measured surface of a record; raises InputError for a file that cannot be used, or what is given beside it.
+
+    What was given, by default the file, stands at a location of the document. `read` gives the content of a file.
+    """
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
         found = measured_surface(record, scene.length, dimension, scene.has_moduli, read)
     except ValueError as error:
-        raise _unusable_file(record, document, location, error) from None
+        raise _unusable_file(given or record.shown, document, location, error) from None
     if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
         unit = "L_x" if found.unit == "1" else "m"
@@ -144,7 +152,7 @@ def given_punch(
     try:
         return problem.given_surface(measured.in_periods)
     except ValueError as error:
-        raise _unusable_file(record, document, location, error) from None
+        raise _unusable_file(record.shown, document, location, error) from None
 
 
 def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
@@ -160,6 +168,6 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
     return document.error(place, document.value(place), f"a usable surface, not {error}")
 
 
-def _unusable_file(record: Measured, document: Document, location: Location, error: ValueError) -> InputError:
+def _unusable_file(given: str, document: Document, location: Location, error: ValueError) -> InputError:
     allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
-    return InputError(document.line(location, f"{record.shown} ({error})", allowed))
+    return InputError(document.line(location, f"{given} ({error})", allowed))

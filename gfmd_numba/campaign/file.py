@@ -29,6 +29,7 @@ from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
+from gfmd_numba.text.input_error import ABSENT
 
 MOST_CASES = 1_000_000
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
@@ -216,9 +217,10 @@ def _with_a_file(document: Document) -> Document:
     surface: Any = document.value(("scene", "roughness"))
     files = document.value(("grid", "file"))
     measured = isinstance(surface, Mapping) and surface.get("method") == "measured"
-    if not measured or not isinstance(files, list | tuple) or {"file", "heights"} & surface.keys():
+    if not measured or files is ABSENT or files is None or {"file", "heights"} & surface.keys():
         return document
-    first = next((name for name in files if isinstance(name, str) and name), "grid.file")
+    names = files if isinstance(files, list | tuple) else ()
+    first = next((name for name in names if isinstance(name, str) and name), "grid.file")  # whose faults are told there
     return replace(document, data={**data, "scene": {**data["scene"], "roughness": {**surface, "file": first}}})
 
 

@@ -142,6 +142,10 @@ def test_a_missing_file_is_told_where_it_stands(folder, command):
 @pytest.mark.parametrize(
     ("files", "said"),
     [
+        (
+            "data/a.csv",
+            r"^[^:]*:[0-9]+:[0-9]+: grid.file: given 'data/a.csv'; allowed: a list of one or more file names",
+        ),
         ([], r"grid.file: given \[\]; allowed: a list of one or more file names"),
         (["data/a.csv", 3], r"grid.file\[1\]: given 3; allowed: a file name"),
         ([""], r"grid.file\[0\]: given ''; allowed: a file name"),
@@ -157,7 +161,7 @@ def test_a_file_that_cannot_be_used_is_told_where_it_stands(folder, files, said)
     rows = np.column_stack([np.arange(8) / 8, np.sin(np.arange(8))])
     np.savetxt(folder / "reduced.csv", rows, delimiter=",", header="x [L_x],z [L_x]")
     with pytest.raises(InputError, match=said):
-        plan(write(folder, files))
+        plan(write(folder, grid={"file": files}))
 
 
 def test_files_of_a_random_surface_are_refused(folder):

@@ -1,25 +1,23 @@
 """Measured punches of a campaign: each file is read once, and tells the dimension and the period of its cases."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
-from gfmd_numba.campaign.axes import Place, with_values
+from gfmd_numba.campaign.axes import with_values
 from gfmd_numba.campaign.file import Campaign, check_scene, ranges
 from gfmd_numba.campaign.grid import surfaces_of_grid
-from gfmd_numba.contact.contact_input import as_told
-from gfmd_numba.contact.problem import GivenSurface
-from gfmd_numba.contact.rough_surfaces import given_punch, read_surface
+from gfmd_numba.contact.contact_input import with_measured
+from gfmd_numba.contact.problem import GivenSurface, given_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
 from gfmd_numba.scene.checks import check_range
-from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.source import existing_file
-from gfmd_numba.text.input_error import brief
 
 _FILE = ("roughness", "file")
+_UNITS = {"m": "m", "1": "L_x"}
 
 
 @dataclass(frozen=True)
@@ -57,24 +55,25 @@ def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | N
         scene = with_values(campaign.scene, values)
         record = scene.roughness
         assert isinstance(record, Measured)  # as the campaign's own
-        measured, location = _read(record, scene, document, locations, read)
+        placed = replace(document, elsewhere={("scene", *place): at for place, at in locations.items()})
+        scene, measured = _read(record, scene, placed, read)
         first = first or (record, measured)
         if measured.unit != first[1].unit:
-            kinds = {"m": "m", "1": "L_x"}
-            given = f"{record.shown} (lengths in {kinds[measured.unit]})"
-            allowed = f"a surface with lengths in {kinds[first[1].unit]}, as {first[0].shown} has them"
-            raise InputError(document.line(location, given, allowed))
-        surface, rms_gradient = given_punch(measured, record, document, location)
-        told = as_told(scene, {("roughness",): measured}, document)
-        check_scene(document, campaign, told)
-        for each, place in ranges(campaign, told):
+            allowed = f"a surface with lengths in {_UNITS[first[1].unit]}, as {first[0].shown} has them"
+            raise _refused(placed, f"{record.shown} (lengths in {_UNITS[measured.unit]})", allowed)
+        try:
+            surface, rms_gradient = given_surface(measured.in_periods)
+        except ValueError as error:
+            raise _refused(placed, f"{record.shown} ({error})", "heights that are not all equal") from None
+        check_scene(document, campaign, scene)
+        for each, place in ranges(campaign, scene):
             check_range(document, each, surface.nx, place)
         found[record] = MeasuredPunch(
             name=", ".join(value if place == _FILE else f"{place[-1]} {value:.10g}" for place, value in values.items()),
             surface=surface,
             rms_gradient=rms_gradient,
-            dimension=told.dimension,
-            period=told.length,
+            dimension=scene.dimension,
+            period=scene.length,
             done=measured.done,
             doubts=measured.doubts,
         )
@@ -90,29 +89,35 @@ def said_of(punches: Punches, of: Literal["done", "doubts"]) -> list[str]:
     ]
 
 
-def _read(
-    record: Measured, scene: Scene, document: Document, locations: Mapping[Place, Location], read: Reader
-) -> tuple[MeasuredSurface, Location]:
-    """Surface of a record, and where in the document it is told; an InputError names the value that is to blame.
+def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurface]:
+    """Scene of the dimension and period that a record tells, and its surface.
 
-    `locations` are those of the grid's values, by their places in the scene.
+    An InputError names the value that is to blame: one of the grid beside the file, if without it all is well.
     """
-    location = locations.get(_FILE, ("scene", *_FILE))
+    file = ("scene", *_FILE)
     assert record.file is not None  # the campaign's promise
-    located = record.model_copy(update={"file": existing_file(document, location, record.file, ())})
+    located = record.model_copy(update={"file": existing_file(document, file, record.file, ())})
     try:
-        return read_surface(located, scene, document, location, read), location
+        return _told(located, scene, document, read)
     except InputError:
-        for place, at in locations.items():
-            if place != _FILE and _is_usable(located.model_copy(update={place[-1]: None}), scene, document, read):
-                given = f"{brief(document.value(at))} for {record.shown}"
-                read_surface(located, scene, document, at, read, given)
+        for place, at in document.elsewhere.items():
+            if place != file and _is_usable(located.model_copy(update={str(place[-1]): None}), scene, document, read):
+                _told(located, scene, replace(document, elsewhere={**document.elsewhere, file: at}), read)
         raise
+
+
+def _told(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurface]:
+    told, measured = with_measured(scene.model_copy(update={"roughness": record}), document, read)
+    return told, measured["roughness",]
 
 
 def _is_usable(record: Measured, scene: Scene, document: Document, read: Reader) -> bool:
     try:
-        read_surface(record, scene, document, (), read)
+        _told(record, scene, document, read)
     except InputError:
         return False
     return True
+
+
+def _refused(document: Document, given: str, allowed: str) -> InputError:
+    return InputError(document.line(("scene", *_FILE), given, allowed))

@@ -11,7 +11,8 @@ from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface
+from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
@@ -48,22 +49,18 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
 
 
-def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurfaces]:
+def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
     """A scene with the dimension and the period that its measured surfaces tell, and these surfaces.
 
-    Raises InputError for surfaces that cannot be used, or that do not fit each other.
+    `read` gives the content of a file. Raises InputError for surfaces that cannot be used, or that do not fit each
+    other.
     """
-    measured = measured_surfaces(scene, document)
-    return as_told(scene, measured, document), measured
-
-
-def as_told(scene: Scene, measured: MeasuredSurfaces, document: Document) -> Scene:
-    """A scene with the dimension and the period that measured surfaces tell; InputError if they do not fit."""
+    measured = measured_surfaces(scene, document, read)
     dimensions = {surface.heights.ndim for surface in measured.values()}
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
     length = _period(scene, measured, document)
-    return scene if length is None else scene.model_copy(update={"length": length})
+    return scene if length is None else scene.model_copy(update={"length": length}), measured
 
 
 def _period(scene: Scene, measured: MeasuredSurfaces, document: Document) -> float | None:

@@ -16,7 +16,6 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader, measured_surface
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
-from gfmd_numba.scene.document import Location
 
 Place = tuple[str, ...]  # of a roughness in the scene
 MeasuredSurfaces = Mapping[Place, MeasuredSurface]
@@ -35,10 +34,10 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
 
 
-def measured_surfaces(scene: Scene, document: Document) -> dict[Place, MeasuredSurface]:
+def measured_surfaces(scene: Scene, document: Document, read: Reader = read_content) -> dict[Place, MeasuredSurface]:
     """Measured surfaces of a scene by their places; raises InputError for files that cannot be used."""
     return {
-        place: read_surface(record, scene, document, ("scene", *place, record.key))
+        place: _measured(record, scene, document, ("scene", *place), read)
         for place, record in scene.surfaces.items()
         if isinstance(record, Measured)
     }
@@ -56,8 +55,10 @@ def _of_the_punch(
 ) -> tuple[RandomSurface | GivenSurface, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        location = ("scene", "roughness", scene.roughness.key)
-        return given_punch(measured["roughness",], scene.roughness, document, location)
+        try:
+            return problem.given_surface(measured["roughness",].in_periods)
+        except ValueError as error:
+            raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     try:
         return problem.random_surface(scene, file.discretisation, file.seed)
     except ValueError as error:
@@ -119,40 +120,19 @@ def _random(surface: Random, file: SceneFile, seed: int, document: Document, pla
         raise _unusable(document, place, error) from None
 
 
-def read_surface(
-    record: Measured,
-    scene: Scene,
-    document: Document,
-    location: Location,
-    read: Reader = read_content,
-    given: str | None = None,
-) -> MeasuredSurface:
-    """Measured surface of a record; raises InputError for a file that cannot be used, or what is given beside it.
-
-    What was given, by default the file, stands at a location of the document. `read` gives the content of a file.
-    """
+def _measured(record: Measured, scene: Scene, document: Document, place: Place, read: Reader) -> MeasuredSurface:
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
         found = measured_surface(record, scene.length, dimension, scene.has_moduli, read)
     except ValueError as error:
-        raise _unusable_file(given or record.shown, document, location, error) from None
+        raise _unusable_file(record, document, place, error) from None
     if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
         unit = "L_x" if found.unit == "1" else "m"
         given = f"{record.shown} ({points} points over {sizes} {unit})"
         allowed = "a map of as many points, and the same size, both ways"
-        raise InputError(document.line(location, given, allowed))
+        raise InputError(document.line((*place, record.key), given, allowed))
     return found
-
-
-def given_punch(
-    measured: MeasuredSurface, record: Measured, document: Document, location: Location
-) -> tuple[GivenSurface, float]:
-    """Surface of a measured punch in g L_x, and its rms gradient g; raises InputError for one that is flat."""
-    try:
-        return problem.given_surface(measured.in_periods)
-    except ValueError as error:
-        raise _unusable_file(record.shown, document, location, error) from None
 
 
 def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
@@ -168,6 +148,6 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
     return document.error(place, document.value(place), f"a usable surface, not {error}")
 
 
-def _unusable_file(given: str, document: Document, location: Location, error: ValueError) -> InputError:
+def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
     allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
-    return InputError(document.line(location, f"{given} ({error})", allowed))
+    return InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed))

@@ -42,7 +42,8 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
 class Document:
     """Text and data of one input, with the line and column of each value and key (counted from 1).
 
-    Names of files in it are relative to its `folder`: that of its file, or for a mapping the current one.
+    Names of files in it are relative to its `folder`: that of its file, or for a mapping the current one. Values of
+    some locations may stand `elsewhere`, as those of a scene in the grid of its campaign.
     """
 
     path: Path | None
@@ -52,6 +53,7 @@ class Document:
     key_positions: Mapping[Location, tuple[int, int]] = field(default_factory=dict)
     flat: bool = False
     home: Path | None = None
+    elsewhere: Mapping[Location, Location] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
@@ -62,7 +64,7 @@ class Document:
     def value(self, location: Location) -> object:
         """Value at a location, or ABSENT."""
         value: Any = self.data
-        for part in location:
+        for part in self.elsewhere.get(location, location):
             try:
                 value = value[part]
             except (KeyError, IndexError, TypeError):
@@ -75,6 +77,7 @@ class Document:
 
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""
+        location = self.elsewhere.get(location, location)
         position, owner = self.positions.get(location), location
         while position is None and owner:
             position, owner = self.key_positions.get(owner), owner[:-1]

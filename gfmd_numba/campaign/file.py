@@ -7,6 +7,7 @@ from math import prod
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
@@ -137,7 +138,8 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
+        if self.scene.length is not None or not isinstance(self.scene.roughness, Measured):  # whose file may tell it
+            check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
@@ -207,6 +209,11 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
 
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
+    try:
+        check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
+    except PydanticCustomError as error:
+        rule = error.context or {}
+        raise document.error(rule["location"], document.value(rule["location"]), rule["allowed"]) from None
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, scene, campaign.numerics, grid=varied)
 

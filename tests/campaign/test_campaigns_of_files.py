@@ -260,3 +260,16 @@ def test_a_map_too_large_for_the_memory_is_refused_before_it_is_made(folder):
         match=r"grid.points\[1\]: given map.npy \(1000000 x 1000000 points after resampling, not",
     ):
         plan(write(folder, scene=scene, grid={"file": ["map.npy"], "points": [16, 1_000_000]}))
+
+
+def test_lengths_of_a_grid_have_units_where_the_file_tells_the_period(folder):
+    in_um = plan(write(folder, grid=TREATED | {"cutoff": ["50 um", "0.1 mm"]}))
+    assert [case.problem.identity for case in in_um.cases] == [
+        case.problem.identity for case in plan(write(folder, grid=TREATED)).cases
+    ]
+    np.save(folder / "reduced.npy", np.sin(np.arange(64)) / 100)
+    scene = SCENE | {"body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 0.05}}
+    with pytest.raises(
+        InputError, match=r"grid.cutoff\[1\]: given '0.1 mm'; allowed: a number without a unit, as there"
+    ):
+        plan(write(folder, scene=scene, grid={"file": ["reduced.npy"], "cutoff": [0.1, "0.1 mm"]}))

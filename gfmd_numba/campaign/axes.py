@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -29,6 +30,7 @@ from gfmd_numba.scene.quantities import (
     Hurst,
     Length,
     LineLoad,
+    Points,
     PoissonsRatio,
     Pressure,
     ReducedPressure,
@@ -68,6 +70,11 @@ class Axis:
         return self.coordinate_name or self.name
 
     @property
+    def has_names(self) -> bool:
+        """Whether its values are names, which the dataset counts beside them."""
+        return self.type is FileName
+
+    @property
     def of_surface(self) -> bool:
         """Whether it varies the rough surface."""
         return self.place[:1] == ("roughness",)
@@ -76,18 +83,19 @@ class Axis:
     def _found(self) -> Callable[[Any], Any]:
         return attrgetter(".".join(self.place or (self.name,)))
 
-    def value(self, scene: Scene, discretisation: Discretisation | None) -> float | None:
+    def value(self, scene: Scene, discretisation: Discretisation | None) -> float | str | None:
         """Value of a case; None if it has no such parameter, as layers have ratios and heights of their own."""
         if self.place[:1] == ("body",) and scene.body.layers is not None:
             return None
         try:
-            found: float | None = self._found(scene if self.place else discretisation)
+            found: float | str | None = self._found(scene if self.place else discretisation)
         except AttributeError:
             return None
         return found
 
 
 AXES = (
+    Axis("file", FileName, ("roughness", "file"), "file", "file", "file of the measured surface"),
     Axis("hurst", Hurst, ("roughness", "hurst"), "H", "$H$", "Hurst exponent"),
     Axis("poissons_ratio", PoissonsRatio, ("body", "poissons_ratio"), "nu", r"$\nu$", "Poisson's ratio of the body"),
     Axis("aspect_ratio", AspectRatio, ("body", "aspect_ratio"), "a", "$a$", "thickness of the body over the period"),
@@ -141,6 +149,16 @@ AXES = (
         "height",
     ),
     Axis("cut_on", Length, ("roughness", "cut_on"), "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
+    Axis(
+        "cutoff",
+        Length,
+        ("roughness", "cutoff"),
+        "lambda_c",
+        r"$\lambda_c$",
+        "shortest wavelength kept of the measured surface",
+        "height",
+    ),
+    Axis("points", Points, ("roughness", "points"), "points", "$n_x$", "grid points of the surface over the period"),
     Axis(
         "correlation_length",
         Length,
@@ -262,13 +280,13 @@ def present(scene: Scene, discretisation: Discretisation | None) -> tuple[Axis, 
     return tuple(axis for axis in AXES if axis.value(scene, discretisation) is not None)
 
 
-def with_values(scene: Scene, values: Mapping[Place, float]) -> Scene:
+def with_values(scene: Scene, values: Mapping[Place, Any]) -> Scene:
     """Scene with other values in some places, whose records it has."""
     return scene.model_copy(update=_updates(scene, values))
 
 
-def _updates(record: BaseModel, values: Mapping[Place, float]) -> dict[str, Any]:
-    inner: dict[str, list[tuple[Place, float]]] = {}
+def _updates(record: BaseModel, values: Mapping[Place, Any]) -> dict[str, Any]:
+    inner: dict[str, list[tuple[Place, Any]]] = {}
     update: dict[str, Any] = {}
     for (name, *rest), value in values.items():
         if rest:
@@ -279,6 +297,6 @@ def _updates(record: BaseModel, values: Mapping[Place, float]) -> dict[str, Any]
 
 
 @lru_cache(maxsize=4096)
-def _part(part: BaseModel, values: tuple[tuple[Place, float], ...]) -> BaseModel:
+def _part(part: BaseModel, values: tuple[tuple[Place, Any], ...]) -> BaseModel:
     """Part of a scene with other values; equal parts of many cases are one record."""
     return part.model_copy(update=_updates(part, dict(values)))

@@ -5,14 +5,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
+from types import MappingProxyType
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, given_surface, random_surface
+from gfmd_numba.campaign.measured_punches import Punches
+from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
 from gfmd_numba.scene.checks import ARRAYS_PER_REALISATION
 
@@ -51,20 +52,27 @@ class Block:
         return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"
 
 
-def expand(campaign: Campaign, measured: MeasuredSurface | None = None) -> list[Case]:
+def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits.
 
-    `measured` is its surface, if that was measured; raises InputError for a surface that cannot be used.
+    `punches` are its surfaces, if they were measured; raises InputError for a surface that cannot be used.
     """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
     levels = list(campaign.discretisations())
-    surface_of = lru_cache(maxsize=None)(partial(_surface, campaign, measured))
+    random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
+        punch = punches.get(scene.roughness)
+        if punch is not None:
+            scene = punch.under(scene)
         for level in levels:
-            surface, rms_gradient = surface_of(scene.roughness, level.discretisation)
+            surface, rms_gradient = (
+                random_surface_of(scene.roughness, level.discretisation)
+                if punch is None
+                else (punch.surface, punch.rms_gradient)
+            )
             problem, effects = _reduced(scene, surface, rms_gradient, campaign)
             case = Case(
                 scene=scene,
@@ -80,12 +88,11 @@ def expand(campaign: Campaign, measured: MeasuredSurface | None = None) -> list[
 
 
 def _surface(
-    campaign: Campaign, measured: MeasuredSurface | None, roughness: Surface, discretisation: Discretisation | None
-) -> tuple[RandomSurface | GivenSurface, float]:
+    campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
+) -> tuple[RandomSurface, float]:
     """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
+    assert campaign.seed is not None  # the campaign's promise
     try:
-        if measured is not None:
-            return given_surface(measured.in_periods)
         scene = campaign.scene.model_copy(update={"roughness": roughness})
         return random_surface(scene, discretisation, campaign.seed)
     except ValueError as error:
@@ -152,7 +159,7 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
     physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
-    found: dict[tuple[float | None, ...], list[Case]] = {}
+    found: dict[tuple[float | str | None, ...], list[Case]] = {}
     for case in cases:
         found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)
     return list(found.values())

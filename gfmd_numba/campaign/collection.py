@@ -66,7 +66,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": planned.validity,
-        **({} if planned.measured is None else {"processing": "\n".join(planned.measured.done)}),
+        **({"processing": planned.processing} if planned.punches else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions()),
         "git_commit": git_commit(),
@@ -78,9 +78,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
-    scene = planned.campaign.scene
+    scene = planned.cases[0].scene  # measured ones tell their period
     dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
-    dataset = dataset.assign_attrs(attributes | modulus_attributes(scene))
+    dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",
@@ -98,7 +98,7 @@ def described(planned: Plan) -> dict[str, Any]:
         "title": campaign.name,
         "campaign": text,
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "seed": campaign.seed,
+        **({} if campaign.seed is None else {"seed": campaign.seed}),
         "fit": campaign.fit.model_dump_json(exclude_none=True),
         **({} if campaign.target is None else {"target": campaign.target}),
     }

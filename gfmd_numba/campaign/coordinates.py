@@ -1,5 +1,6 @@
 """What tells one case of a campaign from another: its coordinates in the dataset, and what each of them is."""
 
+import json
 from typing import Any
 
 from gfmd_numba.campaign.axes import AXES, present
@@ -52,7 +53,10 @@ def _reduced_pressures(cases: list[Case]) -> dict[str, list[Any]]:
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
-    """Coordinates with CF attributes; of an axis also its symbols, its kind and its rank."""
+    """Coordinates with CF attributes; of an axis also its symbols, its kind and its rank.
+
+    An axis of names has these, and numbers that stand for them: an index whose attribute `names` is a list in JSON.
+    """
     unit = units(scene)
     attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
     for rank, axis in enumerate(AXES):
@@ -64,4 +68,15 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
         }
     if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis
         attributes["reduced_pressure"] = cf_attributes(REDUCED_PRESSURE)
-    return {name: ("case", column, attributes[name]) for name, column in coordinates(cases).items()}
+    columns = coordinates(cases)
+    described = {name: ("case", column, attributes[name]) for name, column in columns.items()}
+    for axis in (axis for axis in AXES if axis.has_names and axis.coordinate in columns):
+        known = list(dict.fromkeys(columns[axis.coordinate]))
+        numbers = {name: i for i, name in enumerate(known)}
+        counted = attributes[axis.coordinate] | {
+            "long_name": f"{axis.long_name}, counted in the order of the campaign",
+            "names": json.dumps(known, ensure_ascii=False),
+        }
+        described[f"{axis.coordinate}_index"] = "case", [numbers[name] for name in columns[axis.coordinate]], counted
+        described[axis.coordinate] = "case", columns[axis.coordinate], cf_attributes(axis.long_name)
+    return described

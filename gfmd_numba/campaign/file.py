@@ -1,27 +1,36 @@
 """The campaign file: a scene, a reference discretisation, and what varies around it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.limits import FixedExponents, Limits, NumberOfSurfaces
-from gfmd_numba.campaign.rewriting import with_text
+from gfmd_numba.campaign.limits import COUNT, FixedExponents, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
-from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
+from gfmd_numba.scene.checks import (
+    check_anisotropy_fits,
+    check_discretisation,
+    check_memory,
+    check_range,
+    check_surfaces,
+)
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.quantities import RECORD, Seed, broken_rule, check_scales
+from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
+from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
+from gfmd_numba.text.input_error import ABSENT
 
 MOST_CASES = 1_000_000
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
@@ -58,8 +67,11 @@ class Campaign(BaseModel):
         description="Name of the campaign and of its output",
         json_schema_extra={"allowed": "up to 100 letters, digits, '.', '_' and '-', not starting with '.'"},
     )
-    seed: Seed
-    realisations: NumberOfSurfaces = Field(description="Random surfaces of each case, a number or one for each limit")
+    seed: Seed | None = Field(None, description="Seed of the random surfaces; None: no surface is random")
+    realisations: NumberOfSurfaces = Field(
+        Realisations(reference=1),
+        description="Random surfaces of each case, a number or one for each limit; left out where no surface is random",
+    )
     scene: Scene = Field(description="What is in contact")
     reference: Discretisation | None = Field(
         None, description="Discretisation around which the limits are taken; None: surfaces have points of their own"
@@ -113,13 +125,24 @@ class Campaign(BaseModel):
                     yield axis, i, value
 
     @model_validator(mode="after")
+    def _draws_what_is_random(self) -> Self:
+        random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
+        rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
+        for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", COUNT)):
+            given = name in self.model_fields_set
+            if random and (not given or getattr(self, name) is None):
+                raise broken_rule((name,), allowed)
+            if rough and given and not random:
+                raise broken_rule((name,), "nothing, as a measured surface is not random")
+        return self
+
+    @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
+        if self.scene.length is not None or not isinstance(self.scene.roughness, Measured):  # whose file may tell it
+            check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
-        if isinstance(self.scene.roughness, Measured) and self.realisations.reference != 1:
-            raise broken_rule(("realisations",), "1, as a measured surface has no random realisations")
         if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         for axis in DISCRETISATIONS:
@@ -147,12 +170,15 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     document = document_of(
         source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
     )
+    if document.path is not None:
+        document = replace(document, home=home_of(document.path))
     check_keys(document)
+    document = _with_a_file(document)
     campaign = validate(document, Campaign)
-    varied = {name: values for name, values in campaign.grid if values is not None}
-    check_combination(document, campaign.scene, campaign.numerics, grid=varied)
+    if not isinstance(campaign.scene.roughness, Measured):  # only its file tells the dimension
+        check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    campaign, document = _with_located_file(campaign, document)
+    _check_files(document, campaign)
     if document.path is None:
         document = replace(document, text=written(campaign))
     if campaign.n_cases > MOST_CASES:
@@ -160,8 +186,11 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
-    anisotropies, ranges = list(_anisotropies(campaign)), list(_ranges(campaign))
+    anisotropies, with_ranges = list(_anisotropies(campaign)), ranges(campaign, campaign.scene)
     check_surfaces(document, campaign.scene)
+    points = values_of(campaign.grid, "points") or ()
+    for i, value in enumerate(points):
+        check_memory(document, ("grid", "points", i), value, campaign.scene.dimension)
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
         return campaign, document
@@ -170,27 +199,51 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
             check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
-        nx = campaign.scene.roughness.points if discretisation is None else discretisation.nx
+        own = min(points, default=campaign.scene.roughness.points)
+        nx = own if discretisation is None else discretisation.nx
         assert nx is not None  # the records' promise
-        for scene, place in ranges:
+        for scene, place in with_ranges:
             check_range(document, scene, nx, place)
     return campaign, document
 
 
-def _with_located_file(campaign: Campaign, document: Document) -> tuple[Campaign, Document]:
-    """The same, with the whole path of a measured surface's file in both: the text is kept with the results."""
+def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
+    """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
+    try:
+        check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
+    except PydanticCustomError as error:
+        rule = error.context or {}
+        raise document.error(rule["location"], document.value(rule["location"]), rule["allowed"]) from None
+    varied = {name: values for name, values in campaign.grid if values is not None}
+    check_combination(document, scene, campaign.numerics, grid=varied)
+
+
+def _with_a_file(document: Document) -> Document:
+    """Document whose measured surface has a file, the grid's first, where the grid alone names its files."""
+    data: Any = document.data
+    surface: Any = document.value(("scene", "roughness"))
+    files = document.value(("grid", "file"))
+    measured = isinstance(surface, Mapping) and surface.get("method") == "measured"
+    if not measured or files is ABSENT or files is None or {"file", "heights"} & surface.keys():
+        return document
+    names = files if isinstance(files, list | tuple) else ()
+    first = next((name for name in names if isinstance(name, str) and name), "grid.file")  # whose faults are told there
+    return replace(document, data={**data, "scene": {**data["scene"], "roughness": {**surface, "file": first}}})
+
+
+def _check_files(document: Document, campaign: Campaign) -> None:
+    """Raise InputError for a measured surface whose files do not all exist, or that has none."""
     place, surface = ("scene", "roughness"), campaign.scene.roughness
     if not isinstance(surface, Measured):
-        return campaign, document
+        return
     if surface.file is None:
-        raise document.error(
-            (*place, "heights"), surface.shown, "a file in a campaign: save the array as .npy, and name it"
-        )
-    file = existing_file(document, (*place, "file"), surface.file, ())
-    if document.path is not None:
-        document = replace(document, text=with_text(document.text, (*place, "file"), file))
-    surface = surface.model_copy(update={"file": file})
-    return campaign.model_copy(update={"scene": campaign.scene.model_copy(update={"roughness": surface})}), document
+        allowed = "a file in a campaign: save the array as .npy, and name it"
+        raise document.error((*place, "heights"), surface.shown, allowed)
+    varied = values_of(campaign.grid, "file")
+    if varied is None:
+        existing_file(document, (*place, "file"), surface.file, ())
+    for i, name in enumerate(varied or ()):
+        existing_file(document, ("grid", "file", i), name, ())
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
@@ -202,10 +255,10 @@ def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
         yield own, ("scene", "roughness", "anisotropy")
 
 
-def _ranges(campaign: Campaign) -> list[tuple[Scene, Location | None]]:
-    """Scenes with each interaction range of a campaign, and where that stands in the file if not in the scene."""
-    varied = varied_scenes(campaign.scene, campaign.grid)
-    ranges: list[tuple[Scene, Location | None]] = [
-        (scene, location) for axis, location, scene in varied if axis.name == "interaction_range"
+def ranges(campaign: Campaign, scene: Scene) -> list[tuple[Scene, Location | None]]:
+    """The scene with each interaction range of a campaign, and where that stands in the file if not in the scene."""
+    varied = varied_scenes(scene, campaign.grid)
+    found: list[tuple[Scene, Location | None]] = [
+        (each, location) for axis, location, each in varied if axis.name == "interaction_range"
     ]
-    return ranges or [(campaign.scene, None)]
+    return found or [(scene, None)]

@@ -42,10 +42,12 @@ else:
     )
 
 
-def values_of(grid: Grid, axis: str) -> tuple[float, ...] | None:
-    """Values that a grid gives to an axis, or None."""
-    given: tuple[float, ...] | None = getattr(grid, axis)
-    return None if given is None else tuple(map(float, given))  # whether with a unit, only `Campaign` needs to know
+def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
+    """Values that a grid gives to an axis, numbers or names, or None."""
+    given: tuple[Any, ...] | None = getattr(grid, axis)
+    if given is None:
+        return None  # whether a number has a unit, only `Campaign` needs to know
+    return tuple(float(value) if isinstance(value, float) else value for value in given)
 
 
 def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
@@ -71,9 +73,7 @@ def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None
 
     What the grid varies stands in no case as the scene has it, so that each value is checked beside the grid's others.
     """
-    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
-    for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
-        values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+    for values, locations in surfaces_of_grid(grid):
         fault = _surface_fault(scene, values)
         if fault is None:
             continue
@@ -83,13 +83,20 @@ def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None
             if getattr(scene.roughness, fault[0], None) is not None:
                 allowed = f"a value for which {fault[0]} is {allowed}"
             to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
-            place = next(to_blame, axes[-1].place)
-        at = list(values).index(place)
-        location = ("grid", axes[at].name, chosen[at][0])
+            place = next(to_blame, list(values)[-1])
+        location = locations[place]
         raise document.error(location, document.value(location), allowed)
 
 
-def _surface_fault(scene: Scene, values: Mapping[Place, float]) -> tuple[str, str] | None:
+def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
+    """Values of each surface that a grid makes, by their places in the scene, and where each stands in the file."""
+    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
+    for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
+        values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+        yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
+
+
+def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
     """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
     surface = with_values(scene, values).roughness
     assert surface is not None  # the combinations' promise

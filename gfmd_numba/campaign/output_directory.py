@@ -18,14 +18,18 @@ from gfmd_numba.storage.atomic_file import TEMPORARY, replace
 from gfmd_numba.text.input_error import brief
 
 LABEL = "campaign.yaml"  # copy of the campaign file
-MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, and digests of the labels put there
+MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, digests of the labels put there, and
+_HOME = "folder"  # the folder that names of files in the label are relative to
 _LOCK = ".lock"
 _LEFTOVER = re.compile(rf"{TEMPORARY}|.*\.late\.tmp")
 
 
 @contextmanager
-def claimed(directory: Path, name: str, text: str) -> Iterator[None]:
-    """Hold the output directory for a campaign, labelled with its text; raises InputError if it is not to be had."""
+def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Iterator[None]:
+    """Hold the output directory for a campaign, labelled with its text; raises InputError if it is not to be had.
+
+    Names of files in the text are relative to the `folder`.
+    """
     _check_content(directory)
     _make(directory)
     with open(directory / _LOCK, "ab") as lock:
@@ -41,7 +45,7 @@ def claimed(directory: Path, name: str, text: str) -> Iterator[None]:
                     ) from None
                 time.sleep(0.05)
         _check_owner(directory, name)
-        _label(directory, name, text)
+        _label(directory, name, text, folder)
         for leftover in (*directory.glob("*.tmp"), *directory.glob("shards/*.tmp")):
             if _LEFTOVER.fullmatch(leftover.name):
                 leftover.unlink(missing_ok=True)
@@ -58,6 +62,12 @@ def at_work(directory: Path) -> bool:
         except (BlockingIOError, PermissionError):
             return True
     return False
+
+
+def home_of(file: Path) -> Path | None:
+    """Folder that names of files in a campaign file are relative to, if it is the copy in an output directory."""
+    folder = json_file.read(file.parent / MARK).get(_HOME) if file.name == LABEL else None
+    return Path(folder) if isinstance(folder, str) else None
 
 
 def check_label(directory: Path) -> None:
@@ -109,7 +119,7 @@ def _check_owner(directory: Path, name: str) -> None:
         )
 
 
-def _label(directory: Path, name: str, text: str) -> None:
+def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     """Put the text of the campaign into its directory, but not in place of what somebody wrote there."""
     label, content = directory / LABEL, text.encode()
     present = label.read_bytes() if label.is_file() else None
@@ -122,7 +132,8 @@ def _label(directory: Path, name: str, text: str) -> None:
             "changed one; or move it away)"
         )
     known = {_digest(text) for text in (present, content) if text is not None}  # a kill leaves either
-    json_file.write(directory / MARK, {"campaign": name, "labels": sorted(known)})
+    mark = {"campaign": name, "labels": sorted(known), _HOME: os.path.abspath(folder)}
+    json_file.write(directory / MARK, mark)
     if not equal:
         replace(label, content)
 

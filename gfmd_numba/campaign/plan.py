@@ -2,27 +2,23 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
 import psutil
 
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
+from gfmd_numba.campaign.conditions import meeting
 from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.contact_input import with_measured
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import Document, InputError
-from gfmd_numba.scene.checks import check_range
-from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.source import Source
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
@@ -38,7 +34,7 @@ class Plan:
     document: Document
     cases: list[Case]
     problems: list[Problem]
-    measured: MeasuredSurface | None = None
+    punches: Punches = field(default_factory=dict)
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -72,8 +68,12 @@ class Plan:
     @property
     def validity(self) -> str:
         """What speaks against the results: an implausible surface, and laws that a grid does not resolve."""
-        implausible = () if self.measured is None else self.measured.doubts
-        return "\n".join(filter(None, (*implausible, self._unresolved)))
+        return "\n".join(filter(None, (*said_of(self.punches, "doubts"), self._unresolved)))
+
+    @property
+    def processing(self) -> str:
+        """What was done to measured surfaces."""
+        return "\n".join(said_of(self.punches, "done"))
 
     @property
     def _unresolved(self) -> str:
@@ -111,19 +111,8 @@ class Plan:
         return dict(reasons)
 
     def only(self, conditions: Mapping[str, str]) -> list[Case]:
-        """Cases that meet all conditions, name of a coordinate -> value; raises InputError."""
-        columns = coordinates(self.cases)
-        chosen = np.ones(len(self.cases), dtype=bool)
-        for name, given in conditions.items():
-            if name not in columns:
-                raise InputError(f"--only: given {name}; allowed: {', '.join(columns)}")
-            value = given if isinstance(columns[name][0], str) else plain_scalar(given)
-            met = np.array([held == value for held in columns[name]])
-            if not met.any():
-                held = ", ".join(map(str, list(dict.fromkeys(columns[name]))[:10]))
-                raise InputError(f"--only: given {name}={given}; allowed: a value of the campaign, like {held}")
-            chosen &= met
-        return [case for case, wanted in zip(self.cases, chosen, strict=True) if wanted]
+        """Cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
+        return meeting(self.cases, conditions)
 
     def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
         """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""
@@ -139,15 +128,12 @@ class Plan:
 def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
-    scene, surfaces = with_measured(campaign.scene, document)
-    campaign = campaign.model_copy(update={"scene": scene})
-    measured = surfaces.get(("roughness",))
-    if measured is not None:  # only its file tells the dimension and the grid
-        varied = {name: values for name, values in campaign.grid if values is not None}
-        check_combination(document, scene, campaign.numerics, grid=varied)
-        check_range(document, scene, measured.heights.shape[-1])
-    cases = expand(campaign, measured)
-    return Plan(campaign, document, cases, distinct(cases), measured)
+    punches = measured_punches(campaign, document)
+    scenes = {(punch.dimension, punch.period): punch.under(campaign.scene) for punch in punches.values()}
+    if len(scenes) == 1:
+        campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
+    cases = expand(campaign, punches)
+    return Plan(campaign, document, cases, distinct(cases), punches)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:

@@ -1,8 +1,7 @@
 """A campaign file with other values of some keys, and everything else as its author wrote it."""
 
-import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import yaml
@@ -18,14 +17,6 @@ def with_values(text: str, values: Mapping[str, str]) -> str:
     for key, value in values.items():
         text = _with_value(text, key, value)
     return text
-
-
-def with_text(text: str, place: Sequence[str | int], value: str) -> str:
-    """Text of a YAML document with another text in one place, and everything else as its author wrote it."""
-    node: Any = yaml.compose(text, yaml.SafeLoader)
-    for key in place:
-        node = next(value_node for key_node, value_node in node.value if key_node.value == key)
-    return text[: node.start_mark.index] + json.dumps(value) + text[node.end_mark.index :]
 
 
 def _with_value(text: str, key: str, value: str) -> str:

@@ -59,7 +59,7 @@ def run(
     check(workers, directory)
     failed: Failures = {}
     try:
-        with claimed(directory, planned.campaign.name, planned.document.text):
+        with claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder):
             chosen = list(split(cases, held(directory)))
             todo = _todo(chosen, directory, choice)
             progress = watch(len(chosen), len(chosen) - len(todo)) if watch else lambda blocks: None

@@ -69,9 +69,10 @@ def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
     yield from _solvers(case.problem, realisations)
-    if case.discretisation is not None:
+    seed = planned.campaign.seed
+    if case.discretisation is not None and seed is not None:
         for axis in DISCRETISATIONS:
-            yield from _discretisation(case, case.discretisation, axis, planned.campaign.seed, realisations)
+            yield from _discretisation(case, case.discretisation, axis, seed, realisations)
     yield from _sampling(case.problem, 16 * realisations)
     yield from _effects(case.problem, realisations)
 

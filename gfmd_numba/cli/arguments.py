@@ -46,11 +46,17 @@ def _conditions_given(ctx: click.Context, param: click.Parameter, options: tuple
     for option, (name, _, value) in zip(options, pairs, strict=True):
         if not name or not value:
             raise click.BadParameter(f"given {option!r}; allowed: a coordinate and its value, like hurst=0.8")
+        if sum(name == other for other, _, _ in pairs) > 1:
+            raise click.BadParameter(f"given {option!r} and another value of {name}; allowed: one value of each name")
     return tuple((name, value) for name, _, value in pairs)
 
 
 conditions_option = click.option(
-    "--only", multiple=True, callback=_conditions_given, metavar="NAME=VALUE", help="Only cases with this coordinate"
+    "--only",
+    multiple=True,
+    callback=_conditions_given,
+    metavar="NAME=VALUE",
+    help="Only such cases, like pressure=50MPa",
 )
 
 

@@ -41,15 +41,17 @@ def check(file: Path) -> None:
 
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.scene import Measured
 
-    campaign, _ = load_campaign(document)
-    kind = f"a campaign of {campaign.n_cases} cases x {campaign.realisations.reference} realisations"
-    kind = ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid))))
-    if not campaign.scene.interface.reaches_across:
-        return kind, ""
-    from gfmd_numba.campaign.plan import plan
+    campaign, validity = load_campaign(document)[0], ""
+    if campaign.scene.interface.reaches_across or isinstance(campaign.scene.roughness, Measured):
+        from gfmd_numba.campaign.plan import plan
 
-    return kind, plan(document).validity
+        planned = plan(document)
+        campaign, validity = planned.campaign, planned.validity
+    kind = f"a campaign of {campaign.n_cases} cases"
+    kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
+    return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), validity
 
 
 def _check_surface(document: Document) -> tuple[str, str]:

@@ -63,8 +63,8 @@ def _show_size(planned: Plan, workers: int) -> None:
     from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
 
     click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
-    largest = max(case.problem.surface.nx for case in planned.cases)
-    click.echo(f"largest grid  nx = {largest}" + (" = ny" if planned.campaign.scene.dimension == 2 else ""))
+    largest = max((case.problem.surface for case in planned.cases), key=lambda surface: surface.nodes)
+    click.echo(f"largest grid  nx = {largest.nx}" + (" = ny" if len(largest.shape) == 2 else ""))
     program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides {program}")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
 _MOST_ROWS = 200
 _MOST_EXPONENTS = 6
+_LONGEST_NAME = 40
 
 
 def show_fit(fitted: xr.Dataset) -> None:
@@ -78,7 +79,18 @@ def duration(seconds: float) -> str:
 
 
 def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
-    return {heading: list(map(_number, dataset[name].values)) for heading, name in names.items()}
+    return {heading: _values(dataset[name]) for heading, name in names.items()}
+
+
+def _values(parameter: xr.DataArray) -> list[str]:
+    """Return values of a parameter as cells, long names by their ends as long as these differ."""
+    from gfmd_numba.analysis.names import has_names, shown
+
+    if not has_names(parameter):
+        return list(map(_number, parameter.values))
+    names = shown(parameter, parameter.values)
+    short = [name if len(name) <= _LONGEST_NAME else f"...{name[3 - _LONGEST_NAME :]}" for name in names]
+    return short if len(set(short)) == len(set(names)) else names
 
 
 def _parameters(dataset: xr.Dataset) -> dict[str, str]:
@@ -105,10 +117,8 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     """Return which of several groups a note is about."""
     if len(having) > 3:
         return f"{len(having)} of {fitted.sizes['group']} groups: "
-    varied = {h: name for h, name in _parameters(fitted).items() if len(set(map(_number, fitted[name].values))) > 1}
-    groups = [
-        ", ".join(f"{heading} = {_number(fitted[name].values[i])}" for heading, name in varied.items()) for i in having
-    ]
+    varied = {h: name for h, name in _parameters(fitted).items() if len(set(_values(fitted[name]))) > 1}
+    groups = [", ".join(f"{heading} = {_values(fitted[name])[i]}" for heading, name in varied.items()) for i in having]
     return " and ".join(groups) + ": "
 
 

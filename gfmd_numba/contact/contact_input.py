@@ -12,7 +12,8 @@ from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface
+from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, Scene, SceneFile
 from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
@@ -57,9 +58,9 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
     return file, measured
 
 
-def with_measured(scene: Scene, document: Document) -> tuple[Scene, MeasuredSurfaces]:
-    """As `with_measured_surfaces`, of a scene alone."""
-    measured, length = measured_surfaces(scene, document)
+def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
+    """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
+    measured, length = measured_surfaces(scene, document, read)
     dimensions = {surface.heights.ndim for surface in measured.values()}
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})

@@ -13,7 +13,8 @@ from gfmd_numba.contact.problem import GivenSurface
 from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import Field, MeasuredSurface, measured_field, periodic_surface
+from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
 
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -33,13 +34,15 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
 
 
-def measured_surfaces(scene: Scene, document: Document) -> tuple[dict[Place, MeasuredSurface], float | None]:
+def measured_surfaces(
+    scene: Scene, document: Document, read: Reader = read_content
+) -> tuple[dict[Place, MeasuredSurface], float | None]:
     """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
 
-    Raises InputError for files that cannot be used, or that tell different periods.
+    `read` gives the content of a file. Raises InputError for files that cannot be used, or that tell different periods.
     """
     records = {place: record for place, record in scene.surfaces.items() if isinstance(record, Measured)}
-    fields = {place: _field(record, document, ("scene", *place)) for place, record in records.items()}
+    fields = {place: _field(record, document, ("scene", *place), read) for place, record in records.items()}
     told = {place: field.period for place, field in fields.items() if field.period is not None}
     first = next(iter(told), None) if scene.length is None else None
     length, told_by = (scene.length, "length") if first is None else (told[first], f"{'.'.join(first)}")
@@ -127,9 +130,9 @@ def _random(surface: Random, file: SceneFile, seed: int, document: Document, pla
         raise _unusable(document, place, error) from None
 
 
-def _field(record: Measured, document: Document, place: Place) -> Field:
+def _field(record: Measured, document: Document, place: Place, read: Reader) -> Field:
     try:
-        return measured_field(record)
+        return measured_field(record, read)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
 

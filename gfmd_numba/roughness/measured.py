@@ -4,6 +4,7 @@
 and with it the period: the same, or twice as much if the field is mirrored. Without them, `length` does.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -16,6 +17,8 @@ from gfmd_numba.roughness.processing import detrended, made_periodic
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.units import WithUnit
+
+Reader = Callable[[Path], Content]
 
 _SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
@@ -55,10 +58,13 @@ class Field:
         return self.fields * self.found.lengths[-1] if self.found.unit == "m" and self.found.lengths else None
 
 
-def measured_field(record: Measured) -> Field:
-    """Heights of a record in the units that are stated; raises ValueError, saying what is wrong and what to do."""
+def measured_field(record: Measured, read: Reader = read_content) -> Field:
+    """Heights of a record in the units that are stated; `read` gives the content of a file.
+
+    Raises ValueError, saying what is wrong and what to do.
+    """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
-    found = measurement(_content(record), units, resample=record.points is not None)
+    found = measurement(_content(record, read), units, resample=record.points is not None)
     return Field(record, found, 2.0 if record.periodic == "mirror" else 1.0)
 
 
@@ -94,11 +100,11 @@ def periodic_surface(
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
 
 
-def _content(record: Measured) -> Content:
+def _content(record: Measured, read: Reader) -> Content:
     if record.heights is not None:
         return content_of(record.heights)
     assert record.file is not None  # the record's promise
-    return read_content(Path(record.file))
+    return read(Path(record.file))
 
 
 def _sizes(

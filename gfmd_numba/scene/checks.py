@@ -47,17 +47,24 @@ def check_surfaces(document: Document, scene: Scene) -> None:
     """Raise InputError for surfaces whose own points do not fit in memory."""
     for place, surface in scene.surfaces.items():
         if surface.points is not None:
-            _check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
+            check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
 
 
-def _check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
+def check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
+    """Raise InputError for a surface of so many points each way that does not fit in memory."""
+    if allowed := smaller_than(float(points) ** dimension, dimension):
+        raise document.error(location, points, allowed)
+
+
+def smaller_than(nodes: float, dimension: int) -> str:
+    """What is allowed in place of a grid of so many nodes that does not fit in memory; nothing of one that does."""
     import psutil
 
-    needed = 8 * float(points) ** dimension * ARRAYS_PER_REALISATION[dimension] / 1e9
+    needed = 8 * nodes * ARRAYS_PER_REALISATION[dimension] / 1e9
     available = psutil.virtual_memory().total / 1e9
-    if needed > available:
-        allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
-        raise document.error(location, points, allowed)
+    if needed <= available:
+        return ""
+    return f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
 
 
 def check_anisotropy_fits(

@@ -40,7 +40,11 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
 
 @dataclass(frozen=True)
 class Document:
-    """Text and data of one input, with the line and column of each value and key (counted from 1)."""
+    """Text and data of one input, with the line and column of each value and key (counted from 1).
+
+    Names of files in it are relative to its `folder`: that of its file, or for a mapping the current one. Values of
+    some locations may stand `elsewhere`, as those of a scene in the grid of its campaign.
+    """
 
     path: Path | None
     text: str
@@ -48,11 +52,19 @@ class Document:
     positions: Mapping[Location, tuple[int, int]] = field(default_factory=dict)
     key_positions: Mapping[Location, tuple[int, int]] = field(default_factory=dict)
     flat: bool = False
+    home: Path | None = None
+    elsewhere: Mapping[Location, Location] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> Path:
+        """Folder that names of files are relative to: `home`, if that is another than the folder of its own file."""
+        own = Path() if self.path is None else self.path.parent
+        return own if self.home is None else self.home
 
     def value(self, location: Location) -> object:
         """Value at a location, or ABSENT."""
         value: Any = self.data
-        for part in location:
+        for part in self.elsewhere.get(location, location):
             try:
                 value = value[part]
             except (KeyError, IndexError, TypeError):
@@ -65,6 +77,7 @@ class Document:
 
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""
+        location = self.elsewhere.get(location, location)
         position, owner = self.positions.get(location), location
         while position is None and owner:
             position, owner = self.key_positions.get(owner), owner[:-1]

@@ -47,14 +47,15 @@ GivenHeights = Annotated[
 ]
 
 
+FileName = Annotated[str, Field(min_length=1, json_schema_extra={"allowed": "a file name"})]
+
+
 class Measured(BaseModel):
     """Measured profile or map, read from a file of the user's or given as it is."""
 
     model_config = RECORD
     method: Literal["measured"] = Field(description="How the surface is made")
-    file: str | None = Field(
-        None, min_length=1, description="Profile or map, relative to the folder of the file that names it"
-    )
+    file: FileName | None = Field(None, description="Profile or map, relative to the folder of the file that names it")
     heights: GivenHeights | None = Field(
         None, description="Heights in place of a file: a list of numbers, or of such lists; in Python an array"
     )

@@ -91,6 +91,7 @@ FrictionCoefficient = Annotated[
     ),
 ]
 Points = Annotated[int, Field(ge=4, le=2**40)]
+SEED = "a whole number at least 0 and below 4294967296"
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

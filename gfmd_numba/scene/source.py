@@ -28,7 +28,7 @@ def document_of(source: object, name: str) -> Document:
 
 def existing_file(document: Document, location: Location, name: str, suffixes: tuple[str, ...]) -> str:
     """Absolute path of an existing file of a known kind (any, if none is named), relative to the document's folder."""
-    folder = Path() if document.path is None else document.path.parent
+    folder = document.folder
     file = folder / name
     if suffixes and file.suffix not in suffixes:
         raise document.error(location, name, "a file ending in " + ", ".join(suffixes))

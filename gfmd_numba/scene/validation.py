@@ -113,7 +113,9 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
     match node.get("type"):
         case "array":
             item = _allowed(schema, _resolved(schema, node["items"]))
-            return "a list of one or more " + item.removeprefix("a ").replace("number", "numbers", 1)
+            return "a list of one or more " + item.removeprefix("a ").replace("number", "numbers", 1).replace(
+                "file name", "file names", 1
+            )
         case "object":
             return "a mapping of " + ", ".join(map(repr, node["properties"])) if node["properties"] else "{}"
         case "integer":

@@ -48,7 +48,7 @@ CAMPAIGNS = {
     ),
     "unknown axis": (
         ("grid: {hurst", "grid: {hurts"),
-        "bad.yaml:11:8: grid.hurts: given an unknown key; allowed: one of 'hurst', ",
+        "bad.yaml:11:8: grid.hurts: given an unknown key; allowed: one of 'file', 'hurst', ",
     ),
     "axis that is no list": (
         ("[0.3, 0.5]", "0.3"),
@@ -76,7 +76,7 @@ CAMPAIGNS = {
     ),
     "measured profile": (
         ("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: steel.npy}"),
-        "bad.yaml:3:15: realisations: given 30; allowed: 1, as a measured surface has no random realisations",
+        "bad.yaml:2:7: seed: given 2018; allowed: nothing, as a measured surface is not random",
     ),
     "pressure axis under displacement": (
         (

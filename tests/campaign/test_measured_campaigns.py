@@ -1,5 +1,7 @@
 """Campaigns around one measured surface: loads, bodies and slabs are varied, the surface is what it is."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import yaml
@@ -8,6 +10,7 @@ from click.testing import CliRunner
 import gfmd_numba
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
+from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import InputError
 
 SCENE = {
@@ -16,6 +19,7 @@ SCENE = {
     "loading": {"reduced_pressure": 0.05},
     "roughness": {"method": "measured", "file": "steel.npy", "detrend": "mean"},
 }
+RANDOM = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}
 GRID = {"reduced_pressure": [0.01, 0.05], "aspect_ratio": [0.1, 1.0]}
 
 
@@ -29,7 +33,7 @@ def folder(request, tmp_path):
 
 
 def write(folder, **changes):
-    campaign = {"name": "steel", "seed": 1, "realisations": 1, "scene": SCENE, "grid": GRID} | changes
+    campaign = {"name": "steel", "scene": SCENE, "grid": GRID} | changes
     (folder / "steel.yaml").write_text(yaml.safe_dump(campaign))
     return folder / "steel.yaml"
 
@@ -66,7 +70,12 @@ def test_another_surface_is_another_problem(folder):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"realisations": 2}, r"realisations: given 2; allowed: 1, as a measured surface has no random"),
+        ({"seed": 1}, r"seed: given 1; allowed: nothing, as a measured surface is not random"),
+        ({"realisations": 1}, r"realisations: given 1; allowed: nothing, as a measured surface is not random"),
+        (
+            {"scene": SCENE | {"body": SCENE["body"] | {"roughness": RANDOM}}},
+            r"seed: given nothing; allowed: a whole number at least 0 and below 4294967296, as surfaces are random",
+        ),
         ({"reference": {"eps_c": 1, "eps_f": 1, "eps_t": 1}}, r"reference: given .*; allowed: nothing, as the surface"),
         ({"grid": {"hurst": [0.3, 0.8]}}, r"grid.hurst: given .*; allowed: nothing without"),
         ({"scene": SCENE | {"roughness": {"method": "measured", "file": "steal.npy"}}}, r"did you mean 'steel.npy'"),
@@ -82,3 +91,44 @@ def test_accuracy_of_a_measured_surface_is_refused(folder):
     done = CliRunner().invoke(main, ["accuracy", str(folder / "steel.yaml"), "-o", str(folder / "a.nc")])
     assert done.exit_code == 2
     assert "a random surface for `gfmd accuracy`" in " ".join(done.output.split())
+
+
+def test_results_name_the_file_as_the_campaign_does(folder):
+    found = gfmd_numba.run(folder / "steel.yaml", folder / "out")
+    assert found.attrs["campaign"] == (folder / "steel.yaml").read_text()
+    told = [found.attrs, *(each.attrs for each in found.variables.values()), *(each.values for each in found.values())]
+    assert str(folder) not in str(told)
+
+
+def test_a_copy_of_the_campaign_in_its_directory_reads_the_same_file_from_anywhere(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    first = gfmd_numba.run(yaml.safe_load(Path("steel.yaml").read_text()))
+    monkeypatch.chdir(folder.parent)
+    again = gfmd_numba.run(folder / "steel" / "campaign.yaml", folder / "steel")
+    assert again.attrs["content_sha256"] == first.attrs["content_sha256"]
+    assert len(list((folder / "steel" / "shards").glob("*.shard"))) == 4
+
+
+def test_a_map_of_a_file_bears_a_force_without_a_dimension_in_the_scene(folder):
+    heights, name = np.load(folder / "steel.npy"), {1: "line_load", 2: "force"}
+    right, wrong = name[heights.ndim], name[3 - heights.ndim]
+    body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}
+    treated = SCENE["roughness"] | {"units": {"z": "m"}}
+    for load in (right, wrong):
+        scene = SCENE | {"body": body, "length": 1.0, "roughness": treated, "loading": {load: 1e5}}
+        done = CliRunner().invoke(main, ["check", str(write(folder, scene=scene, grid={load: [1e5, 1e6]}))])
+        assert done.exit_code == (0 if load == right else 2), done.output
+    said = " ".join(done.output.split())
+    assert f"scene.loading.{wrong}: given 100000.0; allowed: a {right} with dimension {heights.ndim}" in said
+    scene["loading"] = {right: 1e5}
+    found = gfmd_numba.run(write(folder, scene=scene, grid={right: [1e5, 1e6]}), folder / "out")
+    assert found["dimension"].values.tolist() == 2 * [heights.ndim]
+    assert (found["status"] == 0).all()
+
+
+def test_planning_reads_the_file_once(folder, monkeypatch):
+    read = []
+    monkeypatch.setattr(surface_files, "read_npy", lambda path: read.append(path) or np.load(path))
+    done = CliRunner().invoke(main, ["plan", str(folder / "steel.yaml"), "--pilot", "0"])
+    assert done.exit_code == 0, done.output
+    assert len(read) == 1

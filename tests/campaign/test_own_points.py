@@ -48,6 +48,12 @@ ADHESIVE = {"interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1
         (campaign(MODEL | {"points": 2**38}), "scene.roughness.points: given 274877906944; allowed: a grid that fits"),
         (campaign(POWER_LAW, {"anisotropy": [1, 50]}, dimension=2), "grid.anisotropy[1]: given 50"),
         (campaign(MODEL, {"interaction_range": [0.1, 1e-9]}, **ADHESIVE), "grid.interaction_range[1]: given 1e-09"),
+        (
+            campaign(MODEL, {"interaction_range": [0.1, 1 / 32], "points": [64, 16]}, **ADHESIVE),
+            "grid.interaction_range[1]: given 0.03125; allowed: at least the grid spacing 0.0625",
+        ),
+        (campaign(POWER_LAW, {"points": [32, 8]}), "grid.points[1]: given 8; allowed: a value for which cut_on is at"),
+        (campaign(MODEL, {"points": [8, 2**38]}), "grid.points[1]: given 274877906944; allowed: a grid that fits"),
         (campaign(MODEL) | {"realisations": {"reference": 2, "eps_c": 5}}, "realisations.eps_c: given 5"),
     ],
 )
@@ -74,3 +80,11 @@ def test_a_map_beyond_its_period_is_refused_everywhere():
     ):
         with pytest.raises(InputError, match=r"anisotropy: given 50; allowed: at most the period over roll_off = 2"):
             make(file)
+
+
+def test_points_of_a_grid_refine_the_same_surfaces(tmp_path):
+    found = gfmd_numba.run(campaign(POWER_LAW, {"points": [64, 256]}), tmp_path / "out")
+    assert found["points"].values.tolist() == found["nx"].values.tolist() == [64, 256]
+    coarse, fine = found["nayak"].values
+    assert coarse == pytest.approx(fine, rel=1e-9)
+    assert fine[0] != fine[1]

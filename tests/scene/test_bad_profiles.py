@@ -21,7 +21,7 @@ MEASURED = SCENE.replace("method: psd\n    hurst: 0.8\n    rms_gradient: 0.01", 
         ),
         ("steal.npy", "; did you mean 'steels.npy'?"),
         ("a/b/steel.npy", "allowed: an existing file, unlike a/b/steel.npy"),
-        ("''", "bad.yaml:5:11: scene.roughness.file: given ''; allowed: text"),
+        ("''", "bad.yaml:5:11: scene.roughness.file: given ''; allowed: a file name"),
     ],
 )
 def test_a_file_that_is_no_profile_is_refused_where_it_is_named(tmp_path, file, expected):

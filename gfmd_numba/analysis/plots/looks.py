@@ -5,6 +5,7 @@ from typing import Any
 
 import xarray as xr
 
+from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.style import COLOURS, with_unit
 from gfmd_numba.analysis.selection import axes, groups, key
 
@@ -49,15 +50,14 @@ def looks(dataset: xr.Dataset) -> Looks:
     column = names.index("hurst") if "hurst" in names else next(iter(varied), 0)
     found = Looks({each: {} for each in sorted(keys)}, names, column, _label(dataset[names[column]]))
     coloured, others = found.coloured, found.others
-    shown = sorted({column, *varied})
+    told = sorted({column, *varied})
     for each, look in found.of.items():
         style = others.index(_without(each, column))
-        values = ", ".join(_value(dataset[names[i]], each[i]) for i in shown)
         look |= {
             "color": COLOURS[coloured.index(each[column]) % len(COLOURS)],
             "marker": _MARKERS[style % len(_MARKERS)],
             "linestyle": _DASHES[style % len(_DASHES)],
-            "label": f"${values}$",
+            "label": _told([(dataset[names[i]], each[i]) for i in told]),
         }
     return found
 
@@ -68,6 +68,13 @@ def _without(each: Key, column: int) -> Key:
 
 def _label(axis: xr.DataArray) -> str:
     return with_unit(str(axis.attrs.get("label", axis.name)), axis)
+
+
+def _told(parameters: list[tuple[xr.DataArray, float]]) -> str:
+    """Names that values stand for, and a formula of all other values."""
+    names = [plain(shown(axis, [value])[0]) for axis, value in parameters if has_names(axis)]
+    formula = ", ".join(_value(axis, value) for axis, value in parameters if not has_names(axis))
+    return ", ".join([*names, f"${formula}$"] if formula else names)
 
 
 def _value(axis: xr.DataArray, value: float) -> str:

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.style import LINE, STYLE, of_variable, scaled, with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
@@ -18,10 +19,12 @@ _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis 
 def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
     """Draw case means with standard errors against the parameter that has most values, a line for each set of others.
 
+    A parameter of names, like files, is taken only where no number is varied, and no line joins its values.
     UnusableDataError for a dataset in which no parameter is varied.
     """
-    name = max(axes(dataset), key=lambda each: np.unique(dataset[each]).size)
-    if np.unique(dataset[name]).size == 1:
+    sizes = {name: np.unique(dataset[name]).size for name in axes(dataset)}
+    name = max(sizes, key=lambda each: (sizes[each] > 1 and not has_names(dataset[each]), sizes[each]))
+    if sizes[name] == 1:
         raise UnusableDataError(
             "given results in which no discretisation is varied, and no other parameter; "
             "allowed: results of a campaign with limits or a grid"
@@ -36,7 +39,8 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
             look = looks.of[key(parameters)]
             ordered = group.sortby("_value")
             mean, error = ensemble_mean(ordered, variable)
-            panel.errorbar(ordered["_value"].values, mean, error, ms=5.5, capsize=2.5, lw=1.3, **look)
+            joined = {"linestyle": "none"} if has_names(dataset[name]) else {}
+            panel.errorbar(ordered["_value"].values, mean, error, ms=5.5, capsize=2.5, lw=1.3, **look | joined)
         panel.set_ylabel(of_variable(dataset, variable))
         panel.grid(axis="y", color="0.9", linewidth=0.8)
         if len(looks.of) > 1:
@@ -47,8 +51,13 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
 
 
 def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
-    """Where the values of a parameter stand on its axis, in their order side by side if one of them is infinite."""
+    """Where the values of a parameter stand on its axis, side by side if they are names or one of them is infinite."""
     label = str(parameter.attrs.get("label", parameter.name))
+    if has_names(parameter):
+        levels, position = np.unique(parameter, return_inverse=True)
+        panel.set_xticks(range(len(levels)), list(map(plain, shown(parameter, levels))), rotation=20, ha="right")
+        panel.set_xlabel(label)
+        return position.astype(float)
     if not np.isfinite(parameter).all():
         levels, position = np.unique(parameter, return_inverse=True)
         panel.set_xticks(range(len(levels)), [f"{level:g}" for level in levels])

@@ -1,0 +1,103 @@
+"""`--only` takes what stands in a campaign's grid: its keys, its units, its names, and numbers read off a table."""
+
+import pytest
+
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.scene import InputError
+
+GRID = {"pressure": ["50 MPa", "0.1 GPa"], "aspect_ratio": [1 / 3, float("inf")], "rms_height": ["1 um", "3 um"]}
+CAMPAIGN = {
+    "name": "loads",
+    "seed": 1,
+    "realisations": 1,
+    "scene": {
+        "body": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3},
+        "length": "1 mm",
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_height": "1 um"},
+        "interface": {"hard_wall": {}},
+        "loading": {"pressure": "50 MPa"},
+    },
+    "reference": {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1},
+    "grid": GRID,
+}
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return plan(CAMPAIGN)
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("pressure", "50 MPa"),
+        ("pressure", "50MPa"),
+        ("pressure", "0.05 GPa"),
+        ("pressure", "5e7"),
+        ("pressure", " 50000000"),
+        ("prescribed_pressure", "5e7"),
+        ("prescribed_pressure", "50 MPa"),
+        ("aspect_ratio", "1/3"),
+        ("aspect_ratio", "0.333333"),
+        ("aspect_ratio", "inf"),
+        ("aspect_ratio", ".inf"),
+        ("rms_height", "3 um"),
+        ("rms_height", "3 µm"),
+    ],
+)
+def test_a_value_is_given_as_in_the_grid_or_as_printed(planned, name, given):
+    chosen = planned.only({name: given})
+    assert len(chosen) == 4
+    cases = {id(case) for case in chosen}
+    assert {id(case) for case in planned.only({name: given, "limit": "reference", "is_reference": "true"})} == cases
+
+
+def test_conditions_are_met_together(planned):
+    (case,) = planned.only({"pressure": "100 MPa", "aspect_ratio": ".inf", "rms_height": "3e-6"})
+    assert case.scene.loading.pressure == 1e8
+    assert case.scene.roughness.rms_height == 3e-6
+    assert case.scene.body.aspect_ratio == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "said"),
+    [
+        ("pressure", "60 MPa", "--only: given pressure=60 MPa; allowed: a value of the campaign, like 50 MPa, 100 MPa"),
+        ("pressure", "50.001 MPa", "like 50 MPa, 100 MPa"),
+        ("pressure", "50 mm", "--only: given pressure=50 mm; allowed: a pressure in Pa, kPa, MPa, GPa or the like"),
+        ("pressure", "50 Mpa", "did you mean 'MPa'?"),
+        ("pressure", "high", "like 50 MPa, 100 MPa"),
+        (
+            "aspect_ratio",
+            "0.3333",
+            "--only: given aspect_ratio=0.3333; allowed: a value of the campaign, like 0.333333",
+        ),
+        ("rms_height", "1 nm", "allowed: a value of the campaign, like 1 µm, 3 µm"),
+        ("presure", "50 MPa", "--only: given presure; allowed: case_id, limit, "),
+        ("presure", "50 MPa", "did you mean 'pressure'?"),
+        ("aspect_ratio", "1 MPa", "allowed: a value of the campaign, like 0.333333, inf"),
+    ],
+)
+def test_what_is_not_there_is_told_with_what_is(planned, name, given, said):
+    with pytest.raises(InputError) as refused:
+        planned.only({name: given})
+    assert said in str(refused.value)
+
+
+def test_a_unit_beside_a_scene_without_units_is_refused():
+    roughness = {"method": "psd", "hurst": 0.8, "rms_height": 1e-3}
+    scene = {**CAMPAIGN["scene"], "body": {"poissons_ratio": 0.3}, "roughness": roughness}
+    del scene["length"]
+    scene["loading"] = {"reduced_pressure": 0.01}
+    planned = plan({**CAMPAIGN, "scene": scene, "grid": {"rms_height": [1e-3, 2e-3]}})
+    assert len(planned.only({"rms_height": "0.002"})) == 1
+    with pytest.raises(
+        InputError, match="--only: given rms_height=2 mm; allowed: a number without a unit, as the scene"
+    ):
+        planned.only({"rms_height": "2 mm"})
+
+
+def test_conditions_that_no_case_meets_together_are_refused(planned):
+    limits = plan({**CAMPAIGN, "limits": {"eps_c": [1 / 4]}, "grid": {}})
+    with pytest.raises(InputError, match="given --only limit=eps_c --only eps_c=1/2, which no case meets together"):
+        limits.only({"limit": "eps_c", "eps_c": "1/2"})

@@ -149,15 +149,7 @@ AXES = (
         "height",
     ),
     Axis("cut_on", Length, ("roughness", "cut_on"), "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
-    Axis(
-        "cutoff",
-        Length,
-        ("roughness", "cutoff"),
-        "lambda_c",
-        r"$\lambda_c$",
-        "shortest wavelength kept of the measured surface",
-        "height",
-    ),
+    Axis("cutoff", Length, ("roughness", "cutoff"), "lambda_c", r"$\lambda_c$", "shortest wavelength kept", "height"),
     Axis("points", Points, ("roughness", "points"), "points", "$n_x$", "grid points of the surface over the period"),
     Axis(
         "correlation_length",

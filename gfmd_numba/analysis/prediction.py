@@ -14,10 +14,15 @@ _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the on
 
 @dataclass(frozen=True)
 class Prediction:
-    """Relative error of kappa_tfc of one group, and the factor on a fit's error that allows for its own uncertainty."""
+    """Relative error of kappa_tfc of one group that is not exceeded with 90 % probability.
+
+    `factor` is the one on a fit's error that allows for its own uncertainty; the error has it, too. `caution` is how
+    much larger the error is that `cheapest_design` promises: a plan is made once, where a run can go on.
+    """
 
     error: float
     factor: float
+    caution: float
 
 
 def predictions(
@@ -28,8 +33,7 @@ def predictions(
 ) -> list[Prediction]:
     """Predict the error of each group for `counts` (case) of realisations from the results of as many or fewer.
 
-    It is one that `cheapest_design` promises, and not exceeded with 90 % probability. UnusableDataError for results
-    that do not tell.
+    UnusableDataError for results that do not tell.
     """
     number = level_of_case(results)
     of_level = np.zeros(number.max() + 1)
@@ -37,5 +41,6 @@ def predictions(
     found = []
     for ensemble in ensembles(results, variable, fixed or {}):
         factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
-        found.append(Prediction(relative_errors(ensemble, of_level)[0], factor))
+        caution = float(np.sqrt(ensemble.doubt)) / factor
+        found.append(Prediction(relative_errors(ensemble, of_level)[0] / caution, factor, caution))
     return found

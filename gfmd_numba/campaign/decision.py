@@ -1,7 +1,7 @@
 """How many realisations the next round of a run has, from the results so far.
 
 Nothing measured in seconds enters, so that a run that was killed and resumes decides as it would have done: work is
-counted in a price, transforms times n log2 n of the grid. Decisions come from the predicted error, which follows from
+counted in a price, which follows from transforms and grids. Decisions come from the predicted error, which follows from
 the covariance of all results, and only rounds few and far between are looked at: stopping then hardly biases a mean
 (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 let their tolerance fall in the same way).
 """
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.selection import groups
 from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.price import price_of_transform
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look
@@ -104,13 +105,13 @@ def decide(results: xr.Dataset, found: Judgement, target: float, fit: Fit, most:
 
 
 def price_of_realisations(results: xr.Dataset) -> Reals:
-    """Price of a realisation of each case (case): its mean number of transforms times n log2 n of the grid."""
+    """Price of a realisation of each case (case): its mean number of transforms times that of one."""
     nodes = results["nx"].values.astype(float) ** results["dimension"].values
     transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
     known = np.isfinite(transforms)
     if not known.any():
         raise UnusableDataError("given no good realisation; allowed: some of every case")
-    return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * nodes * np.log2(nodes))
+    return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
 
 
 def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
@@ -129,7 +130,9 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
         where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
         if identities not in known:
             try:
-                design = cheapest_design(cases, price[where].tolist(), target, fit.variable, fit.fixed)
+                (expected,) = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)
+                promise = target * expected.caution
+                design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
             except UnusableDataError as error:
                 raise UnusableDataError(f"{_named(results, parameters)}{error}") from None
             known[identities] = _of_cases(design, cases)

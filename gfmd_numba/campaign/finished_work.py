@@ -1,12 +1,12 @@
 """What the shards in an output directory tell: how far each case is, what it cost, and what nobody asked for."""
 
 from collections.abc import Sequence
-from math import log2
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, shards
 from gfmd_numba.campaign.execution import SECONDS, held, shard_path
 from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.price import price_of_transform
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
@@ -25,14 +25,13 @@ def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]
 
 
 def seconds_per_price(planned: Plan, directory: Path) -> float | None:
-    """Processor time in s of a transform over n log2 n of its grid, of all shards of a plan; None where none tells."""
+    """Processor time in s over the price, of all shards of a plan; None where none tells."""
     seconds = price = 0.0
     for block in planned.blocks_in(directory):
         measured = shards.read(shard_path(directory, block))
         if measured is not None:
-            nodes = block.problem.surface.nodes
             seconds += float(measured[SECONDS].sum())
-            price += float(measured["n_transforms"].sum()) * nodes * log2(nodes)
+            price += float(measured["n_transforms"].sum() * price_of_transform(block.problem.surface.nodes))
     return seconds / price if seconds > 0 and price > 0 else None
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from gfmd_numba.campaign.cases import distinct, expand
 from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.storage import atomic_file
 
@@ -22,7 +23,7 @@ _VARIABLES = {
     "predicted_error": "relative standard error of the limit that was predicted before the round, not-a-number of none",
     "error": "relative standard error of the limit that the fit said after the round, that of the worst group",
     "error_factor": "factor on the error of the fit that allows for the uncertainty of the error itself",
-    "price": "transforms of all realisations times n log2 n of their grids",
+    "price": f"price of all realisations, in {UNITS}",
     "target_price": "price at which the target was expected to be reached, not-a-number where nothing told",
     "cpu_seconds": "processor time of the contacts up to the end of the round",
 }

@@ -22,6 +22,7 @@ from gfmd_numba.campaign.price import price_of_transform
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look
+_HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
 _LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
 
 Counts = NDArray[np.intp]
@@ -94,14 +95,14 @@ def decide(results: xr.Dataset, found: Judgement, target: float, fit: Fit, most:
     while whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
         goal = asked = 0.9 * asked
         wanted = _wanted(results, held, price, asked, fit)
-    in_all = whole_price(results, price, wanted)
-    total, target_price = in_all, in_all if asked == goal else None
-    while total > limit:
-        asked *= 1.01 * sqrt(total / limit)
-        wanted = _wanted(results, held, price, asked, fit)
-        total = whole_price(results, price, wanted)
+    total = whole_price(results, price, wanted)
+    target_price = total if asked == goal else None
+    if total > limit:
+        asked, wanted, total = _within(limit, results, held, price, asked, fit)
     expected = max(each.error for each in predictions(results, wanted.tolist(), fit.variable, fit.fixed))
-    return Decision(wanted, expected, total, target_price, is_last=asked <= goal or limit == most)
+    return Decision(
+        wanted, expected, total, target_price, is_last=min(asked / goal, expected / target) <= 1.0 or limit == most
+    )
 
 
 def price_of_realisations(results: xr.Dataset) -> Reals:
@@ -138,6 +139,27 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
             known[identities] = _of_cases(design, cases)
         counts[where] = np.maximum(held[where], known[identities])
     return counts
+
+
+def _within(
+    limit: float, results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit
+) -> tuple[float, Counts, float]:
+    """Least error above a target whose realisations (case) have a whole price within a limit; those, and the price."""
+    tight, loose, found = target, target, held
+    total = inf
+    while total > limit:
+        tight, loose = loose, 1.3 * loose
+        found = _wanted(results, held, price, loose, fit)
+        total = whole_price(results, price, found)
+    for _ in range(_HALVINGS):
+        middle = sqrt(tight * loose)
+        trial = _wanted(results, held, price, middle, fit)
+        trial_price = whole_price(results, price, trial)
+        if trial_price <= limit:
+            loose, found, total = middle, trial, trial_price
+        else:
+            tight = middle
+    return loose, found, total
 
 
 def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:

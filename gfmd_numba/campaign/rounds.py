@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.price import UNITS
@@ -27,15 +28,6 @@ _VARIABLES = {
     "target_price": "price at which the target was expected to be reached, not-a-number where nothing told",
     "cpu_seconds": "processor time of the contacts up to the end of the round",
 }
-
-
-class Goal(BaseModel):
-    """What a run is to reach: a relative standard error of a variable in the limit, and the processor time for it."""
-
-    model_config = _RECORD
-    variable: Literal["kappa", "kappa_counted", "kappa_r"]
-    target: float = Field(gt=0, lt=1)
-    budget: float | None = Field(None, gt=0)  # s
 
 
 class Round(BaseModel):

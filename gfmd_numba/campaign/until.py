@@ -15,11 +15,12 @@ from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Failures, Workers, check, held
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
+from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import REACHED, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.results import read_results
-from gfmd_numba.campaign.rounds import PILOT, Goal, Round, Rounds, with_realisations
+from gfmd_numba.campaign.rounds import PILOT, Round, Rounds, with_realisations
 from gfmd_numba.campaign.run import (
     ALL,
     Choice,

@@ -19,9 +19,10 @@ from gfmd_numba.cli.arguments import (
     results_argument,
     variable_option,
 )
+from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.tables import show_fit, show_target
+from gfmd_numba.cli.tables import show_fit
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ def fit(
     with naming(file):
         fitted = _fit(dataset, fixed, variable, exponents)
     show_fit(fitted)
-    if "target" in dataset.attrs and fitted.attrs["variable"] == fit_options(dataset, (), None, None)["variable"]:
-        show_target(fitted, dataset.attrs["target"])
+    if fitted.attrs["variable"] == fit_options(dataset, (), None, None).get("variable"):
+        show_goal(dataset, fitted)
     if output is not None:
         from gfmd_numba.storage.atomic_file import write_dataset
 

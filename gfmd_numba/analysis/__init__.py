@@ -8,6 +8,7 @@ from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -28,6 +29,7 @@ __all__ = [
     "plot_campaign",
     "plot_contact",
     "plot_curve",
+    "plot_rounds",
     "plot_statistics",
     "plot_surface",
     "predictions",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Self
 
@@ -15,7 +16,7 @@ from gfmd_numba.cli.arguments import (
     processor_time_option,
     until_option,
 )
-from gfmd_numba.cli.fits import draw, fit_options
+from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, picture_of_rounds
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
@@ -152,11 +153,15 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
     from gfmd_numba.storage.mark import may_be_replaced
 
+    pictures = {picture: partial(draw, dataset, fitted)}
+    if has_rounds(dataset):
+        pictures[picture_of_rounds(picture)] = partial(draw_rounds, dataset)
     try:
-        if not may_be_replaced(picture):
-            click.echo(f"note     {picture} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
-        else:
-            draw(dataset, fitted, picture)
+        for path, drawing in pictures.items():
+            if may_be_replaced(path):
+                drawing(path)
+            else:
+                click.echo(f"note     {path} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
     except OSError as error:
         click.echo(f"gfmd: {error}; the results are whole, `gfmd plot {picture.parent}` draws them", err=True)
         return False

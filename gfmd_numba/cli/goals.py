@@ -30,15 +30,9 @@ def _show_rounds(dataset: xr.Dataset) -> None:
         seconds = float(one["round_cpu_seconds"])
         spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time so far"
         say("round", f"{number}: {found}, {asked}; {spent}")
-    say("until", f"{dataset.attrs['until'].split('=')[0]} to {target:.2%}: {dataset.attrs['ended']}")
     last = dataset.isel(round=-1)
-    price = digit_seconds(dataset)
-    if price is not None:
-        say("price", f"the next digit, {float(last['round_error']) / 10:.2%}, takes about {duration(price)}")
-
-
-def digit_seconds(dataset: xr.Dataset) -> float | None:
-    """Return the processor time of a tenth of the error of the last round, which falls with its square root."""
-    last = dataset.isel(round=-1)
-    seconds = 100.0 * float(last["round_cpu_seconds"])
-    return None if isnan(seconds) or isnan(float(last["round_error"])) else seconds
+    error, factor, seconds = (float(last[f"round_{name}"]) for name in ("error", "error_factor", "cpu_seconds"))
+    sure = "" if isnan(error) else f" ({error:.2%}, and with 90 % probability below {error * factor:.2%})"
+    say("until", f"{dataset.attrs['until'].split('=')[0]} to {target:.2%}: {dataset.attrs['ended']}{sure}")
+    if not isnan(error):  # which falls with the square root of time
+        say("price", f"the next digit, {error / 10:.2%}, takes about {duration(100 * seconds)} of processor time")

@@ -67,7 +67,8 @@ def _tell(rounds: Rounds, left: int) -> str:
     """Say what a round is about to do, and return how its bar is called."""
     number, now = len(rounds.rounds) - 1, rounds.now
     if number == 0:
-        say("round", f"0, the pilot: {left} simulations", err=True)
+        if left:
+            say("round", f"0, the pilot: {left} simulations", err=True)
         return "pilot"
     before, target = rounds.rounds[-2], rounds.goal.target
     error = "unknown" if before.error is None else f"{before.error:.2%}"
@@ -78,7 +79,9 @@ def _tell(rounds: Rounds, left: int) -> str:
         if price is not None and before.price is not None and rounds.seconds_per_price is not None
     ]
     takes = f"; about {', '.join(cost)}" if cost else ""
-    say("round", f"{number}: error {error}, target {target:.2%}; {left} simulations more{expected}{takes}", err=True)
+    if left:
+        aim = f"error {error}, target {target:.2%}; {left} simulations more{expected}{takes}"
+        say("round", f"{number}: {aim}", err=True)
     return f"round {number}, {error} of {target:.2%}"
 
 

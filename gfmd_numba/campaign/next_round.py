@@ -17,13 +17,12 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> R
     now, target = state.now, state.goal.target
     state = state.with_now(cpu_seconds=float(results.attrs["cpu_seconds"]))
     try:
+        price = whole_price(results, price_of_realisations(results), results["realisations"].values)
         found = judge(results, fitted, fit)
-        if now.price is None:
-            price = price_of_realisations(results)
-            state = state.with_now(price=whole_price(results, price, results["realisations"].values))
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
-    state = state.with_now(error=found.error if found.error < inf else None, error_factor=found.factor)
+    error = found.error if found.error < inf else None
+    state = state.with_now(error=error, error_factor=found.factor, price=price if now.price is None else now.price)
     if (now.is_last or found.predicted <= target) and found.sure_error <= target:
         return state.ending(REACHED)
     if now.is_last and found.error == inf:

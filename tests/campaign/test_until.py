@@ -11,10 +11,9 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import rounds, until
 from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.goal import Goal, goal_of
+from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.status import campaign_in, progress, verify
-from gfmd_numba.campaign.until import InterruptedRunError, run_until
-from gfmd_numba.scene import InputError
+from gfmd_numba.campaign.until import run_until
 from gfmd_numba.storage import atomic_file
 from support.campaigns import campaign, numbers
 

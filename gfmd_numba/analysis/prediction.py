@@ -14,10 +14,10 @@ _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the on
 
 @dataclass(frozen=True)
 class Prediction:
-    """Relative error of kappa_tfc of one group that is not exceeded with 90 % probability.
+    """Relative error of kappa_tfc to expect of one group, times the `factor`.
 
-    `factor` is the one on a fit's error that allows for its own uncertainty; the error has it, too. `caution` is how
-    much larger the error is that `cheapest_design` promises: a plan is made once, where a run can go on.
+    The factor is the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error
+    is that `cheapest_design` promises: a plan is made once, where a run can go on.
     """
 
     error: float

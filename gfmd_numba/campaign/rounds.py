@@ -21,7 +21,7 @@ _FILE = "rounds.json"
 _RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 _VARIABLES = {
-    "predicted_error": "relative standard error of the limit that was predicted before the round, not-a-number of none",
+    "predicted_error": "relative standard error of the limit, times its factor, that was expected before the round",
     "error": "relative standard error of the limit that the fit said after the round, that of the worst group",
     "error_factor": "factor on the error of the fit that allows for the uncertainty of the error itself",
     "price": f"price of all realisations, in {UNITS}",

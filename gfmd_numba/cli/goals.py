@@ -26,7 +26,7 @@ def _show_rounds(dataset: xr.Dataset) -> None:
         one = dataset.sel(round=number)
         error, predicted = float(one["round_error"]), float(one["round_predicted_error"])
         found = "without an error" if isnan(error) else f"error {error:.2%}"
-        asked = "the pilot" if isnan(predicted) else f"at most {predicted:.2%} expected"
+        asked = "the pilot" if isnan(predicted) else f"{predicted:.2%} expected"
         seconds = float(one["round_cpu_seconds"])
         spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time so far"
         say("round", f"{number}: {found}, {asked}; {spent}")

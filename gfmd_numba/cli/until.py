@@ -72,7 +72,7 @@ def _tell(rounds: Rounds, left: int) -> str:
         return "pilot"
     before, target = rounds.rounds[-2], rounds.goal.target
     error = "unknown" if before.error is None else f"{before.error:.2%}"
-    expected = "" if now.predicted_error is None else f", and at most {now.predicted_error:.2%} expected"
+    expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%} expected"
     cost = [
         f"{duration(max(0.0, price - before.price) * rounds.seconds_per_price)} {what}"
         for price, what in ((now.price, "of processor time"), (now.target_price, "until the target is reached"))

@@ -213,3 +213,15 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
     assert outcome.reached
     of_group = [results["realisations"].values[results["hurst"].values == hurst] for hurst in (0.3, 0.8)]
     assert not np.array_equal(*of_group)
+
+
+def test_local_workers_start_once(reached, tmp_path, monkeypatch):
+    started = []
+    local = until.local
+    monkeypatch.setattr(until, "local", lambda count: (started.append(count), local(count))[1])
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
+    assert len(outcome.rounds.rounds) > 1
+    assert started == [1]
+    assert opened(outcome).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+    run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
+    assert started == [1]  # with nothing left to do none is needed

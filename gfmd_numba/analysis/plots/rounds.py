@@ -48,7 +48,13 @@ def plot_rounds(dataset: xr.Dataset) -> Figure:
         axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=_ylabel(dataset))
         axis.axhline(target, color=_TARGET, lw=1.3, label=f"target {100 * target:.3g} %")
         axis.plot(
-            seconds, known["round_predicted_error"], "o", color=_RESULT, mfc="none", ms=9, label="expected at most"
+            seconds,
+            known["round_predicted_error"],
+            "o",
+            color=_RESULT,
+            mfc="none",
+            ms=9,
+            label="expected before the round",
         )
         sure = errors * (known["round_error_factor"].values - 1.0)
         axis.errorbar(seconds, errors, [0.0 * sure, sure], label=_BARS, **_ROUNDS)

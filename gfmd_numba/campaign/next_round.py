@@ -21,8 +21,11 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> R
         found = judge(results, fitted, fit)
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
-    error = found.error if found.error < inf else None
-    state = state.with_now(error=error, error_factor=found.factor, price=price if now.price is None else now.price)
+    state = state.with_now(
+        error=found.error if found.error < inf else None,
+        error_factor=found.factor,
+        price=price if now.price is None else now.price,
+    )
     if (now.is_last or found.predicted <= target) and found.sure_error <= target:
         return state.ending(REACHED)
     if now.is_last and found.error == inf:

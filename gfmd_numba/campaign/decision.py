@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.selection import groups
 from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.limits import MOST
 from gfmd_numba.campaign.price import price_of_transform
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
@@ -130,12 +131,17 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
     for parameters, cases in groups(results):
         where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
         if identities not in known:
+            (expected,) = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)
+            promise = target * expected.caution
             try:
-                (expected,) = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)
-                promise = target * expected.caution
                 design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
-            except UnusableDataError as error:
-                raise UnusableDataError(f"{_named(results, parameters)}{error}") from None
+            except UnusableDataError:
+                (least,) = predictions(cases, [MOST] * len(where), fit.variable, fit.fixed)
+                raise UnusableDataError(
+                    f"{_named(results, parameters)}{MOST} realisations of every case would leave an error of "
+                    f"{least.error:.2%}, as the exponents are not known any better; allowed: a larger target, finer "
+                    "levels, or narrower ranges under `fit: {fixed: ...}`"
+                ) from None
             known[identities] = _of_cases(design, cases)
         counts[where] = np.maximum(held[where], known[identities])
     return counts

@@ -5,6 +5,7 @@ from math import inf
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.decision import Fit, Judgement, decide, judge, price_of_realisations, whole_price
 from gfmd_numba.campaign.rounds import Round, Rounds
 
@@ -33,17 +34,17 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> R
         return state.ending(f"not {REACHED}: the fit is refused, {'; '.join(str(refused[0]).splitlines())}")
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not get there")
-    return _with_another(state, results, found, fit)
+    return _with_another(state, results, fitted, found, fit)
 
 
-def _with_another(state: Rounds, results: xr.Dataset, found: Judgement, fit: Fit) -> Rounds:
+def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found: Judgement, fit: Fit) -> Rounds:
     most = inf
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price
     try:
         decision = decide(results, found, state.goal.target, fit, most)
     except UnusableDataError as error:
-        return state.ending(f"not {REACHED}: {error}")
+        return state.ending(f"not {REACHED}: {error}{_widest(fitted)}")
     if decision is None:
         return state.ending(f"not {REACHED}: the budget does not do for another round")
     another = Round(
@@ -54,3 +55,10 @@ def _with_another(state: Rounds, results: xr.Dataset, found: Judgement, fit: Fit
         target_price=decision.target_price,
     )
     return state.model_copy(update={"rounds": (*state.rounds, another)})
+
+
+def _widest(fitted: xr.Dataset) -> str:
+    """Say which exponent's range the error of the limit comes from mostly, where the fit tells."""
+    shares = fitted["error_budget"].max("group")
+    exponents = {name: float(shares.sel(source=name)) for name in LIMITS if shares.sel(source=name) > 0}
+    return f" (above all that of {max(exponents, key=lambda name: exponents[name])})" if exponents else ""

@@ -104,19 +104,34 @@ def run(
     campaign: str | Path | Mapping[str, Any] | Campaign,
     output: str | Path | None = None,
     workers: int | Client = 0,
+    until: Mapping[str, float] | None = None,
+    budget: float | str | None = None,
 ) -> xr.Dataset:
     """Run or resume a campaign, a file, mapping or record, and open its results; raises InputError.
 
     The output directory is by default named after the campaign. `workers` above 0 are local processes; as they import
     the calling script, the call must then stand under `if __name__ == "__main__":`. A dask client has its cluster do
-    the work.
+    the work. With `until={"kappa": 0.01}` the campaign runs in rounds, until kappa in the limit has a relative standard
+    error of 1 %, with as many realisations as that takes; `budget` bounds the processor time (s, or like `20min`). The
+    attribute `ended` says how that ended, and a warning where the error is not reached.
     """
     from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
 
     if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError(f"output: given {output!r:.60}; allowed: the path of a directory")
-    results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
+    if until is None and budget is not None:
+        raise InputError("budget: given without until; allowed: beside it, as it bounds what that may spend")
+    if until is None:
+        results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
+    else:
+        from gfmd_numba.campaign.goal import goal_of
+        from gfmd_numba.campaign.until import run_until
+
+        outcome = run_until(campaign, goal_of(until, budget), output, workers_of(workers))
+        results = open_campaign(outcome.results)
+        if not outcome.reached:
+            warnings.warn(f"{results.attrs['until']} is {outcome.rounds.ended}", stacklevel=2)
     if results.attrs.get("validity"):
         warnings.warn(results.attrs["validity"], stacklevel=2)
     return results

@@ -8,12 +8,15 @@ from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.surface import plot_surface
+from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [
     "Design",
+    "Prediction",
     "UnusableDataError",
     "best_design",
     "cheapest_design",
@@ -26,7 +29,9 @@ __all__ = [
     "plot_campaign",
     "plot_contact",
     "plot_curve",
+    "plot_rounds",
     "plot_statistics",
     "plot_surface",
+    "predictions",
     "select_limit",
 ]

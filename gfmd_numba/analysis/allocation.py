@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
-from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
+from gfmd_numba.analysis.least_squares import best_fit, best_means, project, whitened
+from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
 from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
 from gfmd_numba.arrays import Reals
 
@@ -40,8 +41,8 @@ class Design:
 
 
 @dataclass(frozen=True)
-class _Ensemble:
-    """What a pilot says of one group."""
+class Ensemble:
+    """What a pilot, or results with fewer realisations of some levels, says of one group."""
 
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, parameter) of the fit at known exponents
@@ -52,19 +53,20 @@ class _Ensemble:
     level: NDArray[np.intp]  # (case)
     kappa: float
     doubt: float  # factor on variances
+    freedom: float  # degrees of freedom of the variance of kappa
 
 
 @dataclass(frozen=True)
 class _Choice:
     """Of what a design is chosen: the groups, the levels, and the seconds of one realisation of each level."""
 
-    ensembles: list[_Ensemble]
+    ensembles: list[Ensemble]
     levels: list[Level]
     price: Reals
 
     def error(self, counts: Reals) -> float:
         """Relative error of the group that has the largest."""
-        return max(_errors(ensemble, counts)[0] for ensemble in self.ensembles)
+        return max(relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
 
 
 def cheapest_design(
@@ -118,12 +120,12 @@ def best_design(
 def _choice(
     pilot: xr.Dataset, seconds: Sequence[float], variable: str, fixed: Mapping[str, float | Sequence[float]] | None
 ) -> _Choice:
-    ensembles = _ensembles(pilot, variable, fixed or {})
-    number = _level_of_case(pilot)
+    found = ensembles(pilot, variable, fixed or {})
+    number = level_of_case(pilot)
     price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
-    fitted = np.unique(np.concatenate([ensemble.level for ensemble in ensembles]))
+    fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
     price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
-    return _Choice(ensembles, _levels(pilot), price)
+    return _Choice(found, _levels(pilot), price)
 
 
 def _levels(pilot: xr.Dataset) -> list[Level]:
@@ -135,7 +137,8 @@ def _levels(pilot: xr.Dataset) -> list[Level]:
     return list(found)
 
 
-def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
+def level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
+    """Return the number of each case's level (case), 0 for the reference."""
     numbers = {level: number for number, level in enumerate(_levels(pilot))}
     limits = pilot["limit"].values.astype(str)
     where = [
@@ -144,20 +147,22 @@ def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
     return np.array(where, dtype=np.intp)
 
 
-def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
+def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
+    """Return what results say of each group; UnusableDataError where they do not tell."""
     given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if not group.levels:
             raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
-        if len(values) < _FEWEST:
-            raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
+        fewest = int(np.isfinite(values).sum(axis=0).min())
+        if fewest < _FEWEST:
+            raise UnusableDataError(f"given a pilot of {fewest} good realisations; allowed: at least {_FEWEST}")
+        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], given))
     return found
 
 
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> _Ensemble:
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> Ensemble:
     names = list(group.levels)
     log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
     block = whitened(values, log_ratio, np.arange(len(names)))
@@ -166,11 +171,13 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given
     beta = project([block], alpha)[2][0]
     powers = np.exp(log_ratio * alpha)
     unsure = np.flatnonzero(~ranges.exact)
-    covariance, n = covariance_of_levels(values), len(values)
+    covariance = pooled_covariance(values)
+    of_means = best_means(values, covariance)[1]
     columns = np.column_stack([np.ones(len(powers)), powers])
     # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
-    scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
-    return _Ensemble(
+    scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(of_means) @ columns, hermitian=True))
+    freedom = degrees_of_freedom(values, covariance, columns)
+    return Ensemble(
         covariance=covariance,
         columns=columns,
         slopes=(log_ratio * powers)[:, unsure],
@@ -180,7 +187,8 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given
         level=level,
         kappa=float(beta[0]),
         # levels' shares are chosen by it, too
-        doubt=float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),
+        doubt=float((freedom + len(level) - 1) / chi2.ppf(1 - _CONFIDENCE, freedom)),
+        freedom=freedom,
     )
 
 
@@ -202,7 +210,7 @@ def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
     return counts
 
 
-def _errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
+def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
     """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
     asked = counts[ensemble.level]
     information = np.zeros_like(ensemble.covariance)
@@ -266,11 +274,11 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
-    worst = max(choice.ensembles, key=lambda ensemble: _errors(ensemble, counts)[0])
-    total, sampling = _errors(worst, counts)
+    worst = max(choice.ensembles, key=lambda ensemble: relative_errors(ensemble, counts)[0])
+    total, sampling = relative_errors(worst, counts)
     names = np.array([name for name, _ in choice.levels])
     relief = {
-        name: total**2 - _errors(worst, np.where(names == name, 1000 * counts, counts))[0] ** 2
+        name: total**2 - relative_errors(worst, np.where(names == name, 1000 * counts, counts))[0] ** 2
         for name in dict.fromkeys(names.tolist())
     }
     relief["exponents"] = max(0.0, total**2 - sampling**2)

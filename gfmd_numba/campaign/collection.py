@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.campaign import failures, shards
+from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.execution import SECONDS, shard_path
@@ -87,6 +87,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
         cf_attributes("processor time of the case, shared by all cases of one problem", "s"),
     )
+    made_in = rounds.read(directory)
+    if made_in is not None and made_in.of_cases(len(planned.cases)):
+        dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
 

@@ -12,12 +12,12 @@ from gfmd_numba.campaign.axes import AXES, DISCRETISATIONS
 from gfmd_numba.campaign.grid import Values
 from gfmd_numba.scene.quantities import RECORD
 
-_MOST = 1_000_000  # surfaces
+MOST = 1_000_000  # surfaces
 EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
-COUNT = f"a whole number from 1 to {_MOST}, or a mapping of such with the key reference and any of " + ", ".join(
+COUNT = f"a whole number from 1 to {MOST}, or a mapping of such with the key reference and any of " + ", ".join(
     DISCRETISATIONS
 )
-COUNTS = f"a whole number from 1 to {_MOST}, or a list of such, one for each level of the limit (0: left out)"
+COUNTS = f"a whole number from 1 to {MOST}, or a list of such, one for each level of the limit (0: left out)"
 
 
 def _exponent(given: Any) -> float | tuple[float, float]:
@@ -31,14 +31,14 @@ def _exponent(given: Any) -> float | tuple[float, float]:
 def _counts(given: Any) -> int | tuple[int, ...]:
     listed = isinstance(given, list | tuple)
     numbers = given if listed else [given]
-    if not numbers or not all(type(n) is int and (0 if listed else 1) <= n <= _MOST for n in numbers):
+    if not numbers or not all(type(n) is int and (0 if listed else 1) <= n <= MOST for n in numbers):
         raise ValueError(COUNTS)
     return tuple(numbers) if listed else int(given)
 
 
 # checked before the unions of types, which would tell every fault twice
 Exponent = Annotated[float | tuple[float, float], BeforeValidator(_exponent), WithJsonSchema({"allowed": EXPONENT})]
-Count = Annotated[int, Field(ge=1, le=_MOST, description="Random surfaces per case")]
+Count = Annotated[int, Field(ge=1, le=MOST, description="Random surfaces per case")]
 Counts = Annotated[int | tuple[int, ...], BeforeValidator(_counts), WithJsonSchema({"allowed": COUNTS})]
 
 
@@ -91,7 +91,7 @@ else:
 def _realisations(given: Any) -> Any:
     if isinstance(given, dict | Realisations):
         return given
-    if type(given) is not int or not 1 <= given <= _MOST:
+    if type(given) is not int or not 1 <= given <= MOST:
         raise ValueError(COUNT)
     return {"reference": given}
 

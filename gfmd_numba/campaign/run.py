@@ -1,17 +1,18 @@
 """A campaign from its file to one netCDF file, resumable at any point."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gfmd_numba.campaign import failures
+from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block, split
 from gfmd_numba.campaign.collection import collect, note
 from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, held, unfinished
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
-from gfmd_numba.campaign.plan import check_memory, plan, tasks
+from gfmd_numba.campaign.plan import Plan, check_memory, plan, tasks
 from gfmd_numba.scene.source import Source
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
@@ -38,7 +39,7 @@ class Choice:
     fail_fast: bool = False
 
 
-_TWO_WORKERS, _ALL = Workers(), Choice()
+_TWO_WORKERS, ALL = Workers(), Choice()
 
 
 def run(
@@ -46,7 +47,7 @@ def run(
     output: str | Path | None = None,
     workers: Workers = _TWO_WORKERS,
     watch: Watch | None = None,
-    choice: Choice = _ALL,
+    choice: Choice = ALL,
 ) -> tuple[Path, Failures]:
     """Run what is unfinished of a campaign and write its netCDF file into the output directory.
 
@@ -55,44 +56,76 @@ def run(
     """
     planned = plan(source)
     cases = planned.only(choice.only) if choice.only else planned.cases
-    directory = Path(output if output is not None else planned.campaign.name)
+    directory = directory_of(planned, output)
     check(workers, directory)
-    failed: Failures = {}
+    with (
+        stopped_by_errors_of_the_system(),
+        claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
+    ):
+        rounds.forget(directory)
+        chosen = list(split(cases, held(directory)))
+        todo = to_do(chosen, directory, choice)
+        finish(
+            planned, todo, directory, workers, watch(len(chosen), len(chosen) - len(todo)) if watch else None, choice
+        )
+        return collect(planned, directory), failed(chosen, directory)
+
+
+def directory_of(planned: Plan, output: str | Path | None) -> Path:
+    """Output directory of a campaign: the one that is given, or one of its name."""
+    return Path(output if output is not None else planned.campaign.name)
+
+
+@contextmanager
+def stopped_by_errors_of_the_system() -> Iterator[None]:
+    """Raise StoppedError where the disk or the cluster gives up."""
     try:
-        with claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder):
-            chosen = list(split(cases, held(directory)))
-            todo = _todo(chosen, directory, choice)
-            progress = watch(len(chosen), len(chosen) - len(todo)) if watch else lambda blocks: None
-
-            def finished(blocks: int, reasons: Failures) -> bool:
-                for name, failure in reasons.items():
-                    failures.record(directory, name, failure)
-                failed.update(reasons)
-                progress(blocks)
-                return not (failed and choice.fail_fast)
-
-            if todo:
-                if workers.address is None:
-                    check_memory(todo, workers.count)
-                begun = time.perf_counter()
-                compile_kernels(planned.problems)
-                predicted = planned.predicted_cost(_PILOT_SECONDS)
-                note(
-                    directory,
-                    predicted_cpu_seconds_p50=predicted.quantile(0.5),
-                    predicted_cpu_seconds_p90=predicted.quantile(0.9),
-                )
-                timeout = planned.campaign.case_timeout
-                execute(tasks(todo, predicted, workers.count), directory, workers, timeout, finished)
-                note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
-            results = collect(planned, directory)
+        yield
     except OSError as error:
         raise StoppedError(f"{error}; finished work is kept, the same command resumes") from error
-    earlier = {block.name: failures.of(directory, block.name) for block in chosen}
-    return results, {name: failure for name, failure in earlier.items() if failure is not None}
 
 
-def _todo(chosen: list[Block], directory: Path, choice: Choice) -> list[Block]:
+def finish(
+    planned: Plan, todo: list[Block], directory: Path, workers: Workers, progress: Progress | None, choice: Choice
+) -> bool:
+    """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
+
+    Raises InputError where the memory does not do, OSError where the disk or the cluster gives up.
+    """
+    new: Failures = {}
+
+    def finished(blocks: int, reasons: Failures) -> bool:
+        for name, failure in reasons.items():
+            failures.record(directory, name, failure)
+        new.update(reasons)
+        if progress is not None:
+            progress(blocks)
+        return not (new and choice.fail_fast)
+
+    if not todo:
+        return True
+    if workers.address is None:
+        check_memory(todo, workers.count)
+    begun = time.perf_counter()
+    compile_kernels(planned.problems)
+    predicted = planned.predicted_cost(_PILOT_SECONDS)
+    note(
+        directory,
+        predicted_cpu_seconds_p50=predicted.quantile(0.5),
+        predicted_cpu_seconds_p90=predicted.quantile(0.9),
+    )
+    execute(tasks(todo, predicted, workers.count), directory, workers, planned.campaign.case_timeout, finished)
+    note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
+    return not (new and choice.fail_fast)
+
+
+def failed(blocks: list[Block], directory: Path) -> Failures:
+    """What has failed of some blocks, in this run or an earlier one."""
+    found = {block.name: failures.of(directory, block.name) for block in blocks}
+    return {name: failure for name, failure in found.items() if failure is not None}
+
+
+def to_do(chosen: list[Block], directory: Path, choice: Choice) -> list[Block]:
     """Blocks to run: without a shard, and without a known failure unless it is to be tried again."""
     todo = unfinished(chosen, directory)
     if choice.retry_failed:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import log
 from pathlib import Path
 
-from gfmd_numba.campaign import failures, shards
+from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.execution import shard_path
 from gfmd_numba.campaign.failures import Failure
@@ -40,9 +40,12 @@ class Verdict:
 
 
 def campaign_in(directory: Path) -> Plan:
-    """Plan of the campaign whose output directory this is; raises InputError."""
+    """Plan of the campaign whose output directory this is, with the realisations of its last round if it has rounds.
+
+    Raises InputError.
+    """
     check_label(directory)
-    return plan(directory / LABEL)
+    return rounds.as_decided(plan(directory / LABEL), directory)
 
 
 def progress(directory: Path) -> Progress:

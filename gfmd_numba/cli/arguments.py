@@ -75,19 +75,28 @@ def _target_given(ctx: click.Context, param: click.Parameter, option: str | None
 
 
 def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:
-    """Return a wall time in s, given as `20min`, `2h` or `90s`."""
+    """Return a time in s, given as `20min`, `2h` or `90 s`."""
     if option is None:
         return None
-    units = {"s": 1.0, "min": 60.0, "h": 3600.0}
-    number = option.rstrip("sminh ")
-    try:
-        return float(number) * units[option[len(number) :].strip() or "s"]
-    except (ValueError, KeyError):
-        raise click.BadParameter(f"given {option!r}; allowed: a time like 20min, 2h or 90s") from None
+    from gfmd_numba.campaign.goal import A_TIME, seconds_of
+
+    seconds = seconds_of(option)
+    if seconds is None:
+        raise click.BadParameter(f"given {option!r}; allowed: {A_TIME}")
+    return seconds
 
 
 target_option = click.option("--target", callback=_target_given, metavar="kappa=X%", help="Error of the limit to reach")
 budget_option = click.option("--budget", callback=_budget_given, metavar="TIME", help="Wall time to spend, like 20min")
+until_option = click.option(
+    "--until",
+    callback=_target_given,
+    metavar="kappa=X%",
+    help="Run until the limit has this error, with as many realisations as it takes: those in FILE are not used",
+)
+processor_time_option = click.option(
+    "--budget", callback=_budget_given, metavar="TIME", help="Processor time for --until, like 20min"
+)
 
 
 def check_output(output: Path, *inputs: Path) -> None:

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, conditions_option, file_argument
-from gfmd_numba.cli.fits import draw, fit_options
+from gfmd_numba.cli.arguments import (
+    LIMITS,
+    conditions_option,
+    file_argument,
+    processor_time_option,
+    until_option,
+)
+from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, picture_of_rounds
+from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import endings, show_fit, show_means, show_target
+from gfmd_numba.cli.tables import endings, show_fit, show_means
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from gfmd_numba.campaign.execution import Failures
 
 
 @main.command()
@@ -30,6 +40,8 @@ if TYPE_CHECKING:
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Try again what crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
+@until_option
+@processor_time_option
 def run(
     file: Path,
     output: Path | None,
@@ -40,20 +52,40 @@ def run(
     limit: int | None,
     retry_failed: bool,
     fail_fast: bool,
+    until: tuple[str, float] | None,
+    budget: float | None,
 ) -> None:
-    """Run the campaign in FILE, or what is left of it, and fit its results."""
-    import gfmd_numba
+    """Run the campaign in FILE, or what is left of it, and fit its results.
+
+    With --until the campaign runs in rounds: first 40 realisations of every case, then as many of each as the results
+    so far ask for, until the fit says that the limit has the error you want.
+    """
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
+    from gfmd_numba.cli.until import check_options, run_rounds
 
+    check_options(until, budget, only, limit)
     choice = Choice(dict(only), limit, retry_failed, fail_fast)
+    who = Workers(workers, scheduler, insecure)
     try:
-        with progress_bar() as watch:
-            results, failures = run_campaign(file, output, Workers(workers, scheduler, insecure), watch, choice)
+        if until is not None:
+            reached = run_rounds(file, output, who, choice, until, budget, show_results)
+        else:
+            with progress_bar() as watch:
+                results, failures = run_campaign(file, output, who, watch, choice)
+            reached = show_results(results, failures)
     except StoppedError as error:
         say("gfmd:", str(error), width=6, err=True)
         sys.exit(SOME_FAILED)
+    if not reached:
+        sys.exit(SOME_FAILED)
+
+
+def show_results(results: Path, failures: Failures) -> bool:
+    """Print and draw the results of a run; False if some are not ok, or the disk refuses the picture."""
+    import gfmd_numba
+
     click.echo(f"results  {printable(results)}")
     dataset = gfmd_numba.open_campaign(results)
     if dataset.attrs.get("validity"):
@@ -77,8 +109,7 @@ def run(
             width=6,
             err=True,
         )
-    if numbers.not_ok or not drawn:
-        sys.exit(SOME_FAILED)
+    return drawn and not numbers.not_ok
 
 
 class _Numbers(NamedTuple):
@@ -103,8 +134,7 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
     with waiting("fitting"):
         fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
     show_fit(fitted)
-    if "target" in dataset.attrs:
-        show_target(fitted, dataset.attrs["target"])
+    show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)
 
 
@@ -123,11 +153,15 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
     from gfmd_numba.storage.mark import may_be_replaced
 
+    pictures = {picture: partial(draw, dataset, fitted)}
+    if has_rounds(dataset):
+        pictures[picture_of_rounds(picture)] = partial(draw_rounds, dataset)
     try:
-        if not may_be_replaced(picture):
-            click.echo(f"note     {picture} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
-        else:
-            draw(dataset, fitted, picture)
+        for path, drawing in pictures.items():
+            if may_be_replaced(path):
+                drawing(path)
+            else:
+                click.echo(f"note     {path} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
     except OSError as error:
         click.echo(f"gfmd: {error}; the results are whole, `gfmd plot {picture.parent}` draws them", err=True)
         return False

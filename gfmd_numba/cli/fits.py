@@ -19,9 +19,10 @@ from gfmd_numba.cli.arguments import (
     results_argument,
     variable_option,
 )
+from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.tables import show_fit, show_target
+from gfmd_numba.cli.tables import show_fit
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ def fit(
     with naming(file):
         fitted = _fit(dataset, fixed, variable, exponents)
     show_fit(fitted)
-    if "target" in dataset.attrs and fitted.attrs["variable"] == fit_options(dataset, (), None, None)["variable"]:
-        show_target(fitted, dataset.attrs["target"])
+    if fitted.attrs["variable"] == fit_options(dataset, (), None, None).get("variable"):
+        show_goal(dataset, fitted)
     if output is not None:
         from gfmd_numba.storage.atomic_file import write_dataset
 
@@ -65,7 +66,10 @@ def fit(
 def plot(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
 ) -> None:
-    """Draw RESULTS: kappa against the discretisations, the fields of one contact, or a load curve."""
+    """Draw RESULTS: kappa against the discretisations, the fields of one contact, or a load curve.
+
+    Of a campaign that ran --until an error, a second picture, NAME-rounds, shows the error against processor time.
+    """
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
@@ -73,9 +77,13 @@ def plot(
     check_output(picture, file, file.parent / "campaign.yaml")
     check_picture(picture)
     dataset = read_results(file)
+    if has_rounds(dataset):
+        check_output(picture_of_rounds(picture), file, file.parent / "campaign.yaml")
     with naming(file):
         fitted = None if {"x", "prescribed_load"} & set(dataset.dims) else _fit(dataset, fixed, variable, exponents)
         draw(dataset, fitted, picture)
+        if has_rounds(dataset):
+            draw_rounds(dataset, picture_of_rounds(picture))
 
 
 @contextmanager
@@ -124,4 +132,23 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
         else:
             figure = plot_curve(dataset) if "prescribed_load" in dataset.dims else plot_contact(dataset)
         write_picture(path, figure, dpi=150)
+    click.echo(f"picture  {printable(path)}")
+
+
+def has_rounds(dataset: xr.Dataset) -> bool:
+    """Whether these are results of a run until an error, with rounds to draw."""
+    return "round" in dataset.dims and bool((dataset["round_error"] > 0).any())
+
+
+def picture_of_rounds(picture: Path) -> Path:
+    """Name of the picture of the rounds that goes with the picture of a campaign."""
+    return picture.with_stem(f"{picture.stem}-rounds")
+
+
+def draw_rounds(dataset: xr.Dataset, path: Path) -> None:
+    """Write the picture of the error against processor time."""
+    from gfmd_numba.analysis import plot_rounds
+    from gfmd_numba.storage.atomic_file import write_picture
+
+    write_picture(path, plot_rounds(dataset), dpi=150)
     click.echo(f"picture  {printable(path)}")

@@ -11,6 +11,7 @@ from threading import Timer
 import click
 
 _PATIENCE = 1.0  # s
+_WRITING = ", writing the results"
 
 
 @contextmanager
@@ -82,8 +83,10 @@ def counting(what: str, total: int) -> Iterator[Callable[[], None]]:
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
-    """Progress bar on a terminal, a line for every tenth of the blocks otherwise."""
+def progress_bar(
+    caption: Callable[[], str] = lambda: "blocks",
+) -> Iterator[Callable[[int, int], Callable[[int], None]]]:
+    """Progress bar with a caption on a terminal, a line for every tenth of the blocks otherwise."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -92,14 +95,14 @@ def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
     with Progress(*columns, console=console, disable=hidden, redirect_stdout=False) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
-            bar = bars.add_task(_state(done, total), total=total, completed=done)
-            shown = done
+            what, shown = caption(), done
+            bar = bars.add_task(_state(what, done, total), total=total, completed=done)
 
             def advance(blocks: int) -> None:
                 nonlocal shown
                 bars.advance(bar, blocks)
                 finished = int(bars.tasks[bar].completed)
-                bars.update(bar, description=_state(finished, total))
+                bars.update(bar, description=_state(what, finished, total))
                 if bars.disable and (finished == total or finished >= shown + max(1, total // 10)):
                     click.echo(f"blocks   {finished} of {total}", err=True)
                     shown = finished
@@ -108,8 +111,8 @@ def progress_bar() -> Iterator[Callable[[int, int], Callable[[int], None]]]:
 
         yield watch
         for task in bars.tasks:
-            bars.update(task.id, description="blocks")
+            bars.update(task.id, description=task.description.removesuffix(_WRITING))
 
 
-def _state(finished: int, total: int) -> str:
-    return "blocks" if finished < total else "blocks, writing the results"
+def _state(what: str, finished: int, total: int) -> str:
+    return what if finished < total else f"{what}{_WRITING}"

@@ -1,0 +1,105 @@
+"""Figure of a run until an error is reached: the error against the processor time spent."""
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE
+from gfmd_numba.analysis.selection import UnusableDataError
+
+_RESULT, _PRICE, _TARGET = COLOURS[0], COLOURS[1], COLOURS[2]
+_ROUNDS: dict[str, Any] = {"fmt": "o-", "color": _RESULT, "ms": 5.5, "capsize": 3, "lw": 1.3}
+_BARS = "rounds, bars to 90 % confidence"
+_TIMES = {  # ticks of an axis of time, in s
+    "1 ms": 1e-3,
+    "10 ms": 1e-2,
+    "0.1 s": 0.1,
+    "1 s": 1.0,
+    "10 s": 10.0,
+    "1 min": 60.0,
+    "10 min": 600.0,
+    "1 h": 3600.0,
+    "10 h": 36e3,
+    "4 days": 4 * 86400.0,
+    "40 days": 40 * 86400.0,
+    "1 year": 365 * 86400.0,
+}
+
+
+def plot_rounds(dataset: xr.Dataset) -> Figure:
+    """Draw the error of the worst group after each round against processor time, its target, and what a digit costs.
+
+    Bars go to the error that is not exceeded with 90 % probability. The dashed line goes on as error ~ time^-1/2, to a
+    tenth of the last error. UnusableDataError for results without a round that has an error.
+    """
+    if "round" not in dataset.dims or not (dataset["round_error"] > 0).any():
+        raise UnusableDataError("given results without a round that has an error; allowed: those of `gfmd run --until`")
+    known = dataset.isel(round=np.flatnonzero((dataset["round_error"] > 0).values))
+    seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
+    target = float(dataset.attrs["target"])
+    with mpl.rc_context(STYLE):
+        figure = Figure((7.2, 4.8), dpi=150, layout="constrained")
+        axis = figure.subplots()
+        axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=_ylabel(dataset))
+        axis.axhline(target, color=_TARGET, lw=1.3, label=f"target {100 * target:.3g} %")
+        axis.plot(
+            seconds,
+            known["round_predicted_error"],
+            "o",
+            color=_RESULT,
+            mfc="none",
+            ms=9,
+            label="expected before the round",
+        )
+        sure = errors * (known["round_error_factor"].values - 1.0)
+        axis.errorbar(seconds, errors, [0.0 * sure, sure], label=_BARS, **_ROUNDS)
+        for number, x, y in zip(known["round"].values, seconds, errors, strict=True):
+            _write(axis, str(number) if number else "pilot", (x, y), (-5, -7), "right")
+        _draw_price(axis, seconds[-1], errors[-1])
+        _tick(axis)
+        axis.grid(color="0.9", linewidth=0.8)
+        figure.legend(loc="outside upper center", ncols=2)
+    return figure
+
+
+def _draw_price(axis: Axes, seconds: float, error: float) -> None:
+    """Go on to the next digit as the mean of independent surfaces does."""
+    later, less = 100 * seconds, error / 10
+    axis.plot([seconds, later], [error, less], "--", color=_PRICE, lw=1.3, label=r"error $\sim$ time$^{-1/2}$")
+    axis.plot(later, less, "D", color=_PRICE, ms=6)
+    _write(axis, f"the next digit,\n{100 * less:.2g} %: {_duration(later)}", (later, less), (-9, -4), "right")
+
+
+def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], side: str) -> None:
+    axis.annotate(text, at, textcoords="offset points", xytext=shift, ha=side, va="top")
+
+
+def _tick(axis: Axes) -> None:
+    """Ticks of times as people say them, and of errors in per cent."""
+    axis.margins(x=0.09, y=0.16)
+    low, high = axis.get_xlim()
+    shown = {text: time for text, time in _TIMES.items() if low <= time <= high}
+    axis.set_xticks(list(shown.values()), list(shown))
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.3g} %"))
+    axis.yaxis.set_minor_locator(NullLocator())
+
+
+def _ylabel(dataset: xr.Dataset) -> str:
+    variable = str(dataset.attrs["until"]).split("=")[0]
+    symbol = {"kappa": r"$\kappa$", "kappa_r": r"$\kappa_r$"}.get(variable, variable.replace("_", " "))
+    return f"Relative error of {symbol} in the limit"
+
+
+def _duration(seconds: float) -> str:
+    """Return a time with the largest unit of which it has two or more."""
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"

@@ -1,0 +1,46 @@
+"""The error that numbers of realisations are going to give, predicted from the results so far."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from scipy.stats import chi2
+
+from gfmd_numba.analysis.allocation import ensembles, level_of_case, relative_errors
+
+_CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Relative error of kappa_tfc to expect of one group, times the `factor`.
+
+    The factor is the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error
+    is that `cheapest_design` promises: a plan is made once, where a run can go on.
+    """
+
+    error: float
+    factor: float
+    caution: float
+
+
+def predictions(
+    results: xr.Dataset,
+    counts: Sequence[int],
+    variable: str = "kappa",
+    fixed: Mapping[str, float | Sequence[float]] | None = None,
+) -> list[Prediction]:
+    """Predict the error of each group for `counts` (case) of realisations from the results of as many or fewer.
+
+    UnusableDataError for results that do not tell.
+    """
+    number = level_of_case(results)
+    of_level = np.zeros(number.max() + 1)
+    np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
+    found = []
+    for ensemble in ensembles(results, variable, fixed or {}):
+        factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
+        caution = float(np.sqrt(ensemble.doubt)) / factor
+        found.append(Prediction(relative_errors(ensemble, of_level)[0] / caution, factor, caution))
+    return found

@@ -1,0 +1,195 @@
+"""How many realisations the next round of a run has, from the results so far.
+
+Nothing measured in seconds enters, so that a run that was killed and resumes decides as it would have done: work is
+counted in a price, which follows from transforms and grids. Decisions come from the predicted error, which follows from
+the covariance of all results, and only rounds few and far between are looked at: stopping then hardly biases a mean
+(Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 let their tolerance fall in the same way).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
+from gfmd_numba.analysis.selection import groups
+from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.limits import MOST
+from gfmd_numba.campaign.price import price_of_transform
+
+_GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
+_LEAST_GROWTH = 1.25  # of the price: less is not worth a look
+_HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
+_LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
+
+Counts = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What is fitted: the variable, and the exponents that are known."""
+
+    variable: str
+    fixed: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Errors of the worst group after a round, relative to the limit.
+
+    What the fit says (inf of a refused one), the factor for its own uncertainty, and what was to be expected.
+    """
+
+    error: float
+    factor: float
+    predicted: float
+
+    @property
+    def sure_error(self) -> float:
+        """Error that the true one does not exceed with 90 % probability."""
+        return self.error * self.factor
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Realisations (case) of the next round, the error and the whole price to expect, and the price of the target.
+
+    `is_last` if the round is meant to reach the target, or to use up the price there is.
+    """
+
+    realisations: Counts
+    predicted_error: float
+    price: float
+    target_price: float | None
+    is_last: bool
+
+
+def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
+    """Errors of the worst group; UnusableDataError for results that do not tell."""
+    expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
+    errors = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).fillna(inf).values
+    worst = max(range(len(errors)), key=lambda group: errors[group] * expected[group].factor)
+    return Judgement(float(errors[worst]), expected[worst].factor, max(each.error for each in expected))
+
+
+def decide(results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf) -> Decision | None:
+    """Realisations of the next round, for a price of at most `most` in all; None where that allows no more.
+
+    UnusableDataError where no number of realisations reaches the target.
+    """
+    held = results["realisations"].values.astype(np.intp)
+    price = price_of_realisations(results)
+    spent = whole_price(results, price, held)
+    limit = min(most, _GROWTH * spent)
+    if most < _LEAST_GROWTH * spent:
+        return None
+    # a prediction that was too good is one again
+    goal = target * min(1.0, found.predicted / found.sure_error) if target < found.sure_error < inf else target
+    try:
+        wanted, asked = _wanted(results, held, price, goal, fit), goal
+    except UnusableDataError:
+        wanted, asked = _looser(results, held, price, goal, fit), _LOOSER * goal
+    while whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
+        goal = asked = 0.9 * asked
+        wanted = _wanted(results, held, price, asked, fit)
+    total = whole_price(results, price, wanted)
+    target_price = total if asked == goal else None
+    if total > limit:
+        asked, wanted, total = _within(limit, results, held, price, asked, fit)
+    expected = max(each.error for each in predictions(results, wanted.tolist(), fit.variable, fit.fixed))
+    return Decision(
+        wanted, expected, total, target_price, is_last=min(asked / goal, expected / target) <= 1.0 or limit == most
+    )
+
+
+def price_of_realisations(results: xr.Dataset) -> Reals:
+    """Price of a realisation of each case (case): its mean number of transforms times that of one."""
+    nodes = results["nx"].values.astype(float) ** results["dimension"].values
+    transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
+    known = np.isfinite(transforms)
+    if not known.any():
+        raise UnusableDataError("given no good realisation; allowed: some of every case")
+    return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
+
+
+def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
+    """Price of some realisations (case), where equal problems count once."""
+    of_problem: dict[str, float] = {}
+    for identity, each in zip(results["case_id"].values.tolist(), (price * counts).tolist(), strict=True):
+        of_problem[identity] = max(each, of_problem.get(identity, 0.0))
+    return sum(of_problem.values())
+
+
+def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
+    """Realisations (case) by which every group meets a target, none fewer than it has."""
+    counts = held.copy()
+    known: dict[tuple[str, ...], Counts] = {}  # groups of the same problems have the same results
+    for parameters, cases in groups(results):
+        where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
+        if identities not in known:
+            (expected,) = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)
+            promise = target * expected.caution
+            try:
+                design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
+            except UnusableDataError:
+                (least,) = predictions(cases, [MOST] * len(where), fit.variable, fit.fixed)
+                raise UnusableDataError(
+                    f"{_named(results, parameters)}{MOST} realisations of every case would leave an error of "
+                    f"{least.error:.2%}, as the exponents are not known any better; allowed: a larger target, finer "
+                    "levels, or narrower ranges under `fit: {fixed: ...}`"
+                ) from None
+            known[identities] = _of_cases(design, cases)
+        counts[where] = np.maximum(held[where], known[identities])
+    return counts
+
+
+def _within(
+    limit: float, results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit
+) -> tuple[float, Counts, float]:
+    """Least error above a target whose realisations (case) have a whole price within a limit; those, and the price."""
+    tight, loose, found = target, target, held
+    total = inf
+    while total > limit:
+        tight, loose = loose, 1.3 * loose
+        found = _wanted(results, held, price, loose, fit)
+        total = whole_price(results, price, found)
+    for _ in range(_HALVINGS):
+        middle = sqrt(tight * loose)
+        trial = _wanted(results, held, price, middle, fit)
+        trial_price = whole_price(results, price, trial)
+        if trial_price <= limit:
+            loose, found, total = middle, trial, trial_price
+        else:
+            tight = middle
+    return loose, found, total
+
+
+def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
+    """Realisations for an error not far above a target that is out of reach, as far as a few results can tell.
+
+    They tell how large the corrections are only roughly. UnusableDataError where more would not help either.
+    """
+    counts = _wanted(results, held, price, _LOOSER * target, fit)
+    if whole_price(results, price, counts) < _LEAST_GROWTH * whole_price(results, price, held):
+        _wanted(results, held, price, target, fit)  # which says why
+    return counts
+
+
+def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
+    """Realisations (case) of the cases of one group in a design."""
+    counts = [
+        design.levels[limit][float(cases[limit][i])] if limit in design.levels else design.reference
+        for i, limit in enumerate(cases["limit"].values.tolist())
+    ]
+    return np.array(counts, dtype=np.intp)
+
+
+def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:
+    """Which of several groups is meant."""
+    varied = [name for name in parameters if len(set(results[name].values.tolist())) > 1]
+    named = [f"{name} = {parameters[name]:g}" for name in varied]
+    return f"{', '.join(named)}: " if named else ""

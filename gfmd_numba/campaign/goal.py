@@ -1,0 +1,57 @@
+"""What a run is to reach: a relative error of a variable in the limit, and the processor time it may take."""
+
+from collections.abc import Mapping
+from math import inf
+from numbers import Real
+from typing import Any, Literal, cast, get_args
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from gfmd_numba.scene.units import TIME
+from gfmd_numba.text.input_error import InputError, brief
+
+Variable = Literal["kappa", "kappa_counted", "kappa_r"]
+A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
+
+
+class Goal(BaseModel):
+    """A relative standard error of a variable in the limit, and the processor time in s for it; None: no bound."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    variable: Variable
+    target: float = Field(gt=0, lt=1)
+    budget: float | None = Field(None, gt=0)
+
+
+def goal_of(until: object, budget: object = None) -> Goal:
+    """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
+    pairs = list(until.items()) if isinstance(until, Mapping) else []
+    if len(pairs) != 1 or pairs[0][0] not in get_args(Variable) or not _is_relative_error(pairs[0][1]):
+        raise InputError(
+            f"until: given {brief(until)}; allowed: one of {', '.join(get_args(Variable))} and a relative error "
+            'above 0 and below 1, like {"kappa": 0.01}'
+        )
+    ((variable, target),) = pairs
+    if budget is None:
+        return Goal(variable=variable, target=float(target))
+    seconds = seconds_of(budget)
+    if seconds is None:
+        raise InputError(f"budget: given {brief(budget)}; allowed: {A_TIME}")
+    return Goal(variable=variable, target=float(target), budget=seconds)
+
+
+def seconds_of(given: object) -> float | None:
+    """Seconds of a number or of a text like `20min` or `90 s`; None if it is no time above 0."""
+    try:
+        seconds = float(cast(Any, given)) if not isinstance(given, bool) else None
+    except (TypeError, ValueError):
+        try:
+            seconds = TIME.si_value(given) if isinstance(given, str) else None
+        except PydanticCustomError:
+            seconds = None
+    return seconds if seconds is not None and 0.0 < seconds < inf else None
+
+
+def _is_relative_error(given: object) -> bool:
+    return isinstance(given, Real) and not isinstance(given, bool) and 0.0 < float(given) < 1.0

@@ -1,0 +1,144 @@
+"""The rounds of a run until an error is reached: what was decided for each, kept in its output directory."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.limits import MOST, Realisations
+from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.price import UNITS
+from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.storage import atomic_file
+
+PILOT = 40  # realisations of every case
+_FILE = "rounds.json"
+_RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+_VARIABLES = {
+    "predicted_error": "relative standard error of the limit, times its factor, that was expected before the round",
+    "error": "relative standard error of the limit that the fit said after the round, that of the worst group",
+    "error_factor": "factor on the error of the fit that allows for the uncertainty of the error itself",
+    "price": f"price of all realisations, in {UNITS}",
+    "target_price": "price at which the target was expected to be reached, not-a-number where nothing told",
+    "cpu_seconds": "processor time of the contacts up to the end of the round",
+}
+
+
+class Round(BaseModel):
+    """What was decided for a round before it ran, and what was found after it.
+
+    `is_last` says that it was planned to reach the target, or to use up the budget. The prices are those of the whole
+    run. None stands for what is not known: nothing is predicted of a pilot, and a refused fit has no error.
+    """
+
+    model_config = _RECORD
+    realisations: tuple[Annotated[int, Field(ge=1, le=MOST)], ...] = Field(min_length=1)  # (case)
+    is_last: bool
+    predicted_error: float | None = None
+    error: float | None = None
+    error_factor: float | None = None
+    price: float | None = None
+    target_price: float | None = None
+    cpu_seconds: float | None = None
+
+
+class Rounds(BaseModel):
+    """The rounds of a run with a goal; `campaign_sha256` is that of its text, `ended` says how it ended if it has.
+
+    Seconds of a price are those of the pilot: measured once, so that a run that resumes decides as before.
+    """
+
+    model_config = _RECORD
+    goal: Goal
+    campaign_sha256: str
+    seconds_per_price: float | None = Field(None, gt=0)
+    rounds: tuple[Round, ...] = Field(min_length=1)
+    ended: str = ""
+
+    @property
+    def now(self) -> Round:
+        """The round that runs, or has run last."""
+        return self.rounds[-1]
+
+    def of_cases(self, number: int) -> bool:
+        """Whether they are rounds of so many cases."""
+        return all(len(each.realisations) == number for each in self.rounds)
+
+    def with_now(self, **found: Any) -> "Rounds":
+        """The same, with what is known of the last round."""
+        return self.model_copy(update={"rounds": (*self.rounds[:-1], self.now.model_copy(update=found))})
+
+    def ending(self, how: str) -> "Rounds":
+        """The same, ended."""
+        return self.model_copy(update={"ended": how})
+
+    def variables(self) -> dict[str, tuple[Any, ...]]:
+        """What the results say of the rounds: dims, values and CF attributes by name."""
+        numbered = cf_attributes("round of the run, 0 is the pilot")
+        asked = cf_attributes("realisations that the case was asked of in the round")
+        found: dict[str, tuple[Any, ...]] = {
+            "round": ("round", np.arange(len(self.rounds)), numbered),
+            "round_realisations": (("round", "case"), [each.realisations for each in self.rounds], asked),
+        }
+        for name, long_name in _VARIABLES.items():
+            values = np.array([getattr(each, name) for each in self.rounds], dtype=float)
+            attributes = cf_attributes(long_name, "s" if name == "cpu_seconds" else "1")
+            found[f"round_{name}"] = ("round", values, attributes)
+        return found
+
+    def attributes(self) -> dict[str, str | float]:
+        """What the results say of the goal and of how the run ended."""
+        found: dict[str, str | float] = {"until": f"{self.goal.variable}={self.goal.target:g}", "ended": self.ended}
+        if self.goal.budget is not None:
+            found["budget"] = self.goal.budget
+        if self.seconds_per_price is not None:
+            found["seconds_per_price"] = self.seconds_per_price
+        return found
+
+
+def read(directory: Path) -> Rounds | None:
+    """Rounds of a run in a directory; None if there are none, or something else in their file."""
+    try:
+        return Rounds.model_validate_json((directory / _FILE).read_bytes())
+    except (OSError, ValidationError):
+        return None
+
+
+def write(directory: Path, rounds: Rounds) -> None:
+    """Keep the rounds in a directory, whole or not at all."""
+    atomic_file.replace(directory / _FILE, rounds.model_dump_json(indent=1).encode())
+
+
+def forget(directory: Path) -> None:
+    """Forget the rounds in a directory, for a run with the realisations of its campaign file."""
+    (directory / _FILE).unlink(missing_ok=True)
+
+
+def pilot_plan(planned: Plan, goal: Goal) -> Plan:
+    """Plan of the pilot of a campaign: every level of its limits, whatever realisations its file asks for."""
+    update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
+    campaign = planned.campaign.model_copy(update=update)
+    cases = expand(campaign, planned.punches)
+    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+
+
+def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
+    """Plan with other numbers of realisations (case)."""
+    cases = [replace(case, realisations=number) for case, number in zip(planned.cases, realisations, strict=True)]
+    return replace(planned, cases=cases)
+
+
+def as_decided(planned: Plan, directory: Path) -> Plan:
+    """Plan of the last round in an output directory; the same plan where no rounds are."""
+    found = read(directory)
+    if found is None:
+        return planned
+    piloted = pilot_plan(planned, found.goal)
+    known = found.of_cases(len(piloted.cases))
+    return with_realisations(piloted, found.now.realisations) if known else planned

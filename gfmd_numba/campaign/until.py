@@ -1,0 +1,182 @@
+"""A campaign that runs until its limit is known to a relative error: a pilot, and rounds that results decide."""
+
+import json
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign.cases import Block, split
+from gfmd_numba.campaign.cluster import local
+from gfmd_numba.campaign.collection import collect, described
+from gfmd_numba.campaign.decision import Fit
+from gfmd_numba.campaign.execution import Failures, Workers, check, held
+from gfmd_numba.campaign.file import Campaign
+from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.next_round import REACHED, after
+from gfmd_numba.campaign.output_directory import claimed
+from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.campaign.results import read_results
+from gfmd_numba.campaign.rounds import PILOT, Round, Rounds, with_realisations
+from gfmd_numba.campaign.run import (
+    ALL,
+    Choice,
+    Watch,
+    directory_of,
+    failed,
+    finish,
+    stopped_by_errors_of_the_system,
+    to_do,
+)
+from gfmd_numba.scene import InputError
+from gfmd_numba.scene.source import Source
+
+_PILOT_SECONDS = 2.0  # to predict what the pilot itself costs
+
+Told = Callable[[Rounds, int], None]  # of a round that begins, and of how many simulations it has left
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run has left: its file, what failed, the rounds, and how many solved realisations were not asked for."""
+
+    results: Path
+    failures: Failures
+    rounds: Rounds
+    n_unused: int
+
+    @property
+    def reached(self) -> bool:
+        """Whether every group has the error that was asked for."""
+        return self.rounds.ended == REACHED
+
+
+class InterruptedRunError(KeyboardInterrupt):
+    """Ctrl-C, after which the finished work has been collected."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__()
+        self.outcome = outcome
+
+
+def run_until(
+    source: Source | Campaign,
+    goal: Goal,
+    output: str | Path | None = None,
+    workers: Workers | None = None,
+    watch: Watch | None = None,
+    choice: Choice = ALL,
+    told: Told | None = None,
+) -> Outcome:
+    """Run a campaign round after round until its limit has a relative error, with as many realisations as it takes.
+
+    Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
+    InterruptedRunError for Ctrl-C after the pilot.
+    """
+    planned = rounds.pilot_plan(plan(source), goal)
+    directory = directory_of(planned, output)
+    _check_goal(planned, goal, directory)
+    workers = workers or Workers()
+    check(workers, directory)
+    with (
+        stopped_by_errors_of_the_system(),
+        claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
+    ):
+        return _Run(planned, goal, directory, watch, choice, told).all_rounds(workers)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run with a goal in a directory that is claimed; its plan is that of the pilot."""
+
+    planned: Plan
+    goal: Goal
+    directory: Path
+    watch: Watch | None
+    choice: Choice
+    told: Told | None
+
+    def all_rounds(self, workers: Workers) -> Outcome:
+        """Run rounds until they end."""
+        state = _begun(self.planned, self.goal, self.directory)
+        choice = self.choice
+        try:
+            with ExitStack() as stack:
+                while not state.ended:
+                    rounds.write(self.directory, state)  # what is decided stands before it is done
+                    todo, done = self._blocks(state, choice)
+                    if todo and workers.count and not workers.on_cluster:
+                        workers = replace(workers, client=stack.enter_context(local(workers.count)))
+                    if self.told is not None:
+                        self.told(state, sum(block.stop - block.first for block in todo))
+                    progress = self.watch(len(todo) + done, done) if self.watch else None
+                    planned = with_realisations(self.planned, state.now.realisations)
+                    if finish(planned, todo, self.directory, workers, progress, choice):
+                        state = self._judged(state, planned)
+                    else:
+                        state = state.ending(f"not {REACHED}: the run stopped at the first failure")
+                    choice = replace(choice, retry_failed=False)  # once is enough
+            return self._collected(state, with_realisations(self.planned, state.now.realisations))
+        except KeyboardInterrupt:
+            if len(state.rounds) == 1:  # there is nothing to extrapolate from
+                raise
+            now = with_realisations(self.planned, state.now.realisations)
+            partial = with_realisations(self.planned, finished(now, self.directory, state.rounds[-2].realisations))
+            interrupted = state.ending(f"not {REACHED}: the run was interrupted")
+            raise InterruptedRunError(self._collected(interrupted, partial)) from None
+
+    def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
+        """Blocks of a round that are to be done, and the number of others."""
+        planned = with_realisations(self.planned, state.now.realisations)
+        blocks = list(split(planned.cases, held(self.directory)))
+        todo = to_do(blocks, self.directory, choice)
+        return todo, len(blocks) - len(todo)
+
+    def _judged(self, state: Rounds, planned: Plan) -> Rounds:
+        """Rounds with what the last one has found, and with one more or ended."""
+        if state.seconds_per_price is None:
+            state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
+        results = read_results(collect(planned, self.directory))
+        fitted = fit_tfc(results, **json.loads(results.attrs["fit"]))
+        fit = planned.campaign.fit
+        known = {name: exponent for name, exponent in fit.fixed if exponent is not None}
+        return after(state, results, fitted, Fit(fit.variable, known))
+
+    def _collected(self, state: Rounds, planned: Plan) -> Outcome:
+        rounds.write(self.directory, state)
+        results = collect(planned, self.directory)
+        failures = failed(planned.blocks_in(self.directory), self.directory)
+        return Outcome(results, failures, state, unused(planned, self.directory))
+
+
+def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
+    """Raise InputError for a goal that the campaign cannot have, or a budget that does not do for its pilot."""
+    fitted = planned.campaign.fit.variable
+    if goal.variable != fitted:
+        raise InputError(
+            f"until: given {goal.variable}; allowed: {fitted}, as the campaign fits that "
+            "(another: `fit: {variable: ...}`)"
+        )
+    if all(case.limit == "reference" for case in planned.cases):
+        raise InputError("until: given a campaign without a limit; allowed: one with levels under `limits`")
+    if goal.budget is not None and rounds.read(directory) is None:
+        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
+        if pilot > goal.budget:
+            raise InputError(
+                f"budget: given {goal.budget:.3g} s of processor time, where the pilot of {PILOT} realisations of "
+                f"every case takes about {pilot:.3g} s; allowed: more, or a campaign with fewer or coarser levels"
+            )
+
+
+def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
+    """Rounds of an earlier run with the same goal, to be gone on with; else those of a new one, its pilot."""
+    campaign = described(planned)["campaign_sha256"]
+    found = rounds.read(directory)
+    same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
+    if found is not None and same and found.of_cases(len(planned.cases)):
+        return found.ending("")
+    first = Round(realisations=(PILOT,) * len(planned.cases), is_last=False)
+    return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))

@@ -1,0 +1,96 @@
+"""Running a campaign until its limit has the error one wants: what is shown meanwhile, and how it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gfmd_numba.cli.progress import progress_bar
+from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.tables import duration
+
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.execution import Failures, Workers
+    from gfmd_numba.campaign.rounds import Rounds
+    from gfmd_numba.campaign.run import Choice
+    from gfmd_numba.campaign.until import Outcome
+
+    Show = Callable[[Path, Failures], bool]
+
+
+def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
+    """Raise a usage error for options that do not go together."""
+    if until is None and budget is not None:
+        raise click.UsageError("--budget: given without --until; allowed: beside it, as it bounds what that may spend")
+    if until is not None and (only or limit):
+        name = "--only" if only else "--limit"
+        raise click.UsageError(f"{name}: given with --until; allowed: one of them, as an error needs all cases")
+
+
+def run_rounds(
+    file: Path,
+    output: Path | None,
+    workers: Workers,
+    choice: Choice,
+    until: tuple[str, float],
+    budget: float | None,
+    show: Show,
+) -> bool:
+    """Run a campaign until its limit has an error, and show the results; False if it has another, or some failed.
+
+    Where Ctrl-C stops it, the best estimate is shown first.
+    """
+    from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.campaign.goal import goal_of
+    from gfmd_numba.campaign.until import InterruptedRunError, run_until
+
+    variable, target = until
+    goal = goal_of({variable or load_campaign(file)[0].fit.variable: target}, budget)
+    caption = ["blocks"]
+
+    def told(rounds: Rounds, left: int) -> None:
+        caption[0] = _tell(rounds, left)
+
+    try:
+        with progress_bar(lambda: caption[0]) as watch:
+            outcome = run_until(file, goal, output, workers, watch, choice, told)
+    except InterruptedRunError as interrupted:
+        _show(interrupted.outcome, show)
+        raise
+    return _show(outcome, show) and outcome.reached
+
+
+def _tell(rounds: Rounds, left: int) -> str:
+    """Say what a round is about to do, and return how its bar is called."""
+    number, now = len(rounds.rounds) - 1, rounds.now
+    if number == 0:
+        if left:
+            say("round", f"0, the pilot: {left} simulations", err=True)
+        return "pilot"
+    before, target = rounds.rounds[-2], rounds.goal.target
+    error = "unknown" if before.error is None else f"{before.error:.2%}"
+    expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%} expected"
+    cost = [
+        f"{duration(max(0.0, price - before.price) * rounds.seconds_per_price)} {what}"
+        for price, what in ((now.price, "of processor time"), (now.target_price, "until the target is reached"))
+        if price is not None and before.price is not None and rounds.seconds_per_price is not None
+    ]
+    takes = f"; about {', '.join(cost)}" if cost else ""
+    if left:
+        aim = f"error {error}, target {target:.2%}; {left} simulations more{expected}{takes}"
+        say("round", f"{number}: {aim}", err=True)
+    return f"round {number}, {error} of {target:.2%}"
+
+
+def _show(outcome: Outcome, show: Show) -> bool:
+    well = show(outcome.results, outcome.failures)
+    if outcome.n_unused:
+        say(
+            "note",
+            f"{outcome.n_unused} more simulations of an earlier run lie in {outcome.results.parent}: this target does "
+            "not ask for them, and they stay for a smaller one",
+        )
+    return well

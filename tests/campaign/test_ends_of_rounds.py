@@ -1,0 +1,237 @@
+"""How runs until an error end where the target is not reached, and what they refuse before they begin."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.campaign import decision, execution, next_round, rounds, until
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.goal import Goal, goal_of
+from gfmd_numba.campaign.run import Choice
+from gfmd_numba.campaign.until import InterruptedRunError, run_until
+from gfmd_numba.scene import InputError
+from support.campaigns import TINY, campaign
+
+ONE = {
+    "reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",
+    "grid: {hurst: [0.3, 0.8]}": "",
+}
+GOAL = Goal(variable="kappa", target=0.02)
+HERE = Workers(0)
+
+
+@pytest.fixture(autouse=True)
+def quick_fits(monkeypatch):
+    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
+
+
+@pytest.fixture
+def priced(monkeypatch):
+    """A machine on which a unit of price takes a second."""
+    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 1.0)
+
+
+def opened(outcome):
+    return gfmd_numba.open_campaign(outcome.results)
+
+
+def prices(outcome):
+    return [each.price for each in outcome.rounds.rounds]
+
+
+def test_a_budget_is_not_exceeded(tmp_path, priced):
+    """And is used where the target needs more than it."""
+    path, small = campaign(tmp_path, **ONE), Goal(variable="kappa", target=0.005)
+    free = run_until(path, GOAL, tmp_path / "free", HERE)
+    pilot, whole = prices(free)[0], prices(free)[-1]
+    for share in (0.5, 2.0):
+        budget = pilot + share * (whole - pilot)
+        outcome = run_until(path, small.model_copy(update={"budget": budget}), tmp_path / str(share), HERE)
+        assert not outcome.reached
+        assert "budget" in outcome.rounds.ended
+        assert 0.75 * budget < prices(outcome)[-1] <= budget
+        assert small.target < outcome.rounds.now.error < outcome.rounds.rounds[0].error
+    assert run_until(path, GOAL.model_copy(update={"budget": 2 * whole}), tmp_path / "enough", HERE).reached
+
+
+def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, monkeypatch, priced):
+    """Another machine, or the same one on another day, would decide otherwise."""
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    pilot = prices(run_until(path, GOAL, tmp_path / "free", HERE))[0]
+    goal = GOAL.model_copy(update={"budget": 1.8 * pilot})
+    whole = run_until(path, goal, tmp_path / "whole", HERE)
+    perform = until.finish
+
+    def interrupted(planned, todo, *others):
+        if max(case.realisations for case in planned.cases) > rounds.PILOT:
+            raise KeyboardInterrupt
+        return perform(planned, todo, *others)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(until, "finish", interrupted)
+        with pytest.raises(InterruptedRunError):
+            run_until(path, goal, out, HERE)
+    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 0.5)
+    resumed = run_until(path, goal, out, HERE)
+    assert opened(resumed).attrs["content_sha256"] == opened(whole).attrs["content_sha256"]
+    assert opened(resumed).attrs["seconds_per_price"] == 1.0
+
+
+def test_a_budget_that_the_pilot_exceeds_is_refused(tmp_path):
+    goal = GOAL.model_copy(update={"budget": 1e-6})
+    with pytest.raises(InputError, match=r"budget: given 1e-06 s of processor time, where the pilot of 40"):
+        run_until(campaign(tmp_path, **ONE), goal, tmp_path / "out", HERE)
+    assert not (tmp_path / "out").exists()
+
+
+def test_exponents_that_nobody_knows_end_a_run(tmp_path):
+    """Two levels beside the reference do not tell an exponent and an error of it, however many surfaces they have."""
+    wide = ONE | {"reference: {": "fit: {fixed: {eps_c: [0.2, 4], eps_f: [0.1, 4]}}\nreference: {"}
+    outcome = run_until(campaign(tmp_path, **wide), GOAL.model_copy(update={"target": 1e-4}), tmp_path / "out", HERE)
+    assert not outcome.reached
+    assert "1000000 realisations of every case would leave an error of" in outcome.rounds.ended
+    assert "narrower ranges under `fit: {fixed: ...}` (above all that of eps_" in outcome.rounds.ended
+    assert len(outcome.rounds.rounds) == 1
+    assert opened(outcome).attrs["ended"] == outcome.rounds.ended
+
+
+def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeypatch):
+    def refusing(*given, **options):
+        found = fit_tfc(*given, **options | {"bootstrap": 0})
+        return found.assign(fit_status=("group", ["refused"]), message=("group", ["no exponent\nno idea"]))
+
+    monkeypatch.setattr(until, "fit_tfc", refusing)
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    assert outcome.rounds.ended == "not reached: the fit is refused, no exponent; no idea"
+    assert outcome.rounds.now.is_last
+    assert outcome.rounds.now.error is None
+    assert opened(outcome)["round_error"].isnull().all()
+
+
+def test_rounds_come_to_an_end(tmp_path, monkeypatch):
+    """Where each fit says less than was expected, or the other way round."""
+    monkeypatch.setattr(next_round, "_MOST", 2)
+    monkeypatch.setattr(decision, "_GROWTH", 1.3)
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL.model_copy(update={"target": 0.005}), tmp_path / "out", HERE)
+    assert outcome.rounds.ended == "not reached: 2 rounds did not get there"
+    assert len(outcome.rounds.rounds) == 3
+
+
+def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkeypatch):
+    """A round that was planned to be the last is not, until the fit itself says so."""
+
+    def doubting(*given, **options):
+        found = fit_tfc(*given, **options)
+        return found.assign(kappa_tfc_error=2.0 * found["kappa_tfc_error"])
+
+    expected = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "expected", HERE)
+    monkeypatch.setattr(until, "fit_tfc", partial(doubting, bootstrap=40))
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    assert outcome.reached
+    assert prices(outcome)[-1] > 1.5 * prices(expected)[-1]
+    assert all(1.2 < after / before < 4.5 for before, after in zip(prices(outcome), prices(outcome)[1:], strict=False))
+
+
+def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
+    """Blocks that are finished count, those of a half-finished level up to the first that is not."""
+    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 256 * 50)
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    whole = run_until(path, GOAL, tmp_path / "whole", HERE)
+    perform, left = execution.perform, [3]
+
+    def interrupted(task, *others, **options):
+        if any(block.first >= rounds.PILOT for block in task):
+            left[0] -= 1
+            if left[0] < 0:
+                raise KeyboardInterrupt
+        return perform(task, *others, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(execution, "perform", interrupted)
+        patch.setattr("gfmd_numba.campaign.run.tasks", lambda todo, *others: [(block,) for block in todo])
+        with pytest.raises(InterruptedRunError) as stopped:
+            run_until(path, GOAL, out, HERE)
+    partial_ = opened(stopped.value.outcome)
+    asked = np.array(whole.rounds.rounds[1].realisations)
+    assert partial_.attrs["ended"] == "not reached: the run was interrupted"
+    assert (partial_["realisations"].values >= 40).all()
+    assert 40 * len(asked) < partial_["realisations"].values.sum() < asked.sum()
+    assert not (partial_["status"] == 6).any()
+    assert fit_tfc(partial_, fixed={"eps_c": 1.5, "eps_f": 0.7})["fit_status"].item() == "ok"
+    resumed = run_until(path, GOAL, out, HERE)
+    assert opened(resumed).attrs["content_sha256"] == opened(whole).attrs["content_sha256"]
+
+
+def test_an_interrupt_in_the_pilot_is_one(tmp_path, monkeypatch):
+    def interrupted(*given, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(execution, "perform", interrupted)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    assert not isinstance(stopped.value, InterruptedRunError)
+
+
+def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
+    def boom(problem, chosen):
+        if problem.surface.nodes > 16:  # kernels are compiled on less
+            raise FloatingPointError("boom")
+        return solve(problem, chosen)
+
+    solve = execution.solve
+    monkeypatch.setattr(execution, "solve", boom)
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    outcome = run_until(path, GOAL, out, HERE, choice=Choice(fail_fast=True))
+    assert outcome.rounds.ended == "not reached: the run stopped at the first failure"
+    assert list(outcome.failures.values()) == [Failure("crashed", "FloatingPointError: boom")]
+    outcome = run_until(path, GOAL, out, HERE)
+    assert "given no good realisation" in outcome.rounds.ended
+    monkeypatch.setattr(execution, "solve", solve)
+    assert run_until(path, GOAL, out, HERE, choice=Choice(retry_failed=True)).reached
+
+
+def test_a_campaign_without_limits_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"until: given a campaign without a limit; allowed: one with levels"):
+        run_until(campaign(tmp_path, TINY), GOAL, tmp_path / "out", HERE)
+    assert not (tmp_path / "out").exists()
+
+
+def test_another_variable_than_the_campaign_fits_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"until: given kappa_r; allowed: kappa, as the campaign fits that"):
+        run_until(campaign(tmp_path, **ONE), Goal(variable="kappa_r", target=0.1), tmp_path / "out", HERE)
+
+
+@pytest.mark.parametrize(
+    "given", [0.01, {}, {"kappa": 0}, {"kappa": 1}, {"kappa": "1%"}, {"area": 0.1}, {"kappa": 0.1, "kappa_r": 0.1}, "x"]
+)
+def test_what_is_no_target_is_refused(given, tmp_path):
+    with pytest.raises(InputError, match=r"^until: given .*; allowed: one of kappa, kappa_counted, kappa_r and a rela"):
+        gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", until=given)
+
+
+@pytest.mark.parametrize("given", ["soon", -1, 0, "nan", float("inf"), "5 m", True, []])
+def test_what_is_no_time_is_refused(given):
+    with pytest.raises(InputError, match=r"^budget: given .*; allowed: a time like 20min, 2h or 90 s"):
+        goal_of({"kappa": 0.1}, given)
+
+
+def test_times_are_read_as_others():
+    read = [goal_of({"kappa": 0.1}, given).budget for given in ("20min", "2h", "90 s", "90", 90, "1/2 h")]
+    assert read == [1200.0, 7200.0, 90.0, 90.0, 90.0, 1800.0]
+
+
+def test_a_budget_without_a_target_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"^budget: given without until"):
+        gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", budget=5)
+
+
+def test_python_warns_of_a_target_that_is_not_reached(tmp_path, priced):
+    path = campaign(tmp_path, **ONE)
+    with pytest.warns(UserWarning, match=r"kappa=0.001 is not reached: the budget"):
+        given = gfmd_numba.run(path, tmp_path / "missed", until={"kappa": 0.001}, budget="1000 h")
+    assert given.attrs["ended"].startswith("not reached: the budget")
+    assert gfmd_numba.run(path, tmp_path / "reached", until={"kappa": 0.05}).attrs["ended"] == "reached"

@@ -1,0 +1,227 @@
+"""Runs until the limit has an error: rounds that decide the same after any kill, keep to a budget and end."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.campaign import rounds, until
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.status import campaign_in, progress, verify
+from gfmd_numba.campaign.until import run_until
+from gfmd_numba.storage import atomic_file
+from support.campaigns import campaign, numbers
+
+FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {"}
+ONE = FIT | {"grid: {hurst: [0.3, 0.8]}": ""}
+GOAL = Goal(variable="kappa", target=0.02)
+HERE = Workers(0)
+
+
+@pytest.fixture(autouse=True)
+def quick_fits(monkeypatch):
+    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
+
+
+@pytest.fixture(scope="module")
+def reached(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reached")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
+        return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
+
+
+def opened(outcome):
+    return gfmd_numba.open_campaign(outcome.results)
+
+
+def realisations(outcome):
+    return [each.realisations for each in outcome.rounds.rounds]
+
+
+def test_a_run_ends_with_the_error_that_was_asked_for(reached):
+    results = opened(reached)
+    fitted = fit_tfc(results, fixed={"eps_c": 1.5, "eps_f": 0.7}, bootstrap=40)
+    error = (fitted["kappa_tfc_error"] / fitted["kappa_tfc"]).item()
+    last = reached.rounds.now
+    assert reached.reached
+    assert len(reached.rounds.rounds) > 1
+    assert error == pytest.approx(last.error)
+    assert last.error * last.error_factor <= GOAL.target
+    assert last.error_factor > 1.0
+    np.testing.assert_array_equal(results["realisations"], last.realisations)
+
+
+def test_the_pilot_has_forty_realisations_and_every_level(reached, tmp_path):
+    """Whatever the file asks for: levels without realisations are solved, too."""
+    file = {"realisations: 6": "realisations: {reference: 3, eps_f: [0, 2, 2]}"}
+    again = run_until(campaign(tmp_path, **ONE | file), GOAL, tmp_path / "out", HERE)
+    assert set(realisations(again)[0]) == {40}
+    assert realisations(again) == realisations(reached)
+    xr.testing.assert_identical(
+        numbers(opened(again)).drop_vars("round_cpu_seconds"), numbers(opened(reached)).drop_vars("round_cpu_seconds")
+    )
+
+
+def test_the_decisions_stand_in_the_file(reached):
+    results, found = opened(reached), reached.rounds.rounds
+    np.testing.assert_array_equal(results["round_realisations"], [each.realisations for each in found])
+    for name in ("error", "error_factor", "predicted_error", "price", "cpu_seconds"):
+        variable = results[f"round_{name}"]
+        np.testing.assert_array_equal(variable, np.array([getattr(each, name) for each in found], dtype=float))
+        assert {"long_name", "units"} <= variable.attrs.keys()
+    assert (results.attrs["until"], results.attrs["ended"], results.attrs["target"]) == ("kappa=0.02", "reached", 0.02)
+    assert json.loads((reached.results.parent / "rounds.json").read_text())["ended"] == "reached"
+    assert (np.diff(results["round_price"]) > 0).all()
+
+
+def test_what_looks_at_the_directory_knows_the_rounds(reached):
+    out = reached.results.parent
+    found, verdict = progress(out), verify(out)
+    assert found.done == found.blocks
+    assert (verdict.missing, verdict.damaged, verdict.foreign) == (0, [], [])
+    assert campaign_in(out).demand[opened(reached)["case_id"].values[0]] == reached.rounds.now.realisations[0]
+
+
+class Killed(BaseException):
+    pass
+
+
+def killed_at(write, patch):
+    """Die after a number of files have been written, as a kill leaves them."""
+    left = [write]
+    replace = atomic_file.os.replace
+
+    def dying(source, target):
+        replace(source, target)
+        left[0] -= 1
+        if left[0] == 0:
+            raise Killed
+
+    patch.setattr(atomic_file.os, "replace", dying)
+    return left
+
+
+def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, monkeypatch):
+    """After every third file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
+    with monkeypatch.context() as patch:
+        left = killed_at(0, patch)
+        run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "whole", HERE)
+    for write in range(1, -left[0] + 1, 3):
+        out = tmp_path / str(write)
+        with monkeypatch.context() as patch:
+            killed_at(write, patch)
+            with pytest.raises(Killed):
+                run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+        resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+        assert realisations(resumed) == realisations(reached)
+        assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+
+
+def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
+    for number in range(len(reached.rounds.rounds)):
+        out, fits = tmp_path / str(number), iter([until.fit_tfc] * number)
+        with monkeypatch.context() as patch:
+
+            def dying(*given, **options):
+                fit = next(fits, None)  # noqa: B023
+                if fit is None:
+                    raise Killed
+                return fit(*given, **options)
+
+            patch.setattr(until, "fit_tfc", dying)
+            with pytest.raises(Killed):
+                run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+        resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+        assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+
+
+def test_rounds_that_are_damaged_are_decided_anew(reached, tmp_path):
+    out = tmp_path / "out"
+    run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+    for content in ("", "null", "[" * 10_000, '{"goal": 1}', json.dumps({"rounds": []})):
+        (out / "rounds.json").write_text(content)
+        assert rounds.read(out) is None
+    again = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+    assert opened(again).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Numbers of realisations that have been solved."""
+    counted = []
+    perform = until.finish
+
+    def counting(planned, todo, *others):
+        counted.append(sum(block.stop - block.first for block in todo))
+        return perform(planned, todo, *others)
+
+    monkeypatch.setattr(until, "finish", counting)
+    return counted
+
+
+def test_a_finished_run_solves_nothing_again(reached, tmp_path, solved):
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    run_until(path, GOAL, out, HERE)
+    solved.clear()
+    again = run_until(path, GOAL, out, HERE)
+    assert solved == [0]
+    assert opened(again).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+
+
+def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
+    """And what is more than the target asks for is told, and kept."""
+    many = campaign(tmp_path, **ONE | {"realisations: 6": "realisations: 600"})
+    gfmd_numba.run(many, tmp_path / "out")
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
+    assert sum(solved) == sum(max(0, each - 600) for each in reached.rounds.now.realisations)
+    assert outcome.n_unused == sum(max(0, 600 - each) for each in reached.rounds.now.realisations) > 0
+    assert opened(outcome).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+
+
+def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
+    path, looser = campaign(tmp_path, **ONE), Goal(variable="kappa", target=0.03)
+    run_until(path, looser, tmp_path / "out", HERE)
+    solved.clear()
+    further = run_until(path, GOAL, tmp_path / "out", HERE)
+    fresh = run_until(path, GOAL, tmp_path / "fresh", HERE)
+    assert opened(further).attrs["content_sha256"] == opened(fresh).attrs["content_sha256"]
+    back = run_until(path, looser, tmp_path / "out", HERE)
+    assert back.reached
+    assert back.n_unused > 0
+
+
+def test_a_plain_run_forgets_the_rounds(tmp_path, finished):
+    """And those of a next run with a target are decided from the same results."""
+    path, out = campaign(tmp_path), tmp_path / "out"
+    first = run_until(campaign(tmp_path, **FIT), Goal(variable="kappa", target=0.05), out, HERE)
+    digest = opened(first).attrs["content_sha256"]
+    plain = gfmd_numba.run(path, out)
+    xr.testing.assert_identical(numbers(plain), numbers(finished))
+    again = run_until(campaign(tmp_path, **FIT), Goal(variable="kappa", target=0.05), out, HERE)
+    assert opened(again).attrs["content_sha256"] == digest
+
+
+def test_every_group_has_numbers_of_its_own(tmp_path):
+    outcome = run_until(campaign(tmp_path, **FIT), GOAL, tmp_path / "out", HERE)
+    results = opened(outcome)
+    assert outcome.reached
+    of_group = [results["realisations"].values[results["hurst"].values == hurst] for hurst in (0.3, 0.8)]
+    assert not np.array_equal(*of_group)
+
+
+def test_local_workers_start_once(reached, tmp_path, monkeypatch):
+    started = []
+    local = until.local
+    monkeypatch.setattr(until, "local", lambda count: (started.append(count), local(count))[1])
+    outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
+    assert len(outcome.rounds.rounds) > 1
+    assert started == [1]
+    assert opened(outcome).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
+    run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
+    assert started == [1]  # with nothing left to do none is needed

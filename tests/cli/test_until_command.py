@@ -1,0 +1,157 @@
+"""`gfmd run --until`: what it says, draws and refuses, and how it exits."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.analysis import fit_tfc, plot_rounds
+from gfmd_numba.campaign import until
+from gfmd_numba.campaign.rounds import PILOT
+from support.campaigns import TINY, campaign
+from support.command_line import gfmd, refused, unfolded
+
+ONE = {
+    "reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",
+    "grid: {hurst: [0.3, 0.8]}": "",
+}
+
+
+@pytest.fixture(scope="module")
+def reached(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reached")
+    done = gfmd("run", campaign(folder, **ONE), "-o", folder / "out", "--workers=0", "--until=kappa=2%")
+    assert done.exit_code == 0, done.output
+    return folder / "out", done
+
+
+def test_it_says_round_by_round_what_was_reached(reached):
+    said = unfolded(reached[1].stdout)
+    assert "round 0: error" in said
+    assert ", the pilot; " in said
+    assert "until kappa to 2.00%: reached (" in said
+    assert "and with 90 % probability below" in said
+    assert "price the next digit, 0." in said
+    assert "plan this campaign again" not in said  # which is what helps where a plan missed its target
+
+
+def test_its_progress_shows_the_error_beside_the_target_and_the_time(reached):
+    said = unfolded(reached[1].stderr)
+    assert f"round 0, the pilot: {5 * PILOT} simulations" in said
+    assert "round 1: error " in said
+    assert ", target 2.00%; " in said
+    assert " s of processor time, " in said
+    assert " until the target is reached" in said
+
+
+def test_everything_fits_a_terminal(reached):
+    lines = reached[1].output.splitlines()
+    assert max(len(line) for line in lines if str(reached[0]) not in line) <= 80
+
+
+def test_two_pictures_are_drawn(reached, tmp_path):
+    out, done = reached
+    assert (out / "small.png").is_file()
+    assert (out / "small-rounds.png").is_file()
+    assert f"picture  {out / 'small-rounds.png'}" in done.stdout
+    again = gfmd("plot", out, "-o", tmp_path / "mine.svg")
+    assert again.exit_code == 0
+    assert (tmp_path / "mine-rounds.svg").is_file()
+
+
+def test_a_picture_of_somebody_else_stays(reached, tmp_path):
+    (tmp_path / "mine-rounds.png").write_text("mine")
+    assert "gfmd did not write" in refused("plot", reached[0], "-o", tmp_path / "mine.png")
+    assert (tmp_path / "mine-rounds.png").read_text() == "mine"
+
+
+def test_the_picture_shows_rounds_target_and_price(reached):
+    results = gfmd_numba.open_campaign(reached[0])
+    (axis,) = plot_rounds(results).axes
+    lines = {line.get_label(): line for line in axis.lines}
+    (target,) = set(lines["target 2 %"].get_ydata())
+    assert target == 0.02
+    dashed = next(line for label, line in lines.items() if "time" in label)
+    seconds, errors = results["round_cpu_seconds"].values[-1], results["round_error"].values[-1]
+    np.testing.assert_allclose(dashed.get_xdata(), [seconds, 100 * seconds])
+    np.testing.assert_allclose(dashed.get_ydata(), [errors, errors / 10])
+    drawn = axis.containers[0].lines[0]
+    np.testing.assert_array_equal(drawn.get_ydata(), results["round_error"])
+
+
+def test_fit_shows_the_rounds_again(reached):
+    assert "kappa to 2.00%: reached" in unfolded(gfmd("fit", reached[0]).stdout)
+
+
+def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monkeypatch):
+    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
+    path = campaign(tmp_path, **ONE)
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.1%", "--budget=1 s")
+    assert done.exit_code == 3
+    said = unfolded(done.stdout)
+    assert "kappa to 0.10%: not reached: the budget does not do for another round" in said
+    assert "reference limit continuum" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--until=0",), "allowed: a relative error like kappa=2% or 0.02"),
+        (("--until=kappa=x",), "allowed: a relative error like kappa=2% or 0.02"),
+        (("--until=area=1%",), "allowed: one of kappa, kappa_counted, kappa_r and a relative error"),
+        (("--until=kappa_r=1%",), "allowed: kappa, as the campaign fits that"),
+        (("--until=1%", "--budget=soon"), "allowed: a time like 20min, 2h or 90 s"),
+        (("--until=1%", "--budget=1e-9"), "where the pilot of 40 realisations of every case takes about"),
+        (("--budget=20min",), "given without --until"),
+        (("--until=1%", "--only=limit=eps_c"), "--only: given with --until"),
+        (("--until=1%", "--limit=3"), "--limit: given with --until"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path, options, told):
+    assert told in refused("run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--workers=0", *options)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_campaign_without_limits_is_refused(tmp_path):
+    said = refused("run", campaign(tmp_path, TINY), "-o", tmp_path / "out", "--until=1%")
+    assert said.startswith("gfmd: until: given a campaign without a limit")
+
+
+def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
+    said = unfolded(gfmd("run", "--help").stdout)
+    assert (
+        "Run until the limit has this error, with as many realisations as it takes: those in FILE are not used" in said
+    )
+    assert "Processor time for --until, like 20min" in said
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
+def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path):
+    """With two workers, in the first round after the pilot."""
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--until=0.1%"]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+    )
+    pilot = f"-000000-{PILOT:06d}.shard"
+    while process.poll() is None and all(shard.name.endswith(pilot) for shard in out.glob("shards/*.shard")):
+        time.sleep(0.001)
+    os.killpg(process.pid, signal.SIGINT)
+    stdout, stderr = (unfolded(text.decode()) for text in process.communicate())
+    assert process.returncode == 130, stderr
+    assert "kappa to 0.10%: not reached: the run was interrupted" in stdout
+    assert "reference limit continuum" in stdout
+    assert "interrupted; finished work is kept, the same command resumes" in stderr
+    results = gfmd_numba.open_campaign(out)
+    assert not (results["status"] == 6).any()
+    assert (results["realisations"].values > PILOT).any()

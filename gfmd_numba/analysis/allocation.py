@@ -8,14 +8,15 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
-from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
+from gfmd_numba.analysis.gauss_markov import covariance_of_levels
+from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.tfc import means_of
 from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
-_LARGE = 2.2  # standard errors: by so much a campaign may find a correction too large
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 
@@ -44,11 +45,9 @@ class _Ensemble:
     """What a pilot says of one group."""
 
     covariance: Reals  # (case, case) of one realisation
-    columns: Reals  # (case, parameter) of the fit at known exponents
-    slopes: Reals  # (case, exponent) of those that are not known, for a correction of 1
-    corrections: Reals  # (exponent) size of the correction of each
-    correction: NDArray[np.intp]  # (exponent) parameter that is the correction
-    known: Reals  # (exponent) what is known of each before the campaign: 1 / variance
+    columns: Reals  # (case, coefficient) of the fit at the likeliest laws
+    slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
+    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
     level: NDArray[np.intp]  # (case)
     kappa: float
     doubt: float  # factor on variances
@@ -145,7 +144,7 @@ def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
 
 
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
-    given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
+    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in fixed.items()}
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
@@ -153,32 +152,24 @@ def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Seq
             raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
         if len(values) < _FEWEST:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
+        found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], variable, given))
     return found
 
 
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> _Ensemble:
-    names = list(group.levels)
-    log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
-    block = whitened(values, log_ratio, np.arange(len(names)))
-    ranges = Ranges.of(names, given)
-    alpha = best_fit([block], ranges)
-    beta = project([block], alpha)[2][0]
-    powers = np.exp(log_ratio * alpha)
-    unsure = np.flatnonzero(~ranges.exact)
-    covariance, n = covariance_of_levels(values), len(values)
-    columns = np.column_stack([np.ones(len(powers)), powers])
-    # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
-    scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(covariance) @ columns, hermitian=True)) / n
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> _Ensemble:
+    hurst = group.parameters.get("hurst", np.nan)
+    means = means_of(group, values)
+    found = [weighed([means], laws) for laws in choices(list(group.levels), variable, [hurst], given)]
+    likeliest = max(found, key=lambda choice: choice.log_weight.max())
+    columns, slopes, known, kappa = linearised(means, likeliest)
+    n = len(values)
     return _Ensemble(
-        covariance=covariance,
+        covariance=covariance_of_levels(values),
         columns=columns,
-        slopes=(log_ratio * powers)[:, unsure],
-        corrections=np.hypot(beta, np.sqrt(scatter))[1 + unsure],
-        correction=1 + unsure,
-        known=np.nan_to_num(12.0 / ranges.width[unsure] ** 2),  # of a uniform distribution
+        slopes=slopes,
+        known=known,
         level=level,
-        kappa=float(beta[0]),
+        kappa=kappa,
         # levels' shares are chosen by it, too
         doubt=float((n - 1) / chi2.ppf(1 - _CONFIDENCE, max(2, n - len(level)))),
     )
@@ -216,14 +207,11 @@ def _errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
     dear = asked[(asked > 0) & (asked < before)]
     controlled = (fewest / dear).sum()
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    columns = ensemble.columns
-    sampling = np.linalg.pinv(columns.T @ information @ columns, hermitian=True)
-    # and by one that the campaign itself may take for too large
-    excess = _LARGE**2 * np.diag(sampling)[ensemble.correction]
-    both = np.hstack([columns, ensemble.slopes * np.sqrt(ensemble.corrections**2 + excess)])
-    known = np.diag(np.concatenate([np.zeros(columns.shape[1]), ensemble.known]))
-    total = np.linalg.pinv(both.T @ information @ both + known, hermitian=True)
-    error, of_surfaces = np.sqrt([total[0, 0], sampling[0, 0]]) / abs(ensemble.kappa)
+    variances = []
+    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
+        known = np.diag(ensemble.known[: columns.shape[1]])
+        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
+    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
     return float(error), float(of_surfaces)
 
 

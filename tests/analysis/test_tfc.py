@@ -14,7 +14,7 @@ from support.synthetic_campaigns import ALPHA, LEVELS, REFERENCE, C, campaign, n
     [("shared", {}), ("free", {}), ("shared", {"eps_t": 1.0}), ("free", ALPHA)],
 )
 def test_planted_parameters_are_recovered_exactly(exponents, fixed):
-    fit = fit_tfc(campaign((0.3, 0.8)), exponents=exponents, fixed=fixed, bootstrap=5)
+    fit = fit_tfc(campaign((0.3, 0.8)), exponents=exponents, fixed=fixed)
     assert fit["fit_status"].values.tolist() == ["ok", "ok"]
     np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=1e-8)
     for row in range(2):
@@ -30,9 +30,9 @@ def test_planted_parameters_are_recovered_exactly(exponents, fixed):
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     planted = {0.3: ALPHA, 0.8: ALPHA | {"eps_f": 0.9}}
     dataset = campaign((0.3, 0.8), alpha=planted)
-    free = fit_tfc(dataset, exponents="free", bootstrap=5)
+    free = fit_tfc(dataset, exponents="free")
     np.testing.assert_allclose(free["alpha"].sel(limit="eps_f"), [0.6, 0.9], rtol=1e-8)
-    shared = fit_tfc(dataset, exponents="shared", bootstrap=5)["alpha"].sel(limit="eps_f")
+    shared = fit_tfc(dataset, exponents="shared")["alpha"].sel(limit="eps_f")
     assert shared[0] == shared[1]
     assert 0.6 < shared[0] < 0.9
 
@@ -40,9 +40,9 @@ def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
 def test_a_group_with_two_levels_borrows_the_shared_exponent():
     dataset = campaign((0.3, 0.8))
     dataset = dataset.isel(case=~((dataset["hurst"] == 0.3) & (dataset["eps_c"] == 1 / 8)).values)
-    fit = fit_tfc(dataset, bootstrap=5)
+    fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=1e-8)
-    alone = fit_tfc(dataset, exponents="free", bootstrap=5)
+    alone = fit_tfc(dataset, exponents="free")
     assert alone["fit_status"].values.tolist() == ["refused", "ok"]
 
 
@@ -55,7 +55,7 @@ def test_a_full_product_without_a_reference_case_is_fitted():
     )
     dataset["kappa"] += 2 + 0.4 * dataset["eps_c"] ** 1.1 + 6 * dataset["eps_f"] ** 0.6 + 0.3 * dataset["eps_t"]
     dataset["kappa"] -= base["kappa"].values[0, 0]
-    fit = fit_tfc(dataset, bootstrap=5)
+    fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     np.testing.assert_allclose(fit["correction"].sel(limit="eps_t"), 0.3 / 8, rtol=1e-7)  # at the finest level
 
@@ -65,7 +65,6 @@ def test_noisy_parameters_lie_inside_the_error_bars():
     fit = fit_tfc(
         noisy(campaign((0.3, 0.8), realisations=30), rng, spread=0.02, own=0.005),
         fixed={"eps_t": 1.0},
-        bootstrap=100,
     )
     assert (fit["fit_status"] == "ok").all()
     assert (abs(fit["kappa_tfc"] - [3.0, 2.0]) < 3 * fit["kappa_tfc_error"]).all()
@@ -84,7 +83,7 @@ def test_ninety_percent_interval_covers_the_truth():
     fixed = {"eps_f": ALPHA["eps_f"], "eps_t": ALPHA["eps_t"]}
     inside, error = 0, []
     for _ in range(n):
-        fit = fit_tfc(noisy(truth, rng), fixed=fixed, bootstrap=80)
+        fit = fit_tfc(noisy(truth, rng), fixed=fixed)
         inside += int(fit["kappa_tfc_low"].item() <= 2.0 <= fit["kappa_tfc_high"].item())
         error.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
     # percentile intervals of 30 realisations cover nearer 87 % than 90 %; all 60 would mean errors too large
@@ -103,7 +102,7 @@ def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
     for _ in range(200):
         dataset = noisy(truth, rng)
         beta = np.linalg.lstsq(design, dataset["kappa"].mean("realisation").values, rcond=None)[0]
-        fit = fit_tfc(dataset, fixed=ALPHA, bootstrap=0)
+        fit = fit_tfc(dataset, fixed=ALPHA)
         ordinary.append([beta[0] - 2.0, beta[1] - C["eps_c"]])
         weighted.append([fit["kappa_tfc"].item() - 2.0, fit["C"].sel(limit="eps_c").item() - C["eps_c"]])
     ratio = np.std(weighted, axis=0) / np.std(ordinary, axis=0)
@@ -116,38 +115,38 @@ def test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone():
     dataset = campaign((0.3, 0.8), realisations=20)
     dataset["kappa"] = dataset["kappa"] + 0.01 * rng.standard_normal(dataset["kappa"].shape)
     shifted = dataset.assign(kappa=dataset["kappa"] + 100 * rng.standard_normal(20))
-    plain, paired = (fit_tfc(data, fixed=ALPHA, bootstrap=50) for data in (dataset, shifted))
+    plain, paired = (fit_tfc(data, fixed=ALPHA) for data in (dataset, shifted))
     np.testing.assert_allclose(paired["C"], plain["C"], rtol=1e-5)
     np.testing.assert_allclose(paired["C_error"], plain["C_error"], rtol=1e-3)
     assert (paired["kappa_tfc_error"] > 1000 * plain["kappa_tfc_error"]).all()
     unpaired = shifted.copy(deep=True)
     unpaired["kappa"][3] = rng.permutation(unpaired["kappa"][3].values)
-    assert (fit_tfc(unpaired, fixed=ALPHA, bootstrap=50)["C_error"][0] > 100 * plain["C_error"][0]).any()
+    assert (fit_tfc(unpaired, fixed=ALPHA)["C_error"][0] > 100 * plain["C_error"][0]).any()
 
 
 def test_one_draw_of_realisations_serves_all_groups():
     dataset = campaign((0.3, 0.8), realisations=10)
     noise = np.random.default_rng(7).standard_normal((10, 10))
     dataset["kappa"] = dataset["kappa"] + 0.1 * np.concatenate([noise, noise])
-    fit = fit_tfc(dataset, exponents="free", fixed=ALPHA, bootstrap=10)
+    fit = fit_tfc(dataset, exponents="free", fixed=ALPHA)
     np.testing.assert_allclose(fit["kappa_tfc_error"][0], fit["kappa_tfc_error"][1], rtol=1e-9)
 
 
 def test_same_seed_same_numbers():
     dataset = noisy(campaign(realisations=10), np.random.default_rng(0))
-    first, again = (fit_tfc(dataset, fixed=ALPHA, bootstrap=20, seed=3) for _ in range(2))
+    first, again = (fit_tfc(dataset, fixed=ALPHA, seed=3) for _ in range(2))
     xr.testing.assert_identical(first, again)
-    other = fit_tfc(dataset, fixed=ALPHA, bootstrap=20, seed=4)
+    other = fit_tfc(dataset, fixed=ALPHA, seed=4)
     assert other["kappa_tfc_error"] != first["kappa_tfc_error"]
 
 
 def test_roughness_at_nyquist_is_left_out_by_default():
     dataset = campaign(levels=LEVELS | {"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]})
     dataset["kappa"][dataset["eps_c"].values == 1] += 0.3
-    fit = fit_tfc(dataset, bootstrap=5)
+    fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     assert fit["n_cases"] == 10
-    kept = fit_tfc(dataset, omit_nyquist=False, bootstrap=5)
+    kept = fit_tfc(dataset, omit_nyquist=False)
     assert kept["n_cases"] == 11
     assert abs(kept["kappa_tfc"] - 2.0) > 1e-3
 
@@ -155,7 +154,7 @@ def test_roughness_at_nyquist_is_left_out_by_default():
 def test_a_reference_at_nyquist_is_fitted_and_said():
     dataset = campaign(levels={name: LEVELS[name] for name in ("eps_f", "eps_t")})
     dataset["eps_c"][:] = 1.0
-    fit = fit_tfc(dataset, bootstrap=5)
+    fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.4 * 0.5**1.1, atol=1e-8)
     assert fit["message"].item().startswith("eps_c = 1 is fitted as well")
 
@@ -163,7 +162,7 @@ def test_a_reference_at_nyquist_is_fitted_and_said():
 def test_each_group_carries_the_mean_of_its_reference_case():
     dataset = noisy(campaign((0.3, 0.8), realisations=9), np.random.default_rng(3))
     backwards = dataset.isel(case=slice(None, None, -1))
-    fit = fit_tfc(backwards, fixed=ALPHA, bootstrap=5)
+    fit = fit_tfc(backwards, fixed=ALPHA)
     for group in range(2):
         values = dataset["kappa"].where(dataset["hurst"] == fit["hurst"][group]).where(dataset["is_reference"])
         values = values.dropna("case", how="all")[0]
@@ -180,7 +179,7 @@ def test_of_several_references_the_finest_counts():
     fine["kappa"] += 0.4 * ((1 / 8) ** 1.1 - (1 / 2) ** 1.1)
     for order in ([coarse, fine], [fine, coarse]):
         both = xr.concat(order, "case")
-        fit = fit_tfc(both, fixed=ALPHA, bootstrap=5)
+        fit = fit_tfc(both, fixed=ALPHA)
         assert fit["reference_eps"].sel(limit="eps_c").values.tolist() == [1 / 8, 1 / 8]
         expected = np.array([3.0, 2.0]) + 0.4 * (1 / 8) ** 1.1 + 6 * (1 / 1024) ** 0.6 + 0.15
         np.testing.assert_allclose(fit["reference"], expected)
@@ -189,7 +188,7 @@ def test_of_several_references_the_finest_counts():
 
 
 def test_result_survives_netcdf(tmp_path):
-    fit = fit_tfc(campaign((0.3, 0.8)), fixed={"eps_t": 1.0}, bootstrap=5)
+    fit = fit_tfc(campaign((0.3, 0.8)), fixed={"eps_t": 1.0})
     fit.to_netcdf(tmp_path / "fit.nc")
     with xr.open_dataset(tmp_path / "fit.nc") as again:
         np.testing.assert_array_equal(again["kappa_tfc"], fit["kappa_tfc"])

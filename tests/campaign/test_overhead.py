@@ -21,7 +21,7 @@ def machine(empty_cache, monkeypatch):
         seen.starts += 1
         return SimpleNamespace(stdout="2.0\n")
 
-    def fit_tfc(results, bootstrap=400, **_):
+    def fit_tfc(results, **_):
         groups = len(set(zip(results["hurst"].values, results["reduced_pressure"].values, strict=True)))
         seen.fits.append(groups)
         seen.now += groups * (3.0 + 0.5 * bootstrap)

@@ -106,7 +106,7 @@ def _draw_limit(
         mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
         if physics in fitted:
-            _draw_curve(axis, fitted[physics], limit, group[limit].values, look)
+            _draw_curve(axis, fitted[physics], limit, look)
     title, label = _PANELS[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
@@ -115,13 +115,9 @@ def _draw_limit(
     axis.set(title=title, xlabel=label)
 
 
-def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: Reals, look: Look) -> None:
-    if limit == "eps_c" and _omits_nyquist(fit):
-        levels = levels[~at_nyquist(levels)]
-    eps = np.geomspace(levels.max() * 1.1, levels.min() / 1.25, 100)
-    others = float(fit["kappa_tfc"] + fit["correction"].drop_sel(limit=limit).sum())
+def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, look: Look) -> None:
     one = fit.sel(limit=limit)
-    axis.plot(1 / eps, others + float(one["C"]) * eps ** float(one["alpha"]), look["linestyle"], c=look["color"])
+    axis.plot(1 / one["curve_eps"], one["curve"], look["linestyle"], c=look["color"])
 
 
 def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) -> None:

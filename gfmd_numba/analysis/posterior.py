@@ -106,23 +106,24 @@ def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Re
 
 
 def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Reals, Reals]:
-    """Return the box around the nodes that are likely, by a node more on each side, moved on where it ends at one."""
+    """Return the box around the nodes that are likely, by a node more on each side, or a larger one where it cuts them."""
     points = (1.0 + np.polynomial.legendre.leggauss(_POINTS)[0]) / 2.0
     likely = misfit - misfit.min() < _UNLIKELY
-    new_low, new_high = low.copy(), high.copy()
+    width = high - low
+    narrow, wide = np.array([low, high]), np.array([low, high])
     for axis, size in enumerate(misfit.shape):
         if size == 1:
             continue
         others = tuple(other for other in range(misfit.ndim) if other != axis)
         found = np.flatnonzero(likely.any(axis=others))
-        width = high[axis] - low[axis]
-        grid = low[axis] + width * np.concatenate([[0.0], points, [1.0]])
-        new_low[axis], new_high[axis] = grid[found[0]], grid[found[-1] + 2]
+        grid = low[axis] + width[axis] * np.concatenate([[0.0], points, [1.0]])
+        narrow[:, axis] = grid[found[0]], grid[found[-1] + 2]
         if found[0] == 0:
-            new_low[axis] = max(ends[axis, 0], low[axis] - 0.5 * width)
+            wide[0, axis] = max(ends[axis, 0], low[axis] - 0.5 * width[axis])
         if found[-1] == size - 1:
-            new_high[axis] = min(ends[axis, 1], high[axis] + 0.5 * width)
-    return new_low, new_high
+            wide[1, axis] = min(ends[axis, 1], high[axis] + 0.5 * width[axis])
+    cut = (wide != [low, high]).any()
+    return tuple(wide) if cut else tuple(narrow)
 
 
 def _columns(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
@@ -156,21 +157,26 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
     return np.asarray((found[:, :-1] / found[:, -1:])[:, case])
 
 
-def _normal(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals, Reals, Reals]:
-    """Return the whitened columns and data, the normal matrix with what is known before, and the coefficients."""
-    columns = np.einsum("ij,njk->nik", means.whitener, _columns(means, laws, nodes, sizes))
-    data = means.whitener @ means.values
-    before = np.zeros(columns.shape[-1])
-    before[columns.shape[-1] - len(sizes) :] = 1.0  # interactions of unit variance
-    normal = np.einsum("nik,nil->nkl", columns, columns) + np.diag(before)
-    coefficients = np.linalg.solve(normal, np.einsum("nik,i->nk", columns, data)[..., np.newaxis])[..., 0]
-    return columns, data, normal, coefficients
+def _solved(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals, Reals]:
+    """Return the coefficients (node, coefficient), what solves for them (node, coefficient, row), and residuals (node, row).
+
+    Rows are the whitened cases, and the interactions, of which is known before that they are 0 within their likely
+    sizes.
+    """
+    columns = means.whitener @ _columns(means, laws, nodes, sizes)
+    n_coefficients, n_pairs = columns.shape[-1], len(sizes)
+    known = np.zeros((n_pairs, n_coefficients))
+    known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
+    rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
+    data = np.concatenate([means.whitener @ means.values, np.zeros(n_pairs)])
+    orthogonal, upper = np.linalg.qr(rows)
+    solving = np.linalg.solve(upper, np.swapaxes(orthogonal, 1, 2))
+    coefficients = solving @ data
+    return coefficients, solving, data - (rows @ coefficients[..., np.newaxis])[..., 0]
 
 
 def _misfit(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
-    columns, data, _, coefficients = _normal(means, laws, nodes, sizes)
-    residual = data - np.einsum("nik,nk->ni", columns, coefficients)
-    return (residual**2).sum(axis=1) + (coefficients[:, coefficients.shape[1] - len(sizes) :] ** 2).sum(axis=1)
+    return np.asarray((_solved(means, laws, nodes, sizes)[2] ** 2).sum(axis=1))
 
 
 def _interactions(means: Means, laws: Laws) -> Reals:
@@ -186,12 +192,11 @@ def _interactions(means: Means, laws: Laws) -> Reals:
 
 def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
     """Return the fits at nodes of the laws' parameters, with interactions of likely `sizes` (pair)."""
-    columns, data, normal, coefficients = _normal(means, laws, nodes, sizes)
-    inverse = np.linalg.inv(normal)
-    residual = data - np.einsum("nik,nk->ni", columns, coefficients)
-    misfit = _misfit(means, laws, nodes, sizes)
-    influence = np.einsum("nk,nik,ij->nj", inverse[:, 0], columns, means.whitener)
-    pull = 2.0 * residual @ means.whitener
+    coefficients, solving, residual = _solved(means, laws, nodes, sizes)
+    inverse = solving @ np.swapaxes(solving, 1, 2)
+    n_cases = means.values.size
+    influence = solving[:, 0, :n_cases] @ means.whitener
+    pull = 2.0 * residual[:, :n_cases] @ means.whitener
     # from the columns' coefficients to kappa_tfc, corrections and interactions, in the unit of kappa
     limits = list(means.levels)
     change = np.zeros((len(nodes), 1 + len(limits) + len(sizes), coefficients.shape[1]))
@@ -210,7 +215,7 @@ def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
     for pair, size in enumerate(sizes):
         change[:, 1 + len(limits) + pair, own + pair] = size
     return Linear(
-        misfit=misfit,
+        misfit=(residual**2).sum(axis=1),
         coefficients=np.einsum("nkl,nl->nk", change, coefficients),
         covariance=np.einsum("nkl,nlm,npm->nkp", change, inverse, change),
         influence=influence,
@@ -249,7 +254,7 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
         [parameter.values(row) for parameter, row in zip(choice.parameters, positions.T, strict=True)], axis=-1
     )
     columns = _columns(means, choice.laws, nodes, sizes)
-    coefficients = _normal(means, choice.laws, nodes[:1], sizes)[3][0]
+    coefficients = _solved(means, choice.laws, nodes[:1], sizes)[0][0]
     forward, backward = columns[1 : 1 + len(moving)], columns[1 + len(moving) :]
     slopes = ((forward - backward) @ coefficients).T / 2e-3
     widths = np.array([np.diff(choice.parameters[index].ends)[0] for index in moving])

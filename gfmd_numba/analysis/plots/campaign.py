@@ -23,7 +23,6 @@ from gfmd_numba.analysis.selection import (
     key,
     select_limit,
 )
-from gfmd_numba.arrays import Reals
 
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),

@@ -19,7 +19,7 @@ from support.campaigns import SMALL, campaign
 
 DESIGN = Design(reference=46, levels={"eps_c": {1 / 2: 3, 1 / 8: 7}}, seconds=1.0, error=0.0123, sampling=0.01,
                 exponents=0.005, limiting="sampling")  # fmt: skip
-COUNTS = {"reference": 46, "eps_c": (3, 0, 7), "eps_f": None, "eps_t": None}
+COUNTS = {"reference": 46, "eps_c": (3, 0, 7), "eps_f": (0, 0, 0), "eps_t": None, "cross": None}
 BLOCK = "realisations:   # by limit\n  reference: 6   # as the first\n  # few\n  eps_c: 3   # enough\n"
 FLOW = "realisations: {reference: 6,  # as the first\n   # few\n  eps_c: 3}   # enough\n"
 STYLES = {
@@ -41,7 +41,7 @@ STYLES = {
     "all on one line": yaml.dump(yaml.safe_load(SMALL), default_flow_style=True, width=9999),
     "JSON": '{"name":"small","seed":1,"realisations":6,"scene":{"body":{"poissons_ratio":0.33},"roughness":{"method":'
     '"psd","hurst":0.8,"rms_gradient":0.01},"interface":{"hard_wall":{}},"loading":{"reduced_pressure":0.05}},'
-    '"reference":{"eps_c":0.25,"eps_f":0.0625,"eps_t":0.5},"limits":{"eps_c":[0.5,0.25,0.125]}}',
+    '"reference":{"eps_c":0.25,"eps_f":0.0625,"eps_t":0.5},"limits":{"eps_c":[0.5,0.25,0.125],"eps_f":[0.125,0.0625,0.03125]}}',
 }
 
 

@@ -102,14 +102,17 @@ else:
         "CrossLevel",
         __base__=_OfSeveral,
         __doc__="Discretisations (dimensionless) that differ from the reference together.",
-        **_of_each("{name} (dimensionless)", lambda value: value),
+        **_of_each("Value of {name} (dimensionless)", lambda value: value),
     )
     Limits = create_model(
         "Limits",
         __base__=_AroundTheReference,
         __doc__="Discretisations (dimensionless) around the reference, one at a time and together.",
         **_of_each("{limit} limit (dimensionless)", lambda value: Values[value]),
-        cross=(Values[CrossLevel] | None, Field(None, description="Levels in which two or more of them differ")),
+        cross=(
+            Values[CrossLevel] | None,
+            Field(None, description="Levels at which two or more differ at once"),
+        ),
     )
     FixedExponents = create_model(
         "FixedExponents",

@@ -7,29 +7,11 @@ import xarray as xr
 from gfmd_numba.analysis import best_design, cheapest_design, fit_tfc
 from support.campaigns import campaign as campaign_file
 from support.command_line import gfmd
-from support.synthetic_campaigns import ALPHA, REFERENCE, C, campaign, noisy
+from support.cross_levels import crossed
+from support.synthetic_campaigns import ALPHA, noisy
 
-LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
 CHEAP = {"eps_f": 1 / 512, "eps_t": 1}
 DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
-
-
-def crossed(*levels, n=40):
-    """Noise-free campaign with cross levels, whose corrections add up."""
-    dataset = campaign(levels=LEVELS, realisations=n)
-    parts = [dataset]
-    for number, level in enumerate(levels):
-        case = dataset.isel(case=[0]).copy(deep=True)
-        case["kappa"] += sum(
-            C[name] * (eps ** ALPHA[name] - REFERENCE[name] ** ALPHA[name]) for name, eps in level.items()
-        )
-        case["limit"], case["is_reference"], case["case_id"] = (
-            ("case", [each]) for each in ("cross", False, f"x-{number}")
-        )
-        for name, eps in level.items():
-            case[name] = ("case", [eps], dataset[name].attrs)
-        parts.append(case)
-    return xr.concat(parts, "case")
 
 
 def priced(dataset, seed=0):

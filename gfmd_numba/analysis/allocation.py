@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
+from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.least_squares import best_fit, covariance_of_levels, project, whitened
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
 from gfmd_numba.arrays import Reals
@@ -158,6 +159,8 @@ def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Seq
             raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
         if len(values) < _FEWEST:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
+        if why := inseparable(group):
+            raise UnusableDataError(why)
         found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], given))
     return found
 

@@ -6,7 +6,7 @@ import xarray as xr
 
 from gfmd_numba.analysis import best_design, cheapest_design, fit_tfc
 from support.campaigns import campaign as campaign_file
-from support.command_line import gfmd
+from support.command_line import gfmd, unfolded
 from support.cross_levels import crossed
 from support.synthetic_campaigns import ALPHA, noisy
 
@@ -95,6 +95,17 @@ def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_pa
     ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
     assert ran.exit_code == 0, ran.output
     assert "reached by all groups" in ran.output
+
+
+@pytest.mark.parametrize("command", ["plan", "accuracy"])
+def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    only = {"eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]": "cross: [{eps_c: 1/2, eps_f: 1/8}]"}
+    said = gfmd(command, campaign_file(tmp_path, **only), *(["--target=8%"] if command == "plan" else []))
+    assert said.exit_code == (2 if command == "plan" else 0), said.output
+    assert "2 cases cannot tell eps_c, eps_f apart: add cases in which only one of them differs" in unfolded(
+        said.output
+    )
 
 
 def test_a_cross_level_without_surfaces_stays_without(tmp_path):

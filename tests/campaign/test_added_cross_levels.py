@@ -38,6 +38,16 @@ def test_a_cross_level_without_whole_waves_gives_way_to_the_next_finer_one(tmp_p
     assert added(tmp_path, odd) == ({"eps_f": 2 / 3, "eps_t": 1 / 4},)
 
 
+def test_a_cross_level_whose_grid_does_not_resolve_a_law_gives_way_in_units_too(tmp_path):
+    in_units = {
+        "youngs_modulus: 70e9": "youngs_modulus: 70 GPa",
+        "scene:": "case_timeout: 2 min\nscene:\n  length: 0.2 mm",
+        "{hard_wall: {}}": "{hard_wall: {}, exponential: {work_of_adhesion: 50 mJ/m^2, range: 2.5 um}}",
+        "reduced_pressure: 0.05": "pressure: 10 MPa",
+    }
+    assert added(tmp_path, in_units) == ({"eps_c": 1 / 2, "eps_f": 1 / 32},)
+
+
 @pytest.mark.parametrize("limits", ["", "limits: {eps_c: [1/2, 1/4, 1/8]}", "limits: {eps_c: [1], eps_f: [1/8]}"])
 def test_without_two_limits_nothing_is_added(tmp_path, limits):
     planned = plan(campaign(tmp_path, **{LIMITS: limits}))

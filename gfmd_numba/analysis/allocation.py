@@ -267,10 +267,7 @@ def _best_shares(choice: _Choice, shares: Reals, budget: float) -> Reals:
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
-    """Whether a limit keeps two levels beside the reference, which an exponent needs, without this one.
-
-    No exponent needs a cross level.
-    """
+    """Whether this is a cross level, or its limit keeps the two beside the reference that an exponent needs."""
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
     return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))

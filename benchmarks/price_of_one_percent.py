@@ -19,6 +19,7 @@ import numpy as np
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import design as accuracy
+from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.plan import plan
 
 SCENE = """
@@ -85,7 +86,7 @@ def thesis(folder, hurst, limit):
 def here(folder, hurst, limit):
     path = folder / "here.yaml"
     path.write_text(SCENE.format(seed=5, realisations=30, hurst=hurst) + HERE[hurst])
-    planned = plan(path)
+    planned = with_cross_levels(plan(path))
     design = accuracy.design(planned, accuracy.pilot(planned), TARGET, None)
     text, _ = accuracy.rewritten(planned, design, TARGET)
     off, claimed, seconds = [], [], []

@@ -8,10 +8,11 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.gauss_markov import covariance_of_levels
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.posterior import linearised, weighed
-from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
 from gfmd_numba.analysis.tfc import means_of
 from gfmd_numba.arrays import Reals
 
@@ -20,15 +21,16 @@ _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in al
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 
-Level = tuple[str, float]  # a limit and its eps, or ("reference", nan)
+Level = tuple[str, tuple[float, ...]]  # a limit and its eps, "cross" and all eps, or "reference" and none
+_REFERENCE: Level = ("reference", ())
 
 
 @dataclass(frozen=True)
 class Design:
     """Realisations of the reference and of each level, the relative error of kappa_tfc they give, and their cost in s.
 
-    Levels of 0 are not worth their cost. `sampling` and `exponents` are the parts of the error, `limiting` says what
-    it mostly comes from.
+    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot. `sampling` and
+    `exponents` are the parts of the error, `limiting` says what it mostly comes from.
     """
 
     reference: int
@@ -38,6 +40,7 @@ class Design:
     exponents: float
     seconds: float
     limiting: str
+    cross: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -126,21 +129,24 @@ def _choice(
 
 
 def _levels(pilot: xr.Dataset) -> list[Level]:
-    """Return the reference and the levels of each limit in the order of the campaign."""
-    found: dict[Level, None] = {("reference", np.nan): None}
-    for limit in LIMITS:
-        mine = pilot["limit"].values == limit
-        found |= {(limit, float(eps)): None for eps in pilot[limit].values[mine]}
-    return list(found)
+    """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
+    order = [_REFERENCE[0], *LIMITS, CROSS]
+    return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
 
 
 def _level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
     numbers = {level: number for number, level in enumerate(_levels(pilot))}
-    limits = pilot["limit"].values.astype(str)
-    where = [
-        numbers.get((limit, float(pilot[limit][i])), 0) if limit in LIMITS else 0 for i, limit in enumerate(limits)
-    ]
-    return np.array(where, dtype=np.intp)
+    return np.array([numbers[level] for level in _level_of_each(pilot)], dtype=np.intp)
+
+
+def _level_of_each(pilot: xr.Dataset) -> list[Level]:
+    """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
+    references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
+    alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
+    told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
+    eps = {name: pilot[name].values.astype(float).tolist() for name in LIMITS}
+    names = pilot["limit"].values.astype(str).tolist()
+    return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
 
 
 def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[_Ensemble]:
@@ -152,6 +158,8 @@ def _ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Seq
             raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
         if len(values) < _FEWEST:
             raise UnusableDataError(f"given a pilot of {len(values)} good realisations; allowed: at least {_FEWEST}")
+        if why := inseparable(group):
+            raise UnusableDataError(why)
         found.append(_ensemble(group, values, _level_of_case(pilot)[group.cases], variable, given))
     return found
 
@@ -247,10 +255,10 @@ def _best_shares(choice: _Choice, shares: Reals, budget: float) -> Reals:
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
-    """Whether a limit keeps two levels beside the reference, which an exponent needs, without this one."""
+    """Whether this is a cross level, or its limit keeps the two beside the reference that an exponent needs."""
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
-    return limit != "reference" and (shares[level] == 0 or len(left) > 2)
+    return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
@@ -263,8 +271,9 @@ def _described(choice: _Choice, counts: Reals) -> Design:
     }
     relief["exponents"] = max(0.0, total**2 - sampling**2)
     levels: dict[str, dict[float, int]] = {}
-    for (name, eps), count in zip(choice.levels[1:], counts[1:], strict=True):
-        levels.setdefault(name, {})[eps] = int(count)
+    for (name, eps), count in zip(choice.levels, counts, strict=True):
+        if name in LIMITS:
+            levels.setdefault(name, {})[eps[0]] = int(count)
     used = counts > 0
     return Design(
         reference=int(counts[0]),
@@ -274,4 +283,5 @@ def _described(choice: _Choice, counts: Reals) -> Design:
         exponents=float(np.sqrt(relief["exponents"])),
         seconds=float(counts[used] @ choice.price[used]),
         limiting=max(relief, key=lambda name: relief[name]),
+        cross=tuple(counts[names == CROSS].astype(int).tolist()),
     )

@@ -41,7 +41,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     good(dataset, variable)
     present = [limit for limit in discretisations(dataset) if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
-        return plot_parameter(dataset, variable)
+        return plot_parameter(_without_cross_levels(dataset), variable)
     if fit is not None and fit.attrs["variable"] != variable:
         raise ValueError(f"the fit is of {fit.attrs['variable']!r}, the figure of {variable!r}")
     looks = looks_of(dataset)
@@ -69,6 +69,12 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         figure.set_figheight(4.6 + LINE * max(0, rows - 3))  # the panels keep their height
         figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
     return figure
+
+
+def _without_cross_levels(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset whose cases all stand at a reference, if it is one without limits that marks references."""
+    references = dataset["is_reference"].values
+    return dataset.isel(case=references) if references.any() else dataset
 
 
 def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:

@@ -34,12 +34,13 @@ def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     return variance @ total, (variance + variance.T) / 2
 
 
-def inflation(values: Reals, covariance: Reals, of_means: Reals, columns: Reals) -> float:
+def inflation(values: Reals, covariance: Reals, of_means: Reals, columns: Reals, contrasts: int) -> float:
     """Return the factor on the variance of the first coefficient of a fit, for a covariance that is only estimated.
 
     The covariance of one realisation gives the weights. How far the coefficient scatters with them is told by the
-    realisations themselves (White 1980, with the mean of each design taken off), and by a part more for weights that
-    come from the same realisations (Lavenberg and Welch 1981).
+    realisations themselves (White 1980, with the mean of each design taken off). A part more is for the weights of
+    `contrasts` between the cases that a fit does not need, which come from the same realisations (Lavenberg and Welch
+    1981).
     """
     weighed = columns.T @ np.linalg.inv(of_means)
     inverse = np.linalg.pinv(weighed @ columns, hermitian=True)
@@ -53,7 +54,6 @@ def inflation(values: Reals, covariance: Reals, of_means: Reals, columns: Reals)
         each = rows @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there] @ influence)
         seen += len(each) * each.var(ddof=1) if len(each) > 1 else float(each @ each)
     fewest = present.sum(axis=0).min()
-    contrasts = max(0, columns.shape[0] - columns.shape[1])
     return float(seen / inverse[0, 0] * (1.0 + contrasts / fewest))
 
 

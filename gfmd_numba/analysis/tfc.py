@@ -110,7 +110,9 @@ def means_of(group: Group, values: Reals) -> Means:
     mean, of_means = best_means(values, covariance)
     if len(values) > 1 and np.nanstd(values - mean) > 1e-9 * np.nanmax(abs(values)):
         linear = [group.levels[name] / group.reference[name] for name in group.levels]
-        of_means = of_means * inflation(values, covariance, of_means, np.column_stack([np.ones(mean.size), *linear]))
+        columns = np.column_stack([np.ones(mean.size), *linear])
+        contrasts = max(0, mean.size - columns.shape[1] - len(_pairs(group)))
+        of_means = of_means * inflation(values, covariance, of_means, columns, contrasts)
     return Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
 
 

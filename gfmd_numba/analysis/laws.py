@@ -50,9 +50,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Law:
-    """The law of a limit: `excess` (eps (level), parameters (node, parameter)) -> (node, level), 1 nowhere in particular.
+    """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
 
-    `whole` laws multiply kappa_tfc: their coefficient is no parameter of its own.
+    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over kappa_tfc:
+    such a law has no coefficient of its own.
     """
 
     parameters: tuple[Parameter, ...]

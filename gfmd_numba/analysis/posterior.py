@@ -55,7 +55,7 @@ class Linear:
 
 @dataclass(frozen=True)
 class Choice:
-    """One choice of laws: nodes in their parameters, the logarithm of each node's weight, and the fits of each group."""
+    """One choice of laws: nodes in their parameters, the logarithms of the nodes' weights, and each group's fits."""
 
     laws: Laws
     parameters: tuple[Parameter, ...]
@@ -106,7 +106,7 @@ def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Re
 
 
 def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Reals, Reals]:
-    """Return the box around the nodes that are likely, by a node more on each side, or a larger one where it cuts them."""
+    """Return the box of the likely nodes and one more on each side, or a wider box if likely nodes lie at its edge."""
     points = (1.0 + np.polynomial.legendre.leggauss(_POINTS)[0]) / 2.0
     likely = misfit - misfit.min() < _UNLIKELY
     width = high - low
@@ -158,10 +158,10 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
 
 
 def _solved(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals, Reals]:
-    """Return the coefficients (node, coefficient), what solves for them (node, coefficient, row), and residuals (node, row).
+    """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), and residuals (node, row).
 
-    Rows are the whitened cases, and the interactions, of which is known before that they are 0 within their likely
-    sizes.
+    Rows are the whitened cases, and then the interactions: all that is known of these before is that they are 0 within
+    their likely sizes.
     """
     columns = means.whitener @ _columns(means, laws, nodes, sizes)
     n_coefficients, n_pairs = columns.shape[-1], len(sizes)

@@ -119,7 +119,8 @@ def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share:
     weight = np.concatenate(share)
     value = np.concatenate([_table(group, fit) for fit in fits])
     variance = np.concatenate([_variances(group, fit) for fit in fits])
-    estimate = weight @ value
+    likeliest = value[weight.argmax()]
+    estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
     budget = error_budget(index, means, found, share, group.residual_error)
     notes = [*group.notes, *pressed(found, share), *logarithmic(group, found), *additivity(group, estimate, error)]
@@ -151,7 +152,7 @@ def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share:
 def _curve(
     index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]
 ) -> tuple[Reals, Reals]:
-    """Return levels (limit, step) of each limit and the fit there, the others at the reference, nan where not varied."""
+    """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
         row = LIMITS.index(name)

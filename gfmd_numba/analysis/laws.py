@@ -1,6 +1,6 @@
 """How a correction goes to 0 with its discretisation: the laws a fit chooses from, and what is known of them before.
 
-A law is a function of eps that is 1 at the reference and has parameters of its own. Thesis (4.3) takes powers
+A law is a function of eps with parameters of its own, to which a correction is in proportion. Thesis (4.3) takes powers
 eps^alpha. The fractal limit of kappa has a law from theory: contacts lie on the crests of the longest waves, whose
 slope they do not see, so that kappa = kappa_tfc / sqrt(1 - S), where S is the share of g^2 in the waves that are not
 seen. The spectrum gives S at every eps_f, and at H = 1 too, where no power has the right limit.

@@ -158,7 +158,7 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
 
 
 def _solved(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals, Reals]:
-    """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), and residuals (node, row).
+    """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), residuals (node, row).
 
     Rows are the whitened cases, and then the interactions: all that is known of these before is that they are 0 within
     their likely sizes.

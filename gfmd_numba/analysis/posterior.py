@@ -18,7 +18,9 @@ from gfmd_numba.analysis.laws import Law, Parameter
 from gfmd_numba.arrays import Reals
 
 Laws = dict[str, Law]
-_POINTS = 7  # of the quadrature in each parameter
+_COARSE = 7  # points in each parameter, while the box is narrowed
+_FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: spacings of a standard deviation
+_FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
 
@@ -70,13 +72,16 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
     sizes = [_interactions(each, laws) for each in means]
     ends = np.array([parameter.ends for parameter in parameters])
     low, high = ends.T.copy()
+    fine = _FINE.get(int((low < high).sum()), _FINE_OF_MORE)
+    points = _COARSE
     for _ in range(_ROUNDS):
-        nodes, log_volume, shape = _nodes(parameters, low, high)
+        nodes, log_volume, shape = _nodes(parameters, low, high, points)
         misfit = sum(_misfit(each, laws, nodes, size) for each, size in zip(means, sizes, strict=True))
         new_low, new_high = _narrowed(misfit.reshape(shape), low, high, ends)
         settled = (new_high - new_low >= 0.7 * (high - low)) & (new_low >= low - 1e-15) & (new_high <= high + 1e-15)
-        if settled.all():
+        if settled.all() and points == fine:
             break
+        points = fine if settled.all() else points
         low, high = new_low, new_high
     fits = [linear(each, laws, nodes, size) for each, size in zip(means, sizes, strict=True)]
     # the share of the box in the ranges is the share of what is possible
@@ -91,9 +96,11 @@ def shares(choices: Sequence[Choice]) -> list[Reals]:
     return [np.exp(choice.log_weight - whole) for choice in choices]
 
 
-def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Reals, Reals, tuple[int, ...]]:
+def _nodes(
+    parameters: Sequence[Parameter], low: Reals, high: Reals, size: int
+) -> tuple[Reals, Reals, tuple[int, ...]]:
     """Return nodes of Gauss and Legendre in a box (node, parameter), the logarithm of their volume, and their shape."""
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    points, weights = np.polynomial.legendre.leggauss(size)
     axes, volumes = [], []
     for parameter, left, right in zip(parameters, low, high, strict=True):
         exact = right <= left
@@ -107,7 +114,6 @@ def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Re
 
 def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Reals, Reals]:
     """Return the box of the likely nodes and one more on each side, or a wider box if likely nodes lie at its edge."""
-    points = (1.0 + np.polynomial.legendre.leggauss(_POINTS)[0]) / 2.0
     likely = misfit - misfit.min() < _UNLIKELY
     width = high - low
     narrow, wide = np.array([low, high]), np.array([low, high])
@@ -116,6 +122,7 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
             continue
         others = tuple(other for other in range(misfit.ndim) if other != axis)
         found = np.flatnonzero(likely.any(axis=others))
+        points = (1.0 + np.polynomial.legendre.leggauss(size)[0]) / 2.0
         grid = low[axis] + width[axis] * np.concatenate([[0.0], points, [1.0]])
         narrow[:, axis] = grid[found[0]], grid[found[-1] + 2]
         if found[0] == 0:

@@ -78,12 +78,13 @@ def unseen_slope(hurst: float) -> Law:
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
 
     def excess(eps: Reals, parameters: Reals) -> Reals:
-        cut, tail = np.log(parameters[:, :1, np.newaxis]), parameters[:, 1:, np.newaxis]
+        once, same = np.unique(parameters, axis=0, return_inverse=True)  # nodes of other limits repeat them
+        cut, tail = np.log(once[:, :1, np.newaxis]), once[:, 1:, np.newaxis]
         octaves = -np.log(eps)
         index = octaves[:, np.newaxis] * (1.0 + nodes) / 2.0  # logarithms of the wave index (level, point)
         slope = weights * np.exp((2.0 - 2.0 * hurst) * (index - octaves[:, np.newaxis]))
         unseen = (slope / (1.0 + np.exp(tail * (index - cut)))).sum(axis=-1) / slope.sum(axis=-1)
-        return np.asarray(1.0 / np.sqrt(1.0 - unseen) - 1.0)
+        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
 
     parameters = (Parameter("eps_f", *_CUTS, logarithmic=True), Parameter("eps_f", *_TAILS, logarithmic=True))
     return Law(parameters, excess, whole=True)

@@ -96,9 +96,7 @@ def shares(choices: Sequence[Choice]) -> list[Reals]:
     return [np.exp(choice.log_weight - whole) for choice in choices]
 
 
-def _nodes(
-    parameters: Sequence[Parameter], low: Reals, high: Reals, size: int
-) -> tuple[Reals, Reals, tuple[int, ...]]:
+def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:
     """Return nodes of Gauss and Legendre in a box (node, parameter), the logarithm of their volume, and their shape."""
     points, weights = np.polynomial.legendre.leggauss(size)
     axes, volumes = [], []
@@ -170,20 +168,30 @@ def _solved(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals
     Rows are the whitened cases, and then the interactions: all that is known of these before is that they are 0 within
     their likely sizes.
     """
-    columns = means.whitener @ _columns(means, laws, nodes, sizes)
-    n_coefficients, n_pairs = columns.shape[-1], len(sizes)
-    known = np.zeros((n_pairs, n_coefficients))
-    known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
-    rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
-    data = np.concatenate([means.whitener @ means.values, np.zeros(n_pairs)])
+    rows, data = _equations(means, laws, nodes, sizes)
     orthogonal, upper = np.linalg.qr(rows)
     solving = np.linalg.solve(upper, np.swapaxes(orthogonal, 1, 2))
     coefficients = solving @ data
     return coefficients, solving, data - (rows @ coefficients[..., np.newaxis])[..., 0]
 
 
+def _equations(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals]:
+    """Return the left (node, row, coefficient) and right (row) side of what the coefficients have to meet."""
+    columns = means.whitener @ _columns(means, laws, nodes, sizes)
+    n_coefficients, n_pairs = columns.shape[-1], len(sizes)
+    known = np.zeros((n_pairs, n_coefficients))
+    known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
+    rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
+    return rows, np.concatenate([means.whitener @ means.values, np.zeros(n_pairs)])
+
+
 def _misfit(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
-    return np.asarray((_solved(means, laws, nodes, sizes)[2] ** 2).sum(axis=1))
+    """Return chi^2 (node): what is left of the right side in the corner of the triangular factor."""
+    rows, data = _equations(means, laws, nodes, sizes)
+    if rows.shape[1] <= rows.shape[2]:
+        return np.zeros(len(nodes))
+    both = np.concatenate([rows, np.broadcast_to(data[:, np.newaxis], (len(nodes), len(data), 1))], axis=2)
+    return np.asarray(np.linalg.qr(both, mode="r")[:, -1, -1] ** 2)
 
 
 def _interactions(means: Means, laws: Laws) -> Reals:

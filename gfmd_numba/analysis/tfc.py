@@ -202,6 +202,8 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     if group.n_realisations < 2:
         return np.nan, np.nan
     freedom = group.n_realisations - 1
+    counts = weight > 1e-12
+    weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
     def beyond(end: float) -> float:
         return float(weight @ student.cdf((end - value) / deviation, freedom))

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from scipy.special import logsumexp
 
-from gfmd_numba.analysis.laws import Law, Parameter
+from gfmd_numba.analysis.laws import Law, Parameter, power
 from gfmd_numba.arrays import Reals
 
 Laws = dict[str, Law]
@@ -237,6 +237,15 @@ def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
         pull=pull,
         exponents=exponents,
     )
+
+
+def linear_influence(means: Means) -> tuple[Reals, int]:
+    """Return the derivative of kappa_tfc to each mean (case) if all laws are linear, and how many contrasts have none."""
+    laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}
+    nodes = np.ones((1, len(laws)))
+    sizes = _interactions(means, laws)
+    columns = _columns(means, laws, nodes, np.ones(len(sizes)))[0]
+    return linear(means, laws, nodes, sizes).influence[0], means.values.size - int(np.linalg.matrix_rank(columns))
 
 
 def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> Reals:

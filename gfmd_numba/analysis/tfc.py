@@ -5,6 +5,7 @@ possible: the limit is the mean over them, and its error holds the scatter betwe
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -28,7 +29,7 @@ from gfmd_numba.analysis.fit_warnings import (
 )
 from gfmd_numba.analysis.gauss_markov import best_means, covariance_of_one, inflation
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
-from gfmd_numba.analysis.posterior import Choice, Linear, Means, along, shares, weighed
+from gfmd_numba.analysis.posterior import Choice, Linear, Means, along, linear_influence, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, processor_time
 from gfmd_numba.arrays import Reals
 
@@ -108,10 +109,12 @@ def means_of(group: Group, values: Reals) -> Means:
     """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
     if len(values) > 1 and np.nanstd(values - mean) > 1e-9 * np.nanmax(abs(values)):
-        linear = [group.levels[name] / group.reference[name] for name in group.levels]
-        of_means = of_means * inflation(values, covariance, of_means, np.column_stack([np.ones(mean.size), *linear]))
-    return Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
+        influence, contrasts = linear_influence(means)
+        factor = inflation(values, covariance, of_means, influence, contrasts)
+        return replace(means, whitener=means.whitener / np.sqrt(factor))
+    return means
 
 
 def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:

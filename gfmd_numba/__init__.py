@@ -140,7 +140,8 @@ def fit_tfc(
     """Fit kappa of a campaign, its dataset or the path of its results, to the thermodynamic-fractal-continuum limit.
 
     `exponents` are shared by all groups of cases or free in each; `fixed` holds known ones, like
-    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. The dataset is that of `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no sense.
+    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. The dataset is that of `gfmd_numba.analysis.fit_tfc`.
+    Raises InputError for options that make no sense.
     """
     from gfmd_numba.analysis import fit_tfc as fit
 

@@ -34,17 +34,14 @@ def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     return variance @ total, (variance + variance.T) / 2
 
 
-def inflation(values: Reals, covariance: Reals, of_means: Reals, columns: Reals, contrasts: int) -> float:
-    """Return the factor on the variance of the first coefficient of a fit, for a covariance that is only estimated.
+def inflation(values: Reals, covariance: Reals, of_means: Reals, influence: Reals, contrasts: int) -> float:
+    """Return the factor on the variance of an estimate, for a covariance that is only estimated.
 
-    The covariance of one realisation gives the weights. How far the coefficient scatters with them is told by the
-    realisations themselves (White 1980, with the mean of each design taken off). A part more is for the weights of
-    `contrasts` between the cases that a fit does not need, which come from the same realisations (Lavenberg and Welch
-    1981).
+    The estimate is the sum of the means times their `influence` (case), and `contrasts` is how many combinations of the
+    means have no influence. The covariance of one realisation gives the weights. How far the estimate scatters with
+    them is told by the realisations themselves (White 1980, with the mean of each design taken off), and by a part more
+    for weights that come from the same realisations (Lavenberg and Welch 1981).
     """
-    weighed = columns.T @ np.linalg.inv(of_means)
-    inverse = np.linalg.pinv(weighed @ columns, hermitian=True)
-    influence = (inverse @ weighed)[0]
     mean, present = np.nanmean(values, axis=0), np.isfinite(values)
     patterns, member = np.unique(present, axis=0, return_inverse=True)
     seen = 0.0
@@ -54,7 +51,7 @@ def inflation(values: Reals, covariance: Reals, of_means: Reals, columns: Reals,
         each = rows @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there] @ influence)
         seen += len(each) * each.var(ddof=1) if len(each) > 1 else float(each @ each)
     fewest = present.sum(axis=0).min()
-    return float(seen / inverse[0, 0] * (1.0 + contrasts / fewest))
+    return float(seen / (influence @ of_means @ influence) * (1.0 + contrasts / fewest))
 
 
 def covariance_of_one(values: Reals) -> Reals:

@@ -1,6 +1,6 @@
 """How a correction goes to 0 with its discretisation: the laws a fit chooses from, and what is known of them before.
 
-A law is a function of eps that is 1 at the reference and has parameters of its own. Thesis (4.3) takes powers
+A law is a function of eps with parameters of its own, to which a correction is in proportion. Thesis (4.3) takes powers
 eps^alpha. The fractal limit of kappa has a law from theory: contacts lie on the crests of the longest waves, whose
 slope they do not see, so that kappa = kappa_tfc / sqrt(1 - S), where S is the share of g^2 in the waves that are not
 seen. The spectrum gives S at every eps_f, and at H = 1 too, where no power has the right limit.
@@ -50,9 +50,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Law:
-    """The law of a limit: `excess` (eps (level), parameters (node, parameter)) -> (node, level), 1 nowhere in particular.
+    """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
 
-    `whole` laws multiply kappa_tfc: their coefficient is no parameter of its own.
+    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over kappa_tfc:
+    such a law has no coefficient of its own.
     """
 
     parameters: tuple[Parameter, ...]
@@ -77,12 +78,13 @@ def unseen_slope(hurst: float) -> Law:
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
 
     def excess(eps: Reals, parameters: Reals) -> Reals:
-        cut, tail = np.log(parameters[:, :1, np.newaxis]), parameters[:, 1:, np.newaxis]
+        once, same = np.unique(parameters, axis=0, return_inverse=True)  # nodes of other limits repeat them
+        cut, tail = np.log(once[:, :1, np.newaxis]), once[:, 1:, np.newaxis]
         octaves = -np.log(eps)
         index = octaves[:, np.newaxis] * (1.0 + nodes) / 2.0  # logarithms of the wave index (level, point)
         slope = weights * np.exp((2.0 - 2.0 * hurst) * (index - octaves[:, np.newaxis]))
         unseen = (slope / (1.0 + np.exp(tail * (index - cut)))).sum(axis=-1) / slope.sum(axis=-1)
-        return np.asarray(1.0 / np.sqrt(1.0 - unseen) - 1.0)
+        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
 
     parameters = (Parameter("eps_f", *_CUTS, logarithmic=True), Parameter("eps_f", *_TAILS, logarithmic=True))
     return Law(parameters, excess, whole=True)

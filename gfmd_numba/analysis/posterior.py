@@ -15,11 +15,13 @@ from itertools import combinations
 import numpy as np
 from scipy.special import logsumexp
 
-from gfmd_numba.analysis.laws import Law, Parameter
+from gfmd_numba.analysis.laws import Law, Parameter, power
 from gfmd_numba.arrays import Reals
 
 Laws = dict[str, Law]
-_POINTS = 7  # of the quadrature in each parameter
+_COARSE = 7  # points in each parameter, while the box is narrowed
+_FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: spacings of a standard deviation
+_FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
 # Interactions over the smaller of the two corrections before any cross level says more: mean and standard deviation.
@@ -68,7 +70,7 @@ class Linear:
 
 @dataclass(frozen=True)
 class Choice:
-    """One choice of laws: nodes in their parameters, the logarithm of each node's weight, and the fits of each group."""
+    """One choice of laws: nodes in their parameters, the logarithms of the nodes' weights, and each group's fits."""
 
     laws: Laws
     parameters: tuple[Parameter, ...]
@@ -83,13 +85,19 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
     before = [_before(each, laws) for each in means]
     ends = np.array([parameter.ends for parameter in parameters])
     low, high = ends.T.copy()
+    fine = _FINE.get(int((low < high).sum()), _FINE_OF_MORE)
+    points = _COARSE
     for _ in range(_ROUNDS):
-        nodes, log_volume, shape = _nodes(parameters, low, high)
-        misfit = sum(_misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True))
+        nodes, log_volume, shape = _nodes(parameters, low, high, points)
+        misfit = sum(
+            (_misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True)),
+            start=np.zeros(len(nodes)),
+        )
         new_low, new_high = _narrowed(misfit.reshape(shape), low, high, ends)
         settled = (new_high - new_low >= 0.7 * (high - low)) & (new_low >= low - 1e-15) & (new_high <= high + 1e-15)
-        if settled.all():
+        if settled.all() and points == fine:
             break
+        points = fine if settled.all() else points
         low, high = new_low, new_high
     fits = [linear(each, laws, nodes, known) for each, known in zip(means, before, strict=True)]
     # the share of the box in the ranges is the share of what is possible
@@ -104,9 +112,9 @@ def shares(choices: Sequence[Choice]) -> list[Reals]:
     return [np.exp(choice.log_weight - whole) for choice in choices]
 
 
-def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Reals, Reals, tuple[int, ...]]:
+def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:
     """Return nodes of Gauss and Legendre in a box (node, parameter), the logarithm of their volume, and their shape."""
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    points, weights = np.polynomial.legendre.leggauss(size)
     axes, volumes = [], []
     for parameter, left, right in zip(parameters, low, high, strict=True):
         exact = right <= left
@@ -119,8 +127,7 @@ def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals) -> tuple[Re
 
 
 def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Reals, Reals]:
-    """Return the box around the nodes that are likely, by a node more on each side, or a larger one where it cuts them."""
-    points = (1.0 + np.polynomial.legendre.leggauss(_POINTS)[0]) / 2.0
+    """Return the box of the likely nodes and one more on each side, or a wider box if likely nodes lie at its edge."""
     likely = misfit - misfit.min() < _UNLIKELY
     width = high - low
     narrow, wide = np.array([low, high]), np.array([low, high])
@@ -129,6 +136,7 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
             continue
         others = tuple(other for other in range(misfit.ndim) if other != axis)
         found = np.flatnonzero(likely.any(axis=others))
+        points = (1.0 + np.polynomial.legendre.leggauss(size)[0]) / 2.0
         grid = low[axis] + width[axis] * np.concatenate([[0.0], points, [1.0]])
         narrow[:, axis] = grid[found[0]], grid[found[-1] + 2]
         if found[0] == 0:
@@ -171,31 +179,41 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
 
 
 def _solved(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals, Reals]:
-    """Return the coefficients (node, coefficient), what solves for them (node, coefficient, row), and the residuals.
+    """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), residuals (node, row).
 
-    Rows are the whitened cases, and what is known before of the interactions.
+    Rows are the whitened cases, and then what is known of the interactions before.
     """
-    columns = means.whitener @ _columns(means, laws, nodes, before)
-    n_coefficients, n_pairs = columns.shape[-1], len(before.scatter)
-    known = np.zeros((n_pairs, n_coefficients))
-    known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
-    rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
-    data = np.concatenate([means.whitener @ means.values, before.mean])
+    rows, data = _equations(means, laws, nodes, before)
     orthogonal, upper = np.linalg.qr(rows)
     solving = np.linalg.solve(upper, np.swapaxes(orthogonal, 1, 2))
     coefficients = solving @ data
     return coefficients, solving, data - (rows @ coefficients[..., np.newaxis])[..., 0]
 
 
+def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals]:
+    """Return the left (node, row, coefficient) and right (row) side of what the coefficients have to meet."""
+    columns = means.whitener @ _columns(means, laws, nodes, before)
+    n_coefficients, n_pairs = columns.shape[-1], len(before.scatter)
+    known = np.zeros((n_pairs, n_coefficients))
+    known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
+    rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
+    return rows, np.concatenate([means.whitener @ means.values, before.mean])
+
+
 def _misfit(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
-    return np.asarray((_solved(means, laws, nodes, before)[2] ** 2).sum(axis=1))
+    """Return chi^2 (node): what is left of the right side in the corner of the triangular factor."""
+    rows, data = _equations(means, laws, nodes, before)
+    if rows.shape[1] <= rows.shape[2]:
+        return np.zeros(len(nodes))
+    both = np.concatenate([rows, np.broadcast_to(data[:, np.newaxis], (len(nodes), len(data), 1))], axis=2)
+    triangular: Reals = np.linalg.qr(both, mode="r")  # type: ignore[assignment]
+    return np.asarray(triangular[:, -1, -1] ** 2)
 
 
 def _before(means: Means, laws: Laws) -> Before:
     """Return what is known before of the interactions, from the corrections taken one at a time."""
-    positions = [np.mean(parameter.ends) for law in laws.values() for parameter in law.parameters]
     parameters = [parameter for law in laws.values() for parameter in law.parameters]
-    middle = np.array([[each.values(position) for each, position in zip(parameters, positions, strict=True)]])
+    middle = np.concatenate([each.values(np.array([np.mean(each.ends)])) for each in parameters])[np.newaxis]
     own = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
     additive = linear(means, own, middle, additive_only(means))
     corrections = dict(zip(means.levels, additive.coefficients[0, 1:], strict=False))
@@ -244,6 +262,15 @@ def linear(means: Means, laws: Laws, nodes: Reals, before: Before) -> Linear:
         pull=pull,
         exponents=exponents,
     )
+
+
+def linear_influence(means: Means) -> tuple[Reals, int]:
+    """Return the derivative of kappa_tfc to each mean (case) for linear laws, and how many contrasts have none."""
+    laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}
+    nodes = np.ones((1, len(laws)))
+    before = _before(means, laws)
+    columns = _columns(means, laws, nodes, Before(*np.ones((2, len(means.pairs)))))[0]
+    return linear(means, laws, nodes, before).influence[0], means.values.size - int(np.linalg.matrix_rank(columns))
 
 
 def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> Reals:

@@ -5,6 +5,7 @@ possible: the limit is the mean over them, and its error holds the scatter betwe
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -28,7 +29,7 @@ from gfmd_numba.analysis.fit_warnings import (
 )
 from gfmd_numba.analysis.gauss_markov import best_means, covariance_of_one, inflation
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
-from gfmd_numba.analysis.posterior import Choice, Linear, Means, along, shares, weighed
+from gfmd_numba.analysis.posterior import Choice, Linear, Means, along, linear_influence, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, processor_time
 from gfmd_numba.arrays import Reals
 
@@ -108,12 +109,12 @@ def means_of(group: Group, values: Reals) -> Means:
     """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
     if len(values) > 1 and np.nanstd(values - mean) > 1e-9 * np.nanmax(abs(values)):
-        linear = [group.levels[name] / group.reference[name] for name in group.levels]
-        columns = np.column_stack([np.ones(mean.size), *linear])
-        contrasts = max(0, mean.size - columns.shape[1] - len(_pairs(group)))
-        of_means = of_means * inflation(values, covariance, of_means, columns, contrasts)
-    return Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
+        influence, contrasts = linear_influence(means)
+        factor = inflation(values, covariance, of_means, influence, contrasts)
+        return replace(means, whitener=means.whitener / np.sqrt(factor))
+    return means
 
 
 def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
@@ -121,7 +122,8 @@ def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share:
     weight = np.concatenate(share)
     value = np.concatenate([_table(group, fit) for fit in fits])
     variance = np.concatenate([_variances(group, fit) for fit in fits])
-    estimate = weight @ value
+    likeliest = value[weight.argmax()]
+    estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
     budget = error_budget(index, means, found, share, group.residual_error)
     notes = [*group.notes, *pressed(found, share), *logarithmic(group, found), *additivity(group, estimate, error)]
@@ -153,7 +155,7 @@ def _fit(index: int, group: Group, means: Means, found: Sequence[Choice], share:
 def _curve(
     index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]
 ) -> tuple[Reals, Reals]:
-    """Return levels (limit, step) of each limit and the fit there, the others at the reference, nan where not varied."""
+    """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
         row = LIMITS.index(name)
@@ -203,6 +205,8 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     if group.n_realisations < 2:
         return np.nan, np.nan
     freedom = group.n_realisations - 1
+    counts = weight > 1e-12
+    weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
     def beyond(end: float) -> float:
         return float(weight @ student.cdf((end - value) / deviation, freedom))

@@ -20,7 +20,7 @@ def test_cross_cases_enter_a_group_with_all_their_levels():
 
 
 def test_a_fit_of_corrections_that_add_up_finds_the_limit_from_cross_levels_too():
-    fit = fit_tfc(crossed(BOTH, {"eps_c": 1 / 8, "eps_f": 1 / 2048}), fixed=ALPHA, bootstrap=0)
+    fit = fit_tfc(crossed(BOTH, {"eps_c": 1 / 8, "eps_f": 1 / 2048}), fixed=ALPHA)
     assert fit["kappa_tfc"].item() == pytest.approx(TFC[0.8], rel=1e-6)
 
 
@@ -29,7 +29,7 @@ def test_cross_cases_at_nyquist_are_left_out_of_a_fit():
     broken = dataset.assign(kappa=dataset["kappa"].where(dataset["eps_c"] < 1, 17.0))
     (group,) = groups_to_fit(broken, "kappa", omit_nyquist=True)
     assert 1.0 not in group.levels["eps_c"]
-    assert fit_tfc(broken, fixed=ALPHA, bootstrap=0)["kappa_tfc"].item() == pytest.approx(TFC[0.8], rel=1e-6)
+    assert fit_tfc(broken, fixed=ALPHA)["kappa_tfc"].item() == pytest.approx(TFC[0.8], rel=1e-6)
     (whole,) = groups_to_fit(broken, "kappa", omit_nyquist=False)
     assert 1.0 in whole.levels["eps_c"]
 

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.stats import binom
 
 from gfmd_numba.analysis import fit_tfc, select_limit
-from support.synthetic_campaigns import ALPHA, LEVELS, REFERENCE, C, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, C, campaign, noisy
 
 
 @pytest.mark.parametrize(
@@ -14,24 +14,45 @@ from support.synthetic_campaigns import ALPHA, LEVELS, REFERENCE, C, campaign, n
     [("shared", {}), ("free", {}), ("shared", {"eps_t": 1.0}), ("free", ALPHA)],
 )
 def test_planted_parameters_are_recovered_exactly(exponents, fixed):
-    fit = fit_tfc(campaign((0.3, 0.8)), exponents=exponents, fixed=fixed)
+    """With cross levels, which tell that corrections add up."""
+    fit = fit_tfc(campaign((0.3, 0.8), cross=CROSS), exponents=exponents, fixed=fixed)
     assert fit["fit_status"].values.tolist() == ["ok", "ok"]
-    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=1e-8)
+    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
     for row in range(2):
-        np.testing.assert_allclose(fit["alpha"][row], list(ALPHA.values()), rtol=1e-8)
-        np.testing.assert_allclose(fit["C"][row], list(C.values()), rtol=1e-7)
+        np.testing.assert_allclose(fit["alpha"][row], list(ALPHA.values()), rtol=2e-7)
+        np.testing.assert_allclose(fit["C"][row], list(C.values()), rtol=5e-7)
         at_reference = [C[name] * REFERENCE[name] ** ALPHA[name] for name in C]
-        np.testing.assert_allclose(fit["correction"][row], at_reference, rtol=1e-8)
-    np.testing.assert_allclose(fit["kappa_tfc_error"], 0, atol=1e-8)
-    np.testing.assert_allclose(fit["rms_residual"], 0, atol=1e-10)
-    assert fit["n_cases"].values.tolist() == [10, 10]
+        np.testing.assert_allclose(fit["correction"][row], at_reference, rtol=2e-7)
+    np.testing.assert_allclose(fit["kappa_tfc_error"], 0, atol=3e-8)
+    np.testing.assert_allclose(fit["interaction"], 0, atol=1e-8)
+    np.testing.assert_allclose(fit["interaction_error"], 0, atol=3e-8)
+    np.testing.assert_allclose(fit["rms_residual"], 0, atol=1e-8)
+    assert fit["n_cases"].values.tolist() == [13, 13]
+
+
+@pytest.mark.parametrize("exponents", ["shared", "free"])
+def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up(exponents):
+    """Each pair may be off by the smaller of its corrections, and nothing tells by how much."""
+    fit = fit_tfc(campaign((0.3, 0.8)), exponents=exponents)
+    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
+    np.testing.assert_allclose(fit["interaction"], 0, atol=1e-8)
+    sizes = [C[name] * REFERENCE[name] ** ALPHA[name] for name in C]
+    pairs = [min(sizes[0], sizes[1]), min(sizes[0], sizes[2]), min(sizes[1], sizes[2])]
+    for row in range(2):
+        # a correction is taken at the middle of what is possible of an exponent
+        np.testing.assert_allclose(fit["interaction_error"][row], pairs, rtol=0.6)
+        whole = np.hypot.reduce(fit["interaction_error"][row].values)
+        np.testing.assert_allclose(fit["kappa_tfc_error"][row], whole, rtol=1e-6)
+        np.testing.assert_allclose(fit["error_budget"][row].sel(source="interaction"), whole, rtol=1e-6)
+        assert fit["kappa_tfc_high"][row] - TFC[0.8] > whole
+        assert "no cross level says whether corrections add up" in fit["message"].values[row]
 
 
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     planted = {0.3: ALPHA, 0.8: ALPHA | {"eps_f": 0.9}}
     dataset = campaign((0.3, 0.8), alpha=planted)
     free = fit_tfc(dataset, exponents="free")
-    np.testing.assert_allclose(free["alpha"].sel(limit="eps_f"), [0.6, 0.9], rtol=1e-8)
+    np.testing.assert_allclose(free["alpha"].sel(limit="eps_f"), [0.6, 0.9], rtol=2e-7)
     shared = fit_tfc(dataset, exponents="shared")["alpha"].sel(limit="eps_f")
     assert shared[0] == shared[1]
     assert 0.6 < shared[0] < 0.9
@@ -41,7 +62,7 @@ def test_a_group_with_two_levels_borrows_the_shared_exponent():
     dataset = campaign((0.3, 0.8))
     dataset = dataset.isel(case=~((dataset["hurst"] == 0.3) & (dataset["eps_c"] == 1 / 8)).values)
     fit = fit_tfc(dataset)
-    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=1e-8)
+    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
     alone = fit_tfc(dataset, exponents="free")
     assert alone["fit_status"].values.tolist() == ["refused", "ok"]
 
@@ -63,7 +84,7 @@ def test_a_full_product_without_a_reference_case_is_fitted():
 def test_noisy_parameters_lie_inside_the_error_bars():
     rng = np.random.default_rng(4)
     fit = fit_tfc(
-        noisy(campaign((0.3, 0.8), realisations=30), rng, spread=0.02, own=0.005),
+        noisy(campaign((0.3, 0.8), realisations=30, cross=CROSS), rng, spread=0.02, own=0.005),
         fixed={"eps_t": 1.0},
     )
     assert (fit["fit_status"] == "ok").all()
@@ -79,17 +100,16 @@ def test_noisy_parameters_lie_inside_the_error_bars():
 
 def test_ninety_percent_interval_covers_the_truth():
     rng = np.random.default_rng(11)
-    truth, n = campaign(realisations=30), 60
+    truth, n = campaign(realisations=30, cross=CROSS), 200
     fixed = {"eps_f": ALPHA["eps_f"], "eps_t": ALPHA["eps_t"]}
     inside, error = 0, []
     for _ in range(n):
-        fit = fit_tfc(noisy(truth, rng), fixed=fixed)
+        fit = fit_tfc(noisy(truth, rng, spread=0.1), fixed=fixed)
         inside += int(fit["kappa_tfc_low"].item() <= 2.0 <= fit["kappa_tfc_high"].item())
         error.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
-    # percentile intervals of 30 realisations cover nearer 87 % than 90 %; all 60 would mean errors too large
-    assert binom.ppf(1e-3, n, 0.87) <= inside < n
+    assert binom.ppf(1e-3, n, 0.9) <= inside <= binom.ppf(1 - 1e-3, n, 0.9)
     scatter, claimed = np.sqrt(np.mean(np.square(error), axis=0))
-    assert 0.7 < claimed / scatter < 1.4
+    assert 0.85 < claimed / scatter < 1.2
 
 
 def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
@@ -112,7 +132,7 @@ def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
 
 def test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone():
     rng = np.random.default_rng(5)
-    dataset = campaign((0.3, 0.8), realisations=20)
+    dataset = campaign((0.3, 0.8), realisations=20, cross=CROSS)
     dataset["kappa"] = dataset["kappa"] + 0.01 * rng.standard_normal(dataset["kappa"].shape)
     shifted = dataset.assign(kappa=dataset["kappa"] + 100 * rng.standard_normal(20))
     plain, paired = (fit_tfc(data, fixed=ALPHA) for data in (dataset, shifted))
@@ -132,12 +152,12 @@ def test_one_draw_of_realisations_serves_all_groups():
     np.testing.assert_allclose(fit["kappa_tfc_error"][0], fit["kappa_tfc_error"][1], rtol=1e-9)
 
 
-def test_same_seed_same_numbers():
+def test_a_fit_draws_no_random_numbers():
     dataset = noisy(campaign(realisations=10), np.random.default_rng(0))
-    first, again = (fit_tfc(dataset, fixed=ALPHA, seed=3) for _ in range(2))
+    state = np.random.get_state()[1].copy()
+    first, again = (fit_tfc(dataset, fixed=ALPHA | {"eps_f": (0.3, 0.9)}) for _ in range(2))
     xr.testing.assert_identical(first, again)
-    other = fit_tfc(dataset, fixed=ALPHA, seed=4)
-    assert other["kappa_tfc_error"] != first["kappa_tfc_error"]
+    np.testing.assert_array_equal(np.random.get_state()[1], state)
 
 
 def test_roughness_at_nyquist_is_left_out_by_default():

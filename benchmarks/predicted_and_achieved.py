@@ -7,6 +7,7 @@ import numpy as np
 
 import gfmd_numba
 from gfmd_numba.campaign import design as accuracy
+from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.plan import plan
 
 CAMPAIGN = """
@@ -44,7 +45,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             path, written = Path(folder) / "varied.yaml", Path(folder) / "designed.yaml"
             path.write_text(text)
-            planned = plan(path)
+            planned = with_cross_levels(plan(path))
             design = accuracy.design(planned, accuracy.pilot(planned), varied["target"], None)
             written.write_text(accuracy.rewritten(planned, design, varied["target"])[0])
             results = gfmd_numba.run(written, Path(folder) / "out")

@@ -19,6 +19,7 @@ import numpy as np
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import design as accuracy
+from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.plan import plan
 
 SCENE = """
@@ -64,19 +65,16 @@ def thesis(folder, hurst, limit):
     options = {"variable": "kappa_counted", "omit_nyquist": False}
     rng = np.random.default_rng(0)
     # of many: what is left is no scatter; of 30: as the thesis had them
-    many = fit_tfc(dataset, fixed=LINES, bootstrap=400, **options)
+    many = fit_tfc(dataset, fixed=LINES, **options)
     off = many["kappa_tfc"].item() / limit - 1
-    few = [
-        fit_tfc(independent(dataset, rng).isel(realisation=slice(30)), fixed=LINES, bootstrap=0, **options)
-        for _ in range(100)
-    ]
+    few = [fit_tfc(independent(dataset, rng).isel(realisation=slice(30)), fixed=LINES, **options) for _ in range(100)]
     scatter = np.std([fit["kappa_tfc"].item() for fit in few]) / limit
     print(
         f"H = {hurst}: thesis's lines, N = 30: {30 * seconds:.1f} s, off by {100 * off:+.1f} ± "
         f"{100 * many['kappa_tfc_error'].item() / limit:.1f} % and scatter {100 * scatter:.1f} %"
     )
     price = 30 * seconds * scatter**2 / (TARGET**2 - off**2) if abs(off) < TARGET else np.inf
-    fit = fit_tfc(independent(dataset, rng), fixed=RANGES, bootstrap=400, **options)
+    fit = fit_tfc(independent(dataset, rng), fixed=RANGES, **options)
     ranged = (fit["kappa_tfc_error"] / limit).item()
     print(
         f"  1 % by lines {price:.0f} s, were they not off {30 * seconds * (scatter / TARGET) ** 2:.0f} s; "
@@ -88,7 +86,7 @@ def thesis(folder, hurst, limit):
 def here(folder, hurst, limit):
     path = folder / "here.yaml"
     path.write_text(SCENE.format(seed=5, realisations=30, hurst=hurst) + HERE[hurst])
-    planned = plan(path)
+    planned = with_cross_levels(plan(path))
     design = accuracy.design(planned, accuracy.pilot(planned), TARGET, None)
     text, _ = accuracy.rewritten(planned, design, TARGET)
     off, claimed, seconds = [], [], []

@@ -152,18 +152,16 @@ def fit_tfc(
     exponents: Literal["shared", "free"] = "shared",
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
-    bootstrap: int = 400,
-    seed: int = 0,
 ) -> xr.Dataset:
     """Fit kappa of a campaign, its dataset or the path of its results, to the thermodynamic-fractal-continuum limit.
 
     `exponents` are shared by all groups of cases or free in each; `fixed` holds known ones, like
-    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. Errors come from `bootstrap` paired resamples, drawn with `seed`. The
-    dataset is that of `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no sense.
+    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. The dataset is that of `gfmd_numba.analysis.fit_tfc`.
+    Raises InputError for options that make no sense.
     """
     from gfmd_numba.analysis import fit_tfc as fit
 
-    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist, bootstrap, seed)
+    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist)
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:

@@ -8,27 +8,29 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from gfmd_numba.analysis.exponents import Given, Ranges, exponent_range
-from gfmd_numba.analysis.least_squares import best_fit, best_means, project, whitened
+from gfmd_numba.analysis.fit_warnings import inseparable
+from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
-from gfmd_numba.analysis.selection import LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.posterior import linearised, weighed
+from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.tfc import means_of
 from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
-_LARGE = 2.2  # standard errors: by so much a campaign may find a correction too large
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 
-Level = tuple[str, float]  # a limit and its eps, or ("reference", nan)
+Level = tuple[str, tuple[float, ...]]  # a limit and its eps, "cross" and all eps, or "reference" and none
+_REFERENCE: Level = ("reference", ())
 
 
 @dataclass(frozen=True)
 class Design:
     """Realisations of the reference and of each level, the relative error of kappa_tfc they give, and their cost in s.
 
-    Levels of 0 are not worth their cost. `sampling` and `exponents` are the parts of the error, `limiting` says what
-    it mostly comes from.
+    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot. `sampling` and
+    `exponents` are the parts of the error, `limiting` says what it mostly comes from.
     """
 
     reference: int
@@ -38,6 +40,7 @@ class Design:
     exponents: float
     seconds: float
     limiting: str
+    cross: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,9 @@ class Ensemble:
     """What a pilot, or results with fewer realisations of some levels, says of one group."""
 
     covariance: Reals  # (case, case) of one realisation
-    columns: Reals  # (case, parameter) of the fit at known exponents
-    slopes: Reals  # (case, exponent) of those that are not known, for a correction of 1
-    corrections: Reals  # (exponent) size of the correction of each
-    correction: NDArray[np.intp]  # (exponent) parameter that is the correction
-    known: Reals  # (exponent) what is known of each before the campaign: 1 / variance
+    columns: Reals  # (case, coefficient) of the fit at the likeliest laws
+    slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
+    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
     level: NDArray[np.intp]  # (case)
     kappa: float
     doubt: float  # factor on variances
@@ -129,27 +130,30 @@ def _choice(
 
 
 def _levels(pilot: xr.Dataset) -> list[Level]:
-    """Return the reference and the levels of each limit in the order of the campaign."""
-    found: dict[Level, None] = {("reference", np.nan): None}
-    for limit in LIMITS:
-        mine = pilot["limit"].values == limit
-        found |= {(limit, float(eps)): None for eps in pilot[limit].values[mine]}
-    return list(found)
+    """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
+    order = [_REFERENCE[0], *LIMITS, CROSS]
+    return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
 
 
 def level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
     """Return the number of each case's level (case), 0 for the reference."""
     numbers = {level: number for number, level in enumerate(_levels(pilot))}
-    limits = pilot["limit"].values.astype(str)
-    where = [
-        numbers.get((limit, float(pilot[limit][i])), 0) if limit in LIMITS else 0 for i, limit in enumerate(limits)
-    ]
-    return np.array(where, dtype=np.intp)
+    return np.array([numbers[level] for level in _level_of_each(pilot)], dtype=np.intp)
+
+
+def _level_of_each(pilot: xr.Dataset) -> list[Level]:
+    """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
+    references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
+    alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
+    told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
+    eps = {name: pilot[name].values.astype(float).tolist() for name in LIMITS}
+    names = pilot["limit"].values.astype(str).tolist()
+    return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
 
 
 def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
     """Return what results say of each group; UnusableDataError where they do not tell."""
-    given = {limit: exponent_range(limit, value) for limit, value in fixed.items()}
+    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in fixed.items()}
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
@@ -158,34 +162,27 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
         fewest = int(np.isfinite(values).sum(axis=0).min())
         if fewest < _FEWEST:
             raise UnusableDataError(f"given a pilot of {fewest} good realisations; allowed: at least {_FEWEST}")
-        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], given))
+        if why := inseparable(group):
+            raise UnusableDataError(why)
+        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
     return found
 
 
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], given: Given) -> Ensemble:
-    names = list(group.levels)
-    log_ratio = np.stack([group.log_ratio(name) for name in names], axis=-1)
-    block = whitened(values, log_ratio, np.arange(len(names)))
-    ranges = Ranges.of(names, given)
-    alpha = best_fit([block], ranges)
-    beta = project([block], alpha)[2][0]
-    powers = np.exp(log_ratio * alpha)
-    unsure = np.flatnonzero(~ranges.exact)
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
+    hurst = group.parameters.get("hurst", np.nan)
+    means = means_of(group, values)
+    found = [weighed([means], laws) for laws in choices(list(group.levels), variable, [hurst], given)]
+    likeliest = max(found, key=lambda choice: choice.log_weight.max())
+    columns, slopes, known, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)
-    of_means = best_means(values, covariance)[1]
-    columns = np.column_stack([np.ones(len(powers)), powers])
-    # an exponent that is not known costs certainty, by a correction that a pilot may take for too small
-    scatter = np.diag(np.linalg.pinv(columns.T @ np.linalg.inv(of_means) @ columns, hermitian=True))
     freedom = degrees_of_freedom(values, covariance, columns)
     return Ensemble(
         covariance=covariance,
         columns=columns,
-        slopes=(log_ratio * powers)[:, unsure],
-        corrections=np.hypot(beta, np.sqrt(scatter))[1 + unsure],
-        correction=1 + unsure,
-        known=np.nan_to_num(12.0 / ranges.width[unsure] ** 2),  # of a uniform distribution
+        slopes=slopes,
+        known=known,
         level=level,
-        kappa=float(beta[0]),
+        kappa=kappa,
         # levels' shares are chosen by it, too
         doubt=float((freedom + len(level) - 1) / chi2.ppf(1 - _CONFIDENCE, freedom)),
         freedom=freedom,
@@ -224,14 +221,11 @@ def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
     dear = asked[(asked > 0) & (asked < before)]
     controlled = (fewest / dear).sum()
     information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    columns = ensemble.columns
-    sampling = np.linalg.pinv(columns.T @ information @ columns, hermitian=True)
-    # and by one that the campaign itself may take for too large
-    excess = _LARGE**2 * np.diag(sampling)[ensemble.correction]
-    both = np.hstack([columns, ensemble.slopes * np.sqrt(ensemble.corrections**2 + excess)])
-    known = np.diag(np.concatenate([np.zeros(columns.shape[1]), ensemble.known]))
-    total = np.linalg.pinv(both.T @ information @ both + known, hermitian=True)
-    error, of_surfaces = np.sqrt([total[0, 0], sampling[0, 0]]) / abs(ensemble.kappa)
+    variances = []
+    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
+        known = np.diag(ensemble.known[: columns.shape[1]])
+        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
+    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
     return float(error), float(of_surfaces)
 
 
@@ -267,10 +261,10 @@ def _best_shares(choice: _Choice, shares: Reals, budget: float) -> Reals:
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
-    """Whether a limit keeps two levels beside the reference, which an exponent needs, without this one."""
+    """Whether this is a cross level, or its limit keeps the two beside the reference that an exponent needs."""
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
-    return limit != "reference" and (shares[level] == 0 or len(left) > 2)
+    return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
@@ -283,8 +277,9 @@ def _described(choice: _Choice, counts: Reals) -> Design:
     }
     relief["exponents"] = max(0.0, total**2 - sampling**2)
     levels: dict[str, dict[float, int]] = {}
-    for (name, eps), count in zip(choice.levels[1:], counts[1:], strict=True):
-        levels.setdefault(name, {})[eps] = int(count)
+    for (name, eps), count in zip(choice.levels, counts, strict=True):
+        if name in LIMITS:
+            levels.setdefault(name, {})[eps[0]] = int(count)
     used = counts > 0
     return Design(
         reference=int(counts[0]),
@@ -294,4 +289,5 @@ def _described(choice: _Choice, counts: Reals) -> Design:
         exponents=float(np.sqrt(relief["exponents"])),
         seconds=float(counts[used] @ choice.price[used]),
         limiting=max(relief, key=lambda name: relief[name]),
+        cross=tuple(counts[names == CROSS].astype(int).tolist()),
     )

@@ -4,57 +4,69 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.exponents import Ranges
-from gfmd_numba.analysis.least_squares import WhitenedGroup, project, search
+from gfmd_numba.analysis.posterior import Choice, Means, additive_only, linear
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 
-SOURCES = (*LIMITS, "sampling", "residual")
-_POINTS = 8  # of a quadrature over the range of an exponent, in which kappa_tfc is nearly linear
+SOURCES = (*LIMITS, "interaction", "sampling", "residual")
 
 
 def error_budget(
-    blocks: Sequence[WhitenedGroup],
-    ranges: Ranges,
-    alpha: Reals,
-    sampling: Reals,
-    residuals: Sequence[Reals],
+    index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals], residuals: Reals
 ) -> Reals:
-    """Return what each of `SOURCES` adds to the error of kappa_tfc (group, source), nan for limits not varied.
+    """Return what each of `SOURCES` adds to the error of a group's kappa_tfc (source), nan for limits not varied.
 
-    A limit: the standard deviation as the guess of its exponent goes over its range, others in the middle of
-    theirs; zero for an exact one and for one without a range, whose uncertainty is part of the `sampling` (group), a
-    standard error. The residual: the most that errors of the cases' means `residuals` (case) can add up to.
+    A limit: its law and the parameters of it, which are not known. The interaction: that corrections taken together
+    may differ from their sum. Sampling: the surfaces. In quadrature these make the whole error. The residual: the
+    most that errors of the cases' means `residuals` (case) can add up to.
     """
-    budget = np.full((len(blocks), len(SOURCES)), np.nan)
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
-    for index, (name, low, high) in enumerate(zip(ranges.names, ranges.low, ranges.high, strict=True)):
-        kappa = np.zeros((_POINTS, len(blocks)))
-        if low < high:
-            for row, point in zip(kappa, points, strict=True):
-                guess = ranges.middle
-                guess[index] = low + (high - low) * (1 + point) / 2
-                row[:] = limits(blocks, search(blocks, alpha, ranges, guess)[0])
-        spread = np.sqrt(weights / 2 @ (kappa - weights / 2 @ kappa) ** 2)
-        varied = [index in block.limits for block in blocks]
-        budget[varied, SOURCES.index(name)] = spread[varied]
-    budget[:, SOURCES.index("sampling")] = sampling
-    for row, block, residual in zip(budget, blocks, residuals, strict=True):
-        row[SOURCES.index("residual")] = abs(_weights(block, ranges, alpha)) @ residual
+    weight = np.concatenate(shares)
+    kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]
+    spread = _variance(weight, np.concatenate(kappa))
+    sampling = variance = 0.0
+    effects = dict.fromkeys(means.levels, 0.0)
+    for choice, share, value in zip(choices, shares, kappa, strict=True):
+        additive = linear(means, choice.laws, choice.nodes, additive_only(means))
+        variance += float(share @ choice.fits[index].covariance[:, 0, 0])
+        sampling += float(share @ additive.covariance[:, 0, 0])
+        for limit in effects:
+            effects[limit] += _main_effect(limit, choice, share, value)
+    if len(choices) > 1:  # which differ in the law of eps_f
+        each = np.array([share.sum() for share in shares])
+        inside = [share @ value for share, value in zip(shares, kappa, strict=True)]
+        effects["eps_f"] += _variance(each, np.divide(inside, each, out=np.zeros(len(each)), where=each > 0))
+    scale = spread / sum(effects.values()) if spread > 0 and sum(effects.values()) > 0 else 0.0
+    budget = np.full(len(SOURCES), np.nan)
+    for limit, effect in effects.items():
+        budget[SOURCES.index(limit)] = np.sqrt(scale * effect)
+    sampling = min(sampling, variance)
+    budget[SOURCES.index("interaction")] = np.sqrt(variance - sampling)
+    budget[SOURCES.index("sampling")] = np.sqrt(sampling)
+    if not np.isnan(residuals).any():
+        budget[SOURCES.index("residual")] = abs(_influence(index, choices, shares)) @ abs(residuals)
     return budget
 
 
-def limits(blocks: Sequence[WhitenedGroup], alpha: Reals) -> list[float]:
-    """Return kappa_tfc of each block at given exponents."""
-    return [float(beta[0]) for beta in project(blocks, alpha)[2]]
+def _variance(weight: Reals, value: Reals) -> float:
+    return float(weight @ (value - weight @ value) ** 2)
 
 
-def _weights(block: WhitenedGroup, ranges: Ranges, alpha: Reals) -> Reals:
-    """Return how much of each case's mean enters kappa_tfc, exponents that are searched for moving along."""
-    powers = np.exp(block.log_ratio * alpha[block.limits])
-    slopes = block.log_ratio * powers * project([block], alpha)[2][0][1:]
-    moving = ~ranges.exact[block.limits]
-    columns = block.whitener @ np.column_stack([np.ones(len(powers)), powers, slopes[:, moving]])
-    certainty = ranges.certainty[block.limits][moving]
-    prior = np.hstack([np.zeros((moving.sum(), 1 + len(moving))), np.diag(certainty)])
-    return np.asarray(np.linalg.pinv(np.vstack([columns, prior]))[0, : len(powers)] @ block.whitener)
+def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> float:
+    """Return the variance of the mean of kappa_tfc at given parameters of a limit's law."""
+    mine = [index for index, parameter in enumerate(choice.parameters) if parameter.limit == limit]
+    _, same = np.unique(choice.nodes[:, mine], axis=0, return_inverse=True)
+    weight = np.bincount(same.ravel(), share)
+    mean = np.divide(np.bincount(same.ravel(), share * value), weight, out=np.zeros(len(weight)), where=weight > 0)
+    total = weight.sum()
+    return float(weight @ (mean - (weight @ mean) / total) ** 2) if total > 0 else 0.0
+
+
+def _influence(index: int, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
+    """Return the derivative of kappa_tfc to each mean (case): of the fits, and of the weights of the nodes."""
+    weight = np.concatenate(shares)
+    value, influence, pull = (
+        np.concatenate([getattr(choice.fits[index], name) for choice in choices])
+        for name in ("coefficients", "influence", "pull")
+    )
+    kappa = value[:, 0]
+    return np.asarray(weight @ influence - 0.5 * (weight * (kappa - weight @ kappa)) @ pull)

@@ -1,6 +1,7 @@
 """What a fit of thesis (4.3) finds: the parameters it estimates, and all that is said of one group."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal, Self
 
 import numpy as np
@@ -8,7 +9,11 @@ import numpy as np
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 
+PAIRS = tuple(combinations(LIMITS, 2))
+STEPS = 48  # of the curve through the levels of a limit
+
 _CORRECTION, _COEFFICIENT, _EXPONENT = (slice(1 + i * len(LIMITS), 1 + (i + 1) * len(LIMITS)) for i in range(3))
+_INTERACTION = slice(1 + 3 * len(LIMITS), 1 + 3 * len(LIMITS) + len(PAIRS))
 
 
 @dataclass(frozen=True)
@@ -23,7 +28,7 @@ class Estimates:
     @classmethod
     def unknown(cls, *shape: int) -> Self:
         """Return parameters (*shape, parameter) that are all nan."""
-        return cls(np.full((*shape, 1 + 3 * len(LIMITS)), np.nan))
+        return cls(np.full((*shape, _INTERACTION.stop), np.nan))
 
     @property
     def kappa_tfc(self) -> Reals:
@@ -32,8 +37,13 @@ class Estimates:
 
     @property
     def correction(self) -> Reals:
-        """Values C eps^alpha (..., limit) at the reference discretisation."""
+        """Values C x (..., limit) at the reference discretisation."""
         return self.table[..., _CORRECTION]
+
+    @property
+    def interaction(self) -> Reals:
+        """Values C_ij x_i x_j (..., pair) at the reference discretisation."""
+        return self.table[..., _INTERACTION]
 
     @property
     def coefficient(self) -> Reals:
@@ -42,7 +52,7 @@ class Estimates:
 
     @property
     def exponent(self) -> Reals:
-        """Exponents alpha (..., limit)."""
+        """Exponents alpha (..., limit), of other laws than powers that of the tangent at the reference."""
         return self.table[..., _EXPONENT]
 
 
@@ -59,3 +69,4 @@ class GroupFit:
     budget: Reals
     rms_residual: float
     chi2: float
+    curve: tuple[Reals, Reals]  # eps and values (limit, step) along each limit

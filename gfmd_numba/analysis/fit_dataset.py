@@ -7,24 +7,28 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis.error_budget import SOURCES
-from gfmd_numba.analysis.estimates import Estimates, GroupFit
+from gfmd_numba.analysis.estimates import PAIRS, Estimates, GroupFit
 from gfmd_numba.analysis.selection import LIMITS, Group, axes
 
 _OF_THE_VARIABLE = "unit of the variable that is fitted"
 
 _UNITS_AND_NAMES = {
     "kappa_tfc": (_OF_THE_VARIABLE, "extrapolated value in the thermodynamic, fractal and continuum limit"),
-    "kappa_tfc_error": (_OF_THE_VARIABLE, "bootstrap standard deviation"),
-    "kappa_tfc_low": (_OF_THE_VARIABLE, "lower end of the 90 % bootstrap interval"),
-    "kappa_tfc_high": (_OF_THE_VARIABLE, "upper end of the 90 % bootstrap interval"),
+    "kappa_tfc_error": (_OF_THE_VARIABLE, "standard error: surfaces, laws of the limits, interactions"),
+    "kappa_tfc_low": (_OF_THE_VARIABLE, "lower end of the 90 % interval"),
+    "kappa_tfc_high": (_OF_THE_VARIABLE, "upper end of the 90 % interval"),
     "C": (_OF_THE_VARIABLE, "coefficient of eps^alpha"),
-    "C_error": (_OF_THE_VARIABLE, "bootstrap standard deviation of the coefficient of eps^alpha"),
+    "C_error": (_OF_THE_VARIABLE, "standard error of the coefficient of eps^alpha"),
     "alpha": ("1", "exponent"),
-    "alpha_error": ("1", "bootstrap standard deviation of the exponent"),
-    "correction": (_OF_THE_VARIABLE, "C eps^alpha at the reference discretisation"),
-    "correction_error": (_OF_THE_VARIABLE, "bootstrap standard deviation of the correction"),
+    "alpha_error": ("1", "standard error of the exponent"),
+    "correction": (_OF_THE_VARIABLE, "correction of the limit at the reference discretisation"),
+    "correction_error": (_OF_THE_VARIABLE, "standard error of the correction"),
+    "interaction": (_OF_THE_VARIABLE, "what two corrections together differ by from their sum, at the reference"),
+    "interaction_error": (_OF_THE_VARIABLE, "standard error of the interaction"),
+    "curve_eps": ("1", "discretisation along each limit"),
+    "curve": (_OF_THE_VARIABLE, "fit along each limit, the others at the reference"),
     "rms_residual": (_OF_THE_VARIABLE, "rms difference of case means and fit"),
-    "chi2": ("1", "sum of squared residuals weighted by the shrunk covariance"),
+    "chi2": ("1", "sum of squared residuals weighted by the shrunk covariance, of the likeliest laws"),
     "fit_status": ("1", "ok, or refused where an exponent is not identified"),
     "message": ("1", "what is to be known of the fit, a line for each thing"),
     "reference": (_OF_THE_VARIABLE, "mean at the reference discretisation"),
@@ -35,11 +39,12 @@ _UNITS_AND_NAMES = {
     "n_excluded": ("1", "results left out: not finite or status not ok"),
     "error_budget": (
         _OF_THE_VARIABLE,
-        "error of kappa_tfc by exponents known to a range, sampling, and at most by the solver's residual",
+        "error of kappa_tfc by the laws of the limits, interactions, sampling, and at most by the solver's residual",
     ),
     "seconds": ("s", "processor time of the cases fitted; groups that share a problem each count it"),
     "group": ("1", "group of cases that differ only in discretisation"),
     "limit": ("1", "discretisation that goes to 0"),
+    "pair": ("1", "discretisations that go to 0 together"),
     "source": ("1", "source of the error"),
 }
 
@@ -57,8 +62,12 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     for name, parameter in (("C", "coefficient"), ("alpha", "exponent"), ("correction", "correction")):
         variables[name] = (("group", "limit"), getattr(estimate, parameter))
         variables[f"{name}_error"] = (("group", "limit"), getattr(error, parameter))
+    for name, table in (("interaction", estimate), ("interaction_error", error)):
+        variables[name] = (("group", "pair"), table.interaction)
     for name in ("rms_residual", "chi2", "message"):
         variables[name] = ("group", [getattr(fit, name) for fit in fits])
+    for name, part in (("curve_eps", 0), ("curve", 1)):
+        variables[name] = (("group", "limit", "step"), [fit.curve[part] for fit in fits])
     variables["fit_status"] = ("group", [fit.status for fit in fits])
     variables["reference"] = ("group", [group.reference_mean for group in groups])
     variables["reference_error"] = ("group", [group.reference_error for group in groups])
@@ -73,9 +82,13 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     parameters = {
         name: ("group", [group.parameters[name] for group in groups], dataset[name].attrs) for name in axes(dataset)
     }
-    result = xr.Dataset(
-        variables, {**parameters, "group": np.arange(len(groups)), "limit": list(LIMITS), "source": list(SOURCES)}
-    )
+    dimensions = {
+        "group": np.arange(len(groups)),
+        "limit": list(LIMITS),
+        "pair": [" ".join(pair) for pair in PAIRS],
+        "source": list(SOURCES),
+    }
+    result = xr.Dataset(variables, parameters | dimensions)
     own_unit = dataset[variable].attrs.get("units", "1")
     for name, (unit, long_name) in _UNITS_AND_NAMES.items():
         result[name].attrs = {"long_name": long_name, "units": own_unit if unit == _OF_THE_VARIABLE else unit}

@@ -5,13 +5,13 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from gfmd_numba.analysis.estimates import Estimates
-from gfmd_numba.analysis.exponents import Given, Ranges
-from gfmd_numba.analysis.least_squares import BOUNDS, WhitenedGroup, project
+from gfmd_numba.analysis.laws import BOUNDS, STEEPEST
+from gfmd_numba.analysis.posterior import Choice, Laws
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 
-_PRESSED = 0.05  # of a range: the median of an exponent that the data do not know lies in its middle
-_STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
+_PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
+_COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
 WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 
 
@@ -30,67 +30,88 @@ def inseparable(group: Group) -> str:
     return ""
 
 
-def shortage(groups: Sequence[Group], given: Given) -> str:
+def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     """Return which free exponent has fewer than three levels in every group, or nothing."""
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
-        if levels is not None and len(levels) < 3 and name not in given:
+        if levels is not None and len(levels) < 3 and _free(choices, name):
             return f"exponent of {name} needs three levels, has two ({fractions(levels)})\n{advice([name])}"
     return ""
 
 
-def doubtful(
-    groups: Sequence[Group],
-    blocks: Sequence[WhitenedGroup],
-    ranges: Ranges,
-    alpha: Reals,
-    low: Estimates,
-    high: Estimates,
-) -> dict[str, str]:
-    """Return the free exponents that the data do not identify, by the ends (group) of their 90 % intervals, and why."""
-    names, free = ranges.names, ranges.free
-    if not free.size:
-        return {}
-    jacobian = project(blocks, alpha)[1][:, free]
-    scale = np.sqrt(sum(float(np.sum((block.whitener @ block.means) ** 2)) for block in blocks))
-    _, singular, vectors = np.linalg.svd(jacobian)
-    if singular[-1] <= 1e-9 * scale:
-        return {names[free[abs(vectors[-1]).argmax()]]: "has no influence on the fit"}
+def _free(choices: Sequence[Laws], limit: str) -> bool:
+    """Whether nothing is known of the exponent of a limit."""
+    return any(
+        parameter.limit == limit and parameter.is_free for laws in choices for parameter in laws[limit].parameters
+    )
+
+
+def doubtful(groups: Sequence[Group], choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+    """Return the free exponents that the data do not identify, and why."""
     doubt = {}
-    for index in free:
-        column = LIMITS.index(names[index])
-        owner = next(i for i, group in enumerate(groups) if names[index] in group.levels)
-        ends = np.array([low.exponent[owner, column], high.exponent[owner, column]])
-        if np.isnan(ends).any():
-            ends[:] = alpha[index]
-            found = f"of {alpha[index]:.3g}"
-        else:
-            found = f"with 90 % interval {ends[0]:.3g} to {ends[1]:.3g}"
-        if ends[0] < 1.02 * BOUNDS[0] or ends[1] > 0.98 * BOUNDS[1]:
-            doubt[names[index]] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
-        elif ends[1] > WIDEST * ends[0]:
-            doubt[names[index]] = f"{found} is uncertain by more than a factor {WIDEST:g}"
+    for limit in LIMITS:
+        for choice, share in zip(choices, shares, strict=True):
+            for index, parameter in enumerate(choice.parameters):
+                if parameter.limit != limit or not parameter.is_free or share.sum() < _COUNTS:
+                    continue
+                low, high = _ends(choice.nodes[:, index], share)
+                found = f"with 90 % interval {low:.3g} to {high:.3g}"
+                if low < 1.1 * BOUNDS[0] and high > 0.9 * BOUNDS[1]:
+                    doubt[limit] = "has no influence on the fit"
+                elif low < 1.02 * BOUNDS[0] or high > 0.98 * BOUNDS[1]:
+                    doubt[limit] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
+                elif high > WIDEST * low:
+                    doubt[limit] = f"{found} is uncertain by more than a factor {WIDEST:g}"
     return doubt
 
 
-def pressed(ranges: Ranges, alpha: Reals) -> list[str]:
-    """Return a line for each exponent (replicate, limit) that the data press against the low end of its range."""
+def _ends(values: Reals, share: Reals) -> tuple[float, float]:
+    """Return the ends of the 90 % interval of weighed values."""
+    order = np.argsort(values)
+    below = np.cumsum(share[order]) / share.sum()
+    # in the middle of each value's share, so that few values do not end at the outermost
+    low, high = np.interp([0.05, 0.95], below - share[order] / share.sum() / 2.0, values[order])
+    return float(low), float(high)
+
+
+def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> list[str]:
+    """Return a line for each exponent that the data press against the low end of its range."""
     lines = []
-    for name, low, high in zip(ranges.names, ranges.low, ranges.high, strict=True):
-        found = np.median(alpha[:, LIMITS.index(name)])
-        if low < high and found < low + _PRESSED * (high - low):
-            lines.append(
-                f"exponent of {name} is pressed to the low end of its range, {low:g}: allow less, or "
-                "do not trust this limit"
-            )
+    for choice, share in zip(choices, shares, strict=True):
+        for index, parameter in enumerate(choice.parameters):
+            if parameter.logarithmic or parameter.low == parameter.high or share.sum() < _COUNTS:
+                continue
+            low, high = parameter.low, parameter.high
+            found = share @ choice.nodes[:, index] / share.sum()
+            if found < low + _PRESSED * (high - low):
+                lines.append(
+                    f"exponent of {parameter.limit} is pressed to the low end of its range, {low:g}: allow less, or "
+                    "do not trust this limit"
+                )
     return lines
 
 
-def logarithmic(group: Group) -> list[str]:
-    """Return a line for a spectrum whose octaves add nearly as much slope each: exponents of eps_f go as 2 - 2 H."""
-    if "eps_f" not in group.levels or not group.parameters.get("hurst", 0.0) > _STEEPEST:
+def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
+    """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
+    steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
+    if not steep or any(choice.laws["eps_f"].whole for choice in choices):
         return []
     return ["near H = 1 kappa goes as 1 / log(1 / eps_f): a power of eps_f may fit, but its limit is not that of kappa"]
+
+
+def additivity(group: Group, estimate: Reals, error: Reals) -> list[str]:
+    """Return a line that says by how much the corrections together differ from their sum, and how that is known."""
+    if len(group.levels) < 2:
+        return []
+    found, unknown = Estimates(estimate).interaction, Estimates(error).interaction
+    off = sum(abs(np.log(group.levels[name] / group.reference[name])) > 1e-9 for name in group.levels)
+    size = f"{np.nansum(found):.2g} +- {np.sqrt(np.nansum(unknown**2)):.2g}"
+    if (np.asarray(off) > 1).any():
+        return [f"corrections together differ from their sum by {size}, as the cross levels say"]
+    return [
+        f"no cross level says whether corrections add up: the error allows for {size}. Add `cross` to the limits, "
+        "cases where two eps differ from the reference"
+    ]
 
 
 def realisations(group: Group) -> str:

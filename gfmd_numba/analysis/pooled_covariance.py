@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gfmd_numba.analysis.least_squares import covariance_of_levels, covariance_of_one
+from gfmd_numba.analysis.gauss_markov import covariance_of_levels, covariance_of_one
 from gfmd_numba.arrays import Reals
 
 

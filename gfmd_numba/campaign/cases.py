@@ -26,7 +26,8 @@ class Case:
     """One ensemble: a scene at one discretisation, its realisations, and the dimensionless problem it reduces to.
 
     `discretisation` is None where the surface has points and lengths of its own. `limit` names the discretisation that
-    differs from the reference, or is "reference". `rms_gradient` is the g that is asked of the surfaces.
+    differs from the reference, or is "cross" where several do, or "reference". `rms_gradient` is the g that is asked of
+    the surfaces.
     """
 
     scene: Scene
@@ -77,7 +78,7 @@ def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[
             case = Case(
                 scene=scene,
                 discretisation=level.discretisation,
-                limit=level.limit or "reference",
+                limit=level.limit,
                 realisations=level.realisations,
                 problem=problem,
                 effects=effects,

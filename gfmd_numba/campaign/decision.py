@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.selection import groups
 from gfmd_numba.arrays import Reals
-from gfmd_numba.campaign.limits import MOST
+from gfmd_numba.campaign.limits import CROSS, MOST
 from gfmd_numba.campaign.price import price_of_transform
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
@@ -181,10 +181,13 @@ def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
 
 def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
     """Realisations (case) of the cases of one group in a design."""
-    counts = [
-        design.levels[limit][float(cases[limit][i])] if limit in design.levels else design.reference
-        for i, limit in enumerate(cases["limit"].values.tolist())
-    ]
+    cross = iter(design.cross)
+    counts = []
+    for i, limit in enumerate(cases["limit"].values.tolist()):
+        if limit == CROSS:
+            counts.append(next(cross))
+        else:
+            counts.append(design.levels[limit][float(cases[limit][i])] if limit in design.levels else design.reference)
     return np.array(counts, dtype=np.intp)
 
 

@@ -13,13 +13,15 @@ import xarray as xr
 import yaml
 
 from gfmd_numba.analysis import Design, best_design, cheapest_design
+from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, blocks, distinct, expand, groups
 from gfmd_numba.campaign.collection import Measures, in_file_units
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
+from gfmd_numba.campaign.cross_levels import as_written
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.limits import Realisations
+from gfmd_numba.campaign.limits import CROSS, Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values
@@ -28,6 +30,7 @@ from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import Discretisation, InputError
+from gfmd_numba.text.input_error import ABSENT
 
 REALISATIONS = 40  # of the pilot
 _SCOUTED = 20  # of the cheapest case of every group before it: those that scatter most are the dearest
@@ -111,12 +114,7 @@ def promise(found: Pilot) -> str:
 
 def designed(planned: Plan, chosen: Design) -> Plan:
     """Plan of the campaign with the realisations of a design."""
-    levels = {
-        limit: tuple(chosen.levels.get(limit, {}).get(eps, 0) for eps in values or ())
-        for limit, values in planned.campaign.limits
-    }
-    counts = {limit: numbers for limit, numbers in levels.items() if numbers}
-    asked_for = Realisations(reference=chosen.reference, **counts)
+    asked_for = Realisations(reference=chosen.reference, **_counts(planned.campaign, chosen))
     campaign = planned.campaign.model_copy(update={"realisations": asked_for})
     cases = expand(campaign)
     return Plan(campaign, planned.document, cases, distinct(cases))
@@ -144,6 +142,8 @@ def rewritten(planned: Plan, chosen: Design, target: float | None) -> tuple[str,
     goal = f"{chosen.error if target is None else target:.4g}"
     name = f"{planned.campaign.name[: _LONGEST_NAME - len(goal) - 1]}-{goal}"
     values = {"name": name, "realisations": f"{{{asked(planned, chosen)}}}", "target": goal}
+    if planned.campaign.limits.crossed and planned.document.value(("limits", CROSS)) in (ABSENT, None):
+        values[f"limits.{CROSS}"] = as_written(planned.campaign)
     text = with_values(planned.document.text, values)
     if not _is_meant(planned.campaign, text, values):
         raise InputError(
@@ -170,12 +170,20 @@ def _is_meant(campaign: Campaign, text: str, values: Mapping[str, str]) -> bool:
 
 def asked(planned: Plan, chosen: Design) -> str:
     """Realisations of a design, for the reference and each level of the campaign's limits in its order."""
-    counts = [f"reference: {chosen.reference}"]
-    for limit, levels in planned.campaign.limits:
+    counts = {limit: list(numbers) for limit, numbers in _counts(planned.campaign, chosen).items()}
+    return ", ".join(f"{key}: {count}" for key, count in ({"reference": chosen.reference} | counts).items())
+
+
+def _counts(campaign: Campaign, chosen: Design) -> dict[str, tuple[int, ...]]:
+    """Realisations of each level in the order of the campaign, 0 of those that the pilot has not solved."""
+    counts = {}
+    for limit in DISCRETISATIONS:
         found = chosen.levels.get(limit, {})
-        if found:
-            counts.append(f"{limit}: [{', '.join(str(found.get(eps, 0)) for eps in levels)}]")
-    return ", ".join(counts)
+        counts[limit] = tuple(found.get(eps, 0) for eps in getattr(campaign.limits, limit) or ())
+    crossed = iter(chosen.cross)
+    solved = [campaign.realisations.of(CROSS, i) > 0 for i in range(len(campaign.limits.crossed))]
+    counts[CROSS] = tuple(next(crossed) if each else 0 for each in solved)
+    return {limit: numbers for limit, numbers in counts.items() if numbers}
 
 
 def _mean(problem: Problem, residual: float, variable: str) -> float:

@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.limits import COUNT, FixedExponents, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination, check_keys
@@ -48,13 +48,18 @@ class Fit(BaseModel):
 class PlacedDiscretisation(NamedTuple):
     """A discretisation of a campaign, None if surfaces have points of their own, and how many surfaces it takes.
 
-    `locations` says where its values stand in the file, `limit` which of them differs from the reference.
+    `locations` says where its values stand in the file, `varied` which of them differ from the reference.
     """
 
     discretisation: Discretisation | None
     locations: dict[str, Location]
-    limit: str | None
+    varied: tuple[str, ...]
     realisations: int
+
+    @property
+    def limit(self) -> str:
+        """Discretisation that differs from the reference, or "cross" for several, or "reference"."""
+        return CROSS if len(self.varied) > 1 else next(iter(self.varied), "reference")
 
 
 class Campaign(BaseModel):
@@ -92,12 +97,12 @@ class Campaign(BaseModel):
     def n_cases(self) -> int:
         """Number of cases, without the realisations."""
         grid = prod(len(values) for _, values in self.grid if values is not None)
-        return grid * (1 + sum(1 for _ in self._limit_values()))
+        return grid * (1 + sum(1 for _ in self._levels()))
 
     def discretisations(self) -> Iterator[PlacedDiscretisation]:
         """Each discretisation: the references, each followed by its limits' levels."""
         if self.reference is None:
-            yield PlacedDiscretisation(None, {}, None, self.realisations.reference)
+            yield PlacedDiscretisation(None, {}, (), self.realisations.reference)
             return
         choices: list[list[tuple[float, Location]]] = []
         for axis in DISCRETISATIONS:
@@ -110,19 +115,27 @@ class Campaign(BaseModel):
         for chosen in product(*choices):
             eps = {axis: value for axis, (value, _) in zip(DISCRETISATIONS, chosen, strict=True)}
             locations = {axis: location for axis, (_, location) in zip(DISCRETISATIONS, chosen, strict=True)}
-            yield PlacedDiscretisation(Discretisation(**eps), locations, None, self.realisations.reference)
-            for axis, i, value in self._limit_values():
-                location: Location = ("limits", axis, i)
-                surfaces = self.realisations.of(axis, i)
-                yield PlacedDiscretisation(
-                    Discretisation(**{**eps, axis: value}), {**locations, axis: location}, axis, surfaces
-                )
+            yield PlacedDiscretisation(Discretisation(**eps), locations, (), self.realisations.reference)
+            for values, places, surfaces in self._levels():
+                yield PlacedDiscretisation(Discretisation(**eps | values), locations | places, tuple(values), surfaces)
 
-    def _limit_values(self) -> Iterator[tuple[str, int, float]]:
-        for axis, values in self.limits:
-            for i, value in enumerate(values or ()):
-                if value != getattr(self.reference, axis) and self.realisations.of(axis, i) > 0:
-                    yield axis, i, value
+    def _levels(self) -> Iterator[tuple[dict[str, float], dict[str, Location], int]]:
+        """Each level that has surfaces: its values other than the reference's, where they stand, and the surfaces."""
+        for axis in DISCRETISATIONS:
+            for i, value in enumerate(getattr(self.limits, axis) or ()):
+                surfaces = self.realisations.of(axis, i)
+                if value != getattr(self.reference, axis) and surfaces > 0:
+                    yield {axis: value}, {axis: ("limits", axis, i)}, surfaces
+        for i, values in enumerate(self.limits.crossed):
+            surfaces = self.realisations.of(CROSS, i)
+            if surfaces > 0:
+                yield values, {axis: ("limits", CROSS, i, axis) for axis in values}, surfaces
+
+    def _check_cross_levels(self) -> None:
+        for i, level in enumerate(self.limits.crossed):
+            for axis, value in level.items():
+                if self.reference is not None and value == getattr(self.reference, axis):
+                    raise broken_rule(("limits", CROSS, i, axis), f"a value other than the reference's, {value:.6g}")
 
     @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
@@ -145,19 +158,22 @@ class Campaign(BaseModel):
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
         if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
-        for axis in DISCRETISATIONS:
-            if self.reference is None and getattr(self.fit.fixed, axis) is not None:
-                raise broken_rule(("fit", "fixed", axis), "nothing, as the surface has points and lengths of its own")
-            if self.reference is None and (getattr(self.limits, axis) or getattr(self.grid, axis)):
-                where = "limits" if getattr(self.limits, axis) else "grid"
-                raise broken_rule((where, axis), "nothing, as the surface has points and lengths of its own")
-            if self.reference is None and getattr(self.realisations, axis) is not None:
-                raise broken_rule(("realisations", axis), "nothing, as the surface has points and lengths of its own")
-            if getattr(self.limits, axis) is not None and getattr(self.grid, axis) is not None:
-                raise broken_rule(("grid", axis), f"{axis} in either limits or grid, not in both")
-            counts, levels = getattr(self.realisations, axis), getattr(self.limits, axis) or ()
+        self._check_cross_levels()
+        of_limits: tuple[tuple[Location, BaseModel], ...] = (
+            (("fit", "fixed"), self.fit.fixed),
+            (("limits",), self.limits),
+            (("grid",), self.grid),
+            (("realisations",), self.realisations),
+        )
+        for name in (*DISCRETISATIONS, CROSS):
+            for place, record in of_limits:
+                if self.reference is None and getattr(record, name, None) is not None:
+                    raise broken_rule((*place, name), "nothing, as the surface has points and lengths of its own")
+            if name in self.limits.varied and getattr(self.grid, name) is not None:
+                raise broken_rule(("grid", name), f"{name} in either limits or grid, not in both")
+            counts, levels = getattr(self.realisations, name), getattr(self.limits, name) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
-                raise broken_rule(("realisations", axis), f"{len(levels)} numbers, as limits.{axis} has so many levels")
+                raise broken_rule(("realisations", name), f"{len(levels)} numbers, as limits.{name} has so many levels")
         for place, surface in self.scene.surfaces.items():
             wrong = surface.misfit(self.scene.length or 1.0)
             if wrong is not None:
@@ -194,11 +210,11 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
         return campaign, document
-    for discretisation, locations, limit, _ in campaign.discretisations():
+    for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
-            check_discretisation(document, discretisation, locations, limit, campaign.scene.dimension)
+            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension)
         own = min(points, default=campaign.scene.roughness.points)
         nx = own if discretisation is None else discretisation.nx
         assert nx is not None  # the records' promise

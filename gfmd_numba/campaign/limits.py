@@ -1,21 +1,22 @@
 """What a campaign file says of each limit: its levels, its surfaces and its exponent.
 
-Each record has a field for each discretisation in the table of axes.
+Each record has a field for each discretisation in the table of axes. Cross levels belong to several limits at once.
 """
 
 from math import inf
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, create_model
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
 from gfmd_numba.campaign.axes import AXES, DISCRETISATIONS
 from gfmd_numba.campaign.grid import Values
-from gfmd_numba.scene.quantities import RECORD
+from gfmd_numba.scene.quantities import RECORD, broken_rule
 
+CROSS = "cross"  # key of levels at which several discretisations differ from the reference, and their name in results
 MOST = 1_000_000  # surfaces
 EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
 COUNT = f"a whole number from 1 to {MOST}, or a mapping of such with the key reference and any of " + ", ".join(
-    DISCRETISATIONS
+    (*DISCRETISATIONS, CROSS)
 )
 COUNTS = f"a whole number from 1 to {MOST}, or a list of such, one for each level of the limit (0: left out)"
 
@@ -52,39 +53,79 @@ class _OfTheReference(BaseModel):
         return given[level] if isinstance(given, tuple) else given or self.reference
 
 
-def _of_each(words: str, kind: Any = None) -> dict[str, Any]:
-    """Return a field for each limit: of a `kind`, or for None of values of the discretisation."""
-    of_any: Any = Values
+class _OfSeveral(BaseModel):
+    model_config = RECORD
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values that are given, by discretisation."""
+        return {axis: value for axis, value in self if value is not None}
+
+    @model_validator(mode="after")
+    def _differs_in_several(self) -> Self:
+        if len(self.values) < 2:
+            raise broken_rule((), f"a mapping of two or more of {', '.join(DISCRETISATIONS)} to values")
+        return self
+
+
+class _AroundTheReference(BaseModel):
+    model_config = RECORD
+
+    @property
+    def crossed(self) -> tuple[dict[str, float], ...]:
+        """The values of each cross level, by discretisation."""
+        return tuple(level.values for level in getattr(self, CROSS) or ())
+
+    @property
+    def varied(self) -> set[str]:
+        """Discretisations that are varied, alone or together."""
+        return {axis for axis in DISCRETISATIONS if getattr(self, axis) is not None}.union(*self.crossed)
+
+
+def _of_each(words: str, kind: Any) -> dict[str, Any]:
+    """Return a field for each limit; `kind` returns its type from that of a value of the discretisation."""
     fields = {}
     for axis in (axis for axis in AXES if axis.name in DISCRETISATIONS):
         described = words.format(name=axis.name, limit=axis.limit)
         described = described[0].upper() + described[1:]
-        fields[axis.name] = (kind or of_any[axis.type]) | None, Field(None, description=described)
+        fields[axis.name] = kind(axis.type) | None, Field(None, description=described)
     return fields
 
 
 if TYPE_CHECKING:  # the fields are those of the table
-    Limits = BaseModel
+    CrossLevel = _OfSeveral
+    Limits = _AroundTheReference
     FixedExponents = BaseModel
     Realisations = _OfTheReference
 else:
+    CrossLevel = create_model(
+        "CrossLevel",
+        __base__=_OfSeveral,
+        __doc__="Discretisations (dimensionless) that differ from the reference together.",
+        **_of_each("Value of {name} (dimensionless)", lambda value: value),
+    )
     Limits = create_model(
         "Limits",
-        __config__=RECORD,
-        __doc__="Discretisations (dimensionless) taken one at a time around the reference.",
-        **_of_each("{limit} limit (dimensionless)"),
+        __base__=_AroundTheReference,
+        __doc__="Discretisations (dimensionless) around the reference, one at a time and together.",
+        **_of_each("{limit} limit (dimensionless)", lambda value: Values[value]),
+        cross=(
+            Values[CrossLevel] | None,
+            Field(None, description="Levels at which two or more differ at once"),
+        ),
     )
     FixedExponents = create_model(
         "FixedExponents",
         __config__=RECORD,
         __doc__="Exponents (dimensionless) that the fit does not search: a value, or the range it lies in.",
-        **_of_each("Exponent of {name} or its range (dimensionless)", Exponent),
+        **_of_each("Exponent of {name} or its range (dimensionless)", lambda _: Exponent),
     )
     Realisations = create_model(
         "Realisations",
         __base__=_OfTheReference,
         __doc__="Random surfaces of each case, by its limit or level; a limit left out has as many as the reference.",
-        **_of_each("Random surfaces of each case of the {limit} limit", Counts),
+        **_of_each("Random surfaces of each case of the {limit} limit", lambda _: Counts),
+        cross=(Counts | None, Field(None, description="Random surfaces of each case at a cross level")),
     )
 
 

@@ -5,7 +5,6 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
-from inspect import signature
 
 import numpy as np
 import xarray as xr
@@ -23,7 +22,6 @@ _IMPORTED = "distributed, matplotlib.figure, netCDF4, scipy.optimize, gfmd_numba
 _START = "start of a process"  # key of its run time
 # of the start of a process, which tells how fast a machine runs Python:
 _KERNELS, _WORKER, _CASE, _PICTURE = 0.1, 1.6, 7e-4, 0.4  # loading them, and what one of each of the others takes
-_REPLICATES = (2, 12)  # of the bootstrap of a rehearsal
 _REHEARSED = 6  # groups
 
 
@@ -65,22 +63,19 @@ def _start() -> float:
 
 
 def _rehearsed(planned: Plan) -> float:
-    """Seconds of the fit, from that of some groups of made-up results with few replicates."""
+    """Seconds of the fit, from that of some groups of made-up results."""
     members = groups(planned.cases)
     results = _made_up([case for group in members[:_REHEARSED] for case in group], planned.campaign)
     options = json.loads(planned.campaign.fit.model_dump_json(exclude_none=True))
-    all_replicates: int = signature(fit_tfc).parameters["bootstrap"].default
     seconds: list[float] = []
     try:
-        for replicates in (2, *_REPLICATES):  # the first one imports
+        for _ in range(2):  # the first one imports
             begun = time.thread_time()
-            fit_tfc(results, **options, bootstrap=replicates)
+            fit_tfc(results, **options)
             seconds.append(time.thread_time() - begun)
     except UnusableDataError:
         return 0.0
-    few, many = _REPLICATES
-    each = max(0.0, seconds[2] - seconds[1]) / (many - few)
-    return (seconds[1] + (all_replicates - few) * each) * len(members) / min(len(members), _REHEARSED)
+    return seconds[1] * len(members) / min(len(members), _REHEARSED)
 
 
 def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:

@@ -12,15 +12,24 @@ _COMMENT = r"#[^\r\n\x85\u2028\u2029]*"
 def with_values(text: str, values: Mapping[str, str]) -> str:
     """Text of a YAML mapping in which some keys have other values (YAML on one line); new keys come last.
 
-    Comments and line ends stay; those within an old value stand before the new one.
+    A key with dots leads into mappings. Comments and line ends stay; those within an old value stand before the new
+    one.
     """
     for key, value in values.items():
-        text = _with_value(text, key, value)
+        text = _with_value(text, key.split("."), value)
     return text
 
 
-def _with_value(text: str, key: str, value: str) -> str:
-    root: Any = yaml.compose(text, yaml.SafeLoader)
+def _node(text: str, place: Sequence[str | int]) -> Any:
+    node: Any = yaml.compose(text, yaml.SafeLoader)
+    for key in place:
+        node = next(value_node for key_node, value_node in node.value if key_node.value == key)
+    return node
+
+
+def _with_value(text: str, place: Sequence[str], value: str) -> str:
+    *outer, key = place
+    root = _node(text, outer)
     indent = ("\r\n" if "\r\n" in text else "\n") + " " * root.start_mark.column
     for key_node, node in root.value:
         if key_node.value == key:

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.plan import Plan
@@ -121,8 +122,12 @@ def forget(directory: Path) -> None:
 
 
 def pilot_plan(planned: Plan, goal: Goal) -> Plan:
-    """Plan of the pilot of a campaign: every level of its limits, whatever realisations its file asks for."""
+    """Plan of the pilot of a campaign: every level of its limits, whatever realisations its file asks for.
+
+    Cross levels are added where it has none.
+    """
     update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
+    planned = with_cross_levels(planned)
     campaign = planned.campaign.model_copy(update=update)
     cases = expand(campaign, planned.punches)
     return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))

@@ -34,6 +34,7 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
     from gfmd_numba.campaign import design as targets
     from gfmd_numba.campaign import work_precision
+    from gfmd_numba.campaign.cross_levels import with_cross_levels
     from gfmd_numba.campaign.plan import plan
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
@@ -53,6 +54,7 @@ def accuracy(file: Path, output: Path | None, realisations: int) -> None:
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
     if {case.limit for case in planned.cases} != {"reference"}:
+        planned = with_cross_levels(planned)  # as `gfmd plan --target` does
         with waiting("planning what 10, 3, 1 and 0.3 % cost"):
             found = targets.pilot(planned)
         for goal in (0.1, 0.03, 0.01, 0.003):

@@ -1,6 +1,6 @@
 """Checks of a scene that need more than its records: grids that fit in memory, waves that fit a grid."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.records import Discretisation, Scene
@@ -12,10 +12,10 @@ def check_discretisation(
     document: Document,
     discretisation: Discretisation,
     locations: Mapping[str, Location],
-    varied: str | None = None,
+    varied: Collection[str] = (),
     dimension: int = 1,
 ) -> None:
-    """Raise InputError, at the varied value if any, unless waves are whole and the grid fits in memory."""
+    """Raise InputError, at one of the varied values if any, unless waves are whole and the grid fits in memory."""
     import psutil
 
     eps = discretisation.model_dump()
@@ -23,7 +23,7 @@ def check_discretisation(
     nodes = nx * nx if dimension == 2 else nx  # a power of floats raises where their product is infinite
     needed, available = 8 * nodes * ARRAYS_PER_REALISATION[dimension] / 1e9, psutil.virtual_memory().total / 1e9
     if needed > available:
-        axis = varied or min(eps, key=eps.__getitem__)
+        axis = min(varied or eps, key=eps.__getitem__)
         raise document.error(
             locations[axis],
             document.value(locations[axis]),
@@ -31,7 +31,7 @@ def check_discretisation(
         )
     misfit = discretisation.misfit
     if misfit is not None:
-        axis = varied or misfit
+        axis = misfit if not varied or misfit in varied else next(iter(varied))
         others = " and ".join(f"{name} = {value:.6g}" for name, value in eps.items() if name != axis)
         fit = discretisation.nearest_fit(axis)
         raise document.error(

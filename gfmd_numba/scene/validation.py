@@ -1,5 +1,6 @@
 """Checks of a document against a record, every fault told in the words of the document."""
 
+import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from typing import Any, TypeVar
@@ -112,10 +113,8 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
         return f"a number{_range(node)}, or {node['in_units']}"
     match node.get("type"):
         case "array":
-            item = _allowed(schema, _resolved(schema, node["items"]))
-            return "a list of one or more " + item.removeprefix("a ").replace("number", "numbers", 1).replace(
-                "file name", "file names", 1
-            )
+            item = _allowed(schema, _resolved(schema, node["items"])).removeprefix("a ")
+            return "a list of one or more " + re.sub("number|mapping|file name", r"\g<0>s", item, count=1)
         case "object":
             return "a mapping of " + ", ".join(map(repr, node["properties"])) if node["properties"] else "{}"
         case "integer":

@@ -23,7 +23,7 @@ def achieved(design, seeds=40):
     found = []
     for seed in range(seeds):
         dataset = noisy(campaign(realisations=most(design), **CAMPAIGN), np.random.default_rng(1000 + seed))
-        found.append(fit_tfc(left(dataset, design), fixed=ALPHA, bootstrap=0)["kappa_tfc"].item())
+        found.append(fit_tfc(left(dataset, design), fixed=ALPHA)["kappa_tfc"].item())
     return np.std(found, ddof=1) / 2.0
 
 
@@ -58,7 +58,7 @@ def test_the_target_is_met():
 def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
     """Seconds times squared error, a constant of a design, of four pilots on average."""
     equal = noisy(campaign(realisations=200, **CAMPAIGN), np.random.default_rng(1))
-    error = fit_tfc(equal, fixed=ALPHA, bootstrap=100)["kappa_tfc_error"].item() / 2.0
+    error = fit_tfc(equal, fixed=ALPHA)["kappa_tfc_error"].item() / 2.0
     seconds = pilot()[1]
     designs = [cheapest_design(*pilot(seed), target=0.01, fixed=ALPHA) for seed in range(4)]
     prices = [design.seconds * achieved(design) ** 2 for design in designs]

@@ -46,7 +46,7 @@ def limit_for(dataset, name, guess):
 @pytest.mark.parametrize("name", ["eps_c", "eps_f"])
 def test_the_part_of_an_exponent_is_the_spread_over_its_range(name):
     dataset = campaign()
-    fit = fit_tfc(dataset, fixed=MIDDLE | {name: RANGES[name]}, bootstrap=5)
+    fit = fit_tfc(dataset, fixed=MIDDLE | {name: RANGES[name]})
     low, high = RANGES[name]
     guesses = low + (high - low) * (np.arange(100) + 0.5) / 100
     limits = [limit_for(dataset, name, guess) for guess in guesses]
@@ -57,7 +57,7 @@ def test_the_part_of_an_exponent_is_the_spread_over_its_range(name):
 
 def test_exponents_and_sampling_make_the_whole_error():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
-    fit = fit_tfc(dataset, fixed=RANGES, bootstrap=400)
+    fit = fit_tfc(dataset, fixed=RANGES)
     parts = [part(fit, source) for source in ("eps_c", "eps_f", "eps_t", "sampling")]
     assert min(parts[0], parts[1], parts[3]) > 0.1 * max(parts)
     assert np.hypot.reduce(parts) == pytest.approx(fit["kappa_tfc_error"].item(), rel=0.1)
@@ -65,20 +65,20 @@ def test_exponents_and_sampling_make_the_whole_error():
 
 def test_with_exact_exponents_all_is_sampling():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
-    fit = fit_tfc(dataset, fixed=MIDDLE, bootstrap=50)
+    fit = fit_tfc(dataset, fixed=MIDDLE)
     assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
 
 
 def test_what_is_not_known_of_a_searched_exponent_is_sampling():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(4), spread=0.02, own=0.005)
-    fit = fit_tfc(dataset, fixed={"eps_t": 1.0}, bootstrap=50)
+    fit = fit_tfc(dataset, fixed={"eps_t": 1.0})
     assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
     assert [part(fit, name) for name in C] == [0.0, 0.0, 0.0]
 
 
 def test_a_limit_that_is_not_varied_has_an_unknown_part():
     dataset = campaign(levels={"eps_c": [1 / 2, 1 / 4, 1 / 8]}, realisations=3)
-    fit = fit_tfc(dataset, fixed={"eps_c": (0.9, 1.3)}, bootstrap=5)
+    fit = fit_tfc(dataset, fixed={"eps_c": (0.9, 1.3)})
     assert part(fit, "eps_c") > 0.0
     assert np.isnan([part(fit, name) for name in ("eps_f", "eps_t")]).all()
 
@@ -91,12 +91,12 @@ def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(varia
     dataset["kappa_r"] = 0.7 * dataset["kappa"]
     share = 1e-6 * rng.random(dataset["kappa"].shape)
     dataset["kappa_residual_error"] = share * dataset["kappa"]
-    fit = fit_tfc(dataset, variable, fixed=fixed, bootstrap=40)
+    fit = fit_tfc(dataset, variable, fixed=fixed)
     worst = 0.0
     for case, error in enumerate((share * dataset[variable]).mean("realisation").values):
         moved = dataset.copy(deep=True)
         moved[variable][case] += 100 * error  # the same in every realisation: the weights stay
-        shifted = fit_tfc(moved, variable, fixed=fixed, bootstrap=0)["kappa_tfc"]
+        shifted = fit_tfc(moved, variable, fixed=fixed)["kappa_tfc"]
         worst += abs(shifted - fit["kappa_tfc"]).item() / 100
     assert part(fit, "residual") == pytest.approx(worst, rel=2e-2)
     assert "residual" not in fit["message"].item()
@@ -105,11 +105,11 @@ def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(varia
 def test_a_residual_that_is_too_large_for_the_error_is_told():
     dataset = noisy(campaign(realisations=12), np.random.default_rng(3))
     dataset["kappa_residual_error"] = 0.1 * dataset["kappa"]
-    assert "ask the solver for a smaller one" in fit_tfc(dataset, fixed=ALPHA, bootstrap=20)["message"].item()
+    assert "ask the solver for a smaller one" in fit_tfc(dataset, fixed=ALPHA)["message"].item()
 
 
 def test_a_dataset_without_residual_errors_and_times_says_nothing_of_them():
-    fit = fit_tfc(campaign(), fixed=ALPHA, bootstrap=5)
+    fit = fit_tfc(campaign(), fixed=ALPHA)
     assert np.isnan(part(fit, "residual"))
     assert np.isnan(fit["seconds"].item())
 
@@ -117,14 +117,14 @@ def test_a_dataset_without_residual_errors_and_times_says_nothing_of_them():
 def test_seconds_are_those_of_the_cases_fitted():
     dataset = campaign((0.3, 0.8), levels={"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]})
     dataset["case_seconds"] = ("case", 2.0 ** np.arange(8))
-    fit = fit_tfc(dataset, fixed=ALPHA, bootstrap=5)
+    fit = fit_tfc(dataset, fixed=ALPHA)
     of_nyquist = (dataset["eps_c"] == 1).values
     expected = [dataset["case_seconds"].values[(dataset["hurst"] == h).values & ~of_nyquist].sum() for h in (0.3, 0.8)]
     assert fit["seconds"].values.tolist() == expected
 
 
 def test_the_budget_survives_netcdf(tmp_path):
-    fit_tfc(campaign((0.3, 0.8)), fixed=RANGES, bootstrap=5).to_netcdf(tmp_path / "fit.nc")
+    fit_tfc(campaign((0.3, 0.8)), fixed=RANGES).to_netcdf(tmp_path / "fit.nc")
     with xr.open_dataset(tmp_path / "fit.nc") as again:
         assert again["source"].values.tolist() == ["eps_c", "eps_f", "eps_t", "sampling", "residual"]
         assert again["error_budget"].sizes == {"group": 2, "source": 5}

@@ -12,7 +12,7 @@ def test_error_bars_cover_an_exponent_known_only_to_a_range():
     planted = ALPHA | {"eps_f": 0.67}
     dataset = noisy(campaign(alpha=planted, realisations=30), np.random.default_rng(14), spread=0.02)
     others = {"eps_c": ALPHA["eps_c"], "eps_t": ALPHA["eps_t"]}
-    exact, ranged = (fit_tfc(dataset, fixed=others | {"eps_f": e}, bootstrap=200) for e in (0.67, (0.5, 1.0)))
+    exact, ranged = (fit_tfc(dataset, fixed=others | {"eps_f": e}) for e in (0.67, (0.5, 1.0)))
     assert ranged["kappa_tfc_low"] < 2.0 < ranged["kappa_tfc_high"]
     assert ranged["kappa_tfc_error"] > 1.5 * exact["kappa_tfc_error"]
     eps_f = ranged.sel(limit="eps_f", group=0)
@@ -27,14 +27,14 @@ WIDE = {"eps_c": (0.5, 2.5), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2.0)}
 def test_what_the_data_say_of_an_exponent_counts_within_its_range():
     long = LEVELS | {"eps_f": [4.0**-n for n in range(3, 9)]}
     dataset = noisy(campaign(levels=long, realisations=60), np.random.default_rng(3), spread=0.02)
-    eps_f = fit_tfc(dataset, fixed=WIDE, bootstrap=200).sel(limit="eps_f", group=0)
+    eps_f = fit_tfc(dataset, fixed=WIDE).sel(limit="eps_f", group=0)
     assert eps_f["alpha_error"] < 0.2 * (1.5 - 0.3) / np.sqrt(12)
     assert abs(eps_f["alpha"] - ALPHA["eps_f"]) < 3 * eps_f["alpha_error"]
 
 
 def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
     dataset = noisy(campaign(realisations=60), np.random.default_rng(5), spread=0.02)
-    said = [fit_tfc(dataset, fixed=ALPHA | {"eps_f": ends}, bootstrap=100) for ends in ((0.2, 2.0), (1.0, 2.0))]
+    said = [fit_tfc(dataset, fixed=ALPHA | {"eps_f": ends}) for ends in ((0.2, 2.0), (1.0, 2.0))]
     assert ["low end of its range" in fit["message"].item() for fit in said] == [False, True]
     assert "exponent of eps_f is pressed to the low end of its range, 1: allow less" in said[1]["message"].item()
 
@@ -42,14 +42,14 @@ def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
 def test_no_power_of_eps_f_is_passed_off_as_a_limit_where_there_is_a_logarithm():
     dataset = campaign(realisations=3)
     steep = [with_axes(dataset.assign_coords(hurst=("case", np.full(10, hurst)))) for hurst in (0.8, 1)]
-    notes = [fit_tfc(each, fixed=ALPHA, bootstrap=5) for each in steep]
+    notes = [fit_tfc(each, fixed=ALPHA) for each in steep]
     assert ["1 / log(1 / eps_f)" in fit["message"].item() for fit in notes] == [False, True]
 
 
 def test_without_a_correction_all_exponents_of_a_range_are_as_good():
     flat = dict.fromkeys(C, 0.0)
     dataset = noisy(campaign(coefficients=flat, realisations=60), np.random.default_rng(4))
-    fit = fit_tfc(dataset, fixed=WIDE, bootstrap=400)
+    fit = fit_tfc(dataset, fixed=WIDE)
     uniform = [(high - low) / np.sqrt(12) for low, high in WIDE.values()]
     np.testing.assert_allclose(fit["alpha_error"].isel(group=0), uniform, rtol=0.35)
 
@@ -61,7 +61,7 @@ def test_errors_are_right_when_exponents_lie_anywhere_in_their_ranges():
         planted = {name: rng.uniform(*ends) for name, ends in WIDE.items()}
         coefficients = {name: C[name] * REFERENCE[name] ** (ALPHA[name] - planted[name]) for name in C}
         truth = campaign(alpha=planted, coefficients=coefficients, realisations=30)
-        fit = fit_tfc(noisy(truth, rng), fixed=WIDE, bootstrap=40)
+        fit = fit_tfc(noisy(truth, rng), fixed=WIDE)
         found.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
     scatter, claimed = np.sqrt(np.mean(np.square(found), axis=0))
     assert 0.65 < claimed / scatter < 1.5
@@ -70,11 +70,8 @@ def test_errors_are_right_when_exponents_lie_anywhere_in_their_ranges():
 @pytest.mark.parametrize("exponents", ["shared", "free"])
 def test_without_noise_the_error_is_that_of_the_range(exponents):
     dataset = campaign((0.3, 0.8), realisations=3)
-    fit = fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": (0.8, 1.2)}, bootstrap=400)
-    ends = [
-        fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": end}, bootstrap=0)["kappa_tfc"]
-        for end in (0.8, 1.2)
-    ]
+    fit = fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": (0.8, 1.2)})
+    ends = [fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": end})["kappa_tfc"] for end in (0.8, 1.2)]
     # kappa_tfc is nearly linear in the exponent over so short a range
     np.testing.assert_allclose(fit["kappa_tfc_error"], abs(ends[1] - ends[0]) / np.sqrt(12), rtol=0.1)
     assert (fit["kappa_tfc_low"] >= ends[0]).all()
@@ -84,5 +81,5 @@ def test_without_noise_the_error_is_that_of_the_range(exponents):
 
 def test_a_range_of_no_width_is_an_exact_exponent():
     dataset = noisy(campaign(realisations=10), np.random.default_rng(0))
-    exact, ranged = (fit_tfc(dataset, fixed=ALPHA | {"eps_t": e}, bootstrap=20) for e in (1.0, [1.0, 1.0]))
+    exact, ranged = (fit_tfc(dataset, fixed=ALPHA | {"eps_t": e}) for e in (1.0, [1.0, 1.0]))
     xr.testing.assert_identical(exact, ranged)

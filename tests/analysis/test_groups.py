@@ -19,14 +19,14 @@ def toy():
 
 
 def test_a_parameter_unknown_to_analysis_forms_groups_and_keeps_its_attributes(toy):
-    fitted = fit_tfc(toy, fixed=ALPHA, bootstrap=10)
+    fitted = fit_tfc(toy, fixed=ALPHA)
     assert fitted["toy"].values.tolist() == [2e-6, 5e-6]
     assert fitted["toy"].attrs == TOY
     assert set(axes(fitted)) == set(axes(toy))
 
 
 def test_a_parameter_unknown_to_analysis_is_drawn_and_printed_by_its_symbols(toy, capsys):
-    fitted = fit_tfc(toy, fixed=ALPHA, bootstrap=10)
+    fitted = fit_tfc(toy, fixed=ALPHA)
     figure = plot_campaign(toy, fitted)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == [r"$\tau = 2e-06\,\mathrm{m}$", r"$\tau = 5e-06\,\mathrm{m}$"]

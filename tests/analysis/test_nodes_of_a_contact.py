@@ -21,7 +21,7 @@ def message(nodes_of_all, segments, **coordinates):
         n_segments=(shape[0], segments * shape[1]),
         contact_area_fraction_counted=(shape[0], nodes_of_all / total * shape[1]),
     )
-    return fit_tfc(dataset, fixed=ALPHA, bootstrap=5)["message"].item()
+    return fit_tfc(dataset, fixed=ALPHA)["message"].item()
 
 
 @pytest.mark.parametrize("known", [{}, {"dimension": 1}])
@@ -45,4 +45,4 @@ def test_a_campaign_of_resolved_maps_is_not_warned_of(tmp_path):
     assert (dataset["dimension"] == 2).all()
     nodes = dataset["contact_area_fraction_counted"] * dataset["nx"] ** 2
     assert (nodes.sum("realisation") / dataset["n_segments"].sum("realisation")).max() > 20
-    assert "nodes on average" not in fit_tfc(dataset, fixed={"eps_c": 1.0}, bootstrap=5)["message"].item()
+    assert "nodes on average" not in fit_tfc(dataset, fixed={"eps_c": 1.0})["message"].item()

@@ -102,7 +102,7 @@ def test_error_bars_are_standard_errors(campaign):
 
 
 def test_fit_adds_curves_and_the_extrapolated_panel(campaign):
-    fit = fit_tfc(campaign, fixed=FIXED, bootstrap=20)
+    fit = fit_tfc(campaign, fixed=FIXED)
     figure = plot_campaign(campaign, fit)
     assert figure.axes[-1].get_title() == "TFC limit"
     np.testing.assert_allclose(drawn_points(figure.axes[-1])[:, 1], fit["kappa_tfc"])
@@ -117,7 +117,7 @@ def test_fit_adds_curves_and_the_extrapolated_panel(campaign):
 
 def test_a_prescribed_displacement_has_no_pressure_but_a_picture(campaign):
     campaign["reduced_pressure"][:] = np.nan
-    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5))
+    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED))
     assert figure.axes[-1].get_title() == "TFC limit"
     assert [text.get_text() for text in figure.legends[0].get_texts()][:2] == ["$H = 0.3$", "$H = 0.8$"]
 
@@ -125,13 +125,13 @@ def test_a_prescribed_displacement_has_no_pressure_but_a_picture(campaign):
 def test_a_reference_at_nyquist_is_drawn_with_its_curves(campaign):
     campaign = campaign.isel(case=campaign["limit"].values != "eps_c")
     campaign["eps_c"][:] = 1.0
-    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5))
+    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED))
     assert [axis.get_title() for axis in figure.axes] == ["Fractal limit", "Thermodynamic limit", "TFC limit"]
     assert "not fitted" not in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def test_a_refused_fit_draws_points_only(campaign):
-    fit = fit_tfc(campaign, fixed=FIXED, bootstrap=5)
+    fit = fit_tfc(campaign, fixed=FIXED)
     fit["fit_status"][:] = "refused"
     figure = plot_campaign(campaign, fit)
     assert len(figure.axes) == 3
@@ -174,13 +174,13 @@ def test_other_variables_carry_their_name_and_unit(campaign):
     figure = plot_campaign(campaign, variable="mean_pressure")
     assert figure.axes[0].get_ylabel() == "mean pressure (Pa)"
     with pytest.raises(ValueError, match="fit is of 'kappa'"):
-        plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5), "mean_pressure")
+        plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED), "mean_pressure")
     with pytest.raises(ValueError, match="no variable 'kapa'"):
         plot_campaign(campaign, variable="kapa")
 
 
 def test_legend_covers_no_panel(campaign):
-    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED, bootstrap=5))
+    figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED))
     figure.canvas.draw()
     legend = figure.legends[0].get_window_extent()
     assert not any(legend.overlaps(axis.get_window_extent()) for axis in figure.axes)

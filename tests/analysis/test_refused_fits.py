@@ -15,7 +15,7 @@ def test_a_flat_limit_has_no_exponent(spread):
     fixed = {"eps_c": 1.1, "eps_f": 0.6}
     why = "touches the bounds" if spread else "has no influence"
     assert_refused(
-        fit_tfc(dataset, fixed=fixed, bootstrap=60),
+        fit_tfc(dataset, fixed=fixed),
         f"exponent of eps_t {'with' if spread else why}",
         why,
         "levels 1, 1/2, 1/4, 1/8",
@@ -24,7 +24,7 @@ def test_a_flat_limit_has_no_exponent(spread):
         "`fit: {fixed: {eps_t: [1/2, 1]}}`",
         "fixed={'eps_t': (0.5, 1.0)}",
     )
-    rescued = fit_tfc(dataset, fixed=fixed | {"eps_t": 1.0}, bootstrap=60)
+    rescued = fit_tfc(dataset, fixed=fixed | {"eps_t": 1.0})
     assert rescued["fit_status"] == "ok"
     assert abs(rescued["kappa_tfc"] - 2.0) < 5 * rescued["kappa_tfc_error"] + 1e-9
 
@@ -33,29 +33,29 @@ def test_an_exponent_known_only_to_a_factor_of_ten_is_refused():
     rng = np.random.default_rng(8)
     dataset = campaign(alpha=ALPHA | {"eps_t": 0.8}, realisations=30)
     dataset["kappa"] = dataset["kappa"] + 0.16 * rng.standard_normal(dataset["kappa"].shape)
-    fit = fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6}, bootstrap=150)
+    fit = fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6})
     assert_refused(fit, "exponent of eps_t with 90 % interval 0.1", "uncertain by more than a factor 8")
     mean = dataset["kappa"].mean("realisation")
     dataset["kappa"] = mean + 0.2 * (dataset["kappa"] - mean)
-    assert fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6}, bootstrap=150)["fit_status"] == "ok"
+    assert fit_tfc(dataset, fixed={"eps_c": 1.1, "eps_f": 0.6})["fit_status"] == "ok"
 
 
 def test_one_doubtful_exponent_refuses_every_group_that_shares_it():
     dataset = noisy(campaign((0.3, 0.8), coefficients=C | {"eps_t": 0.0}, realisations=10), np.random.default_rng(1))
-    fit = fit_tfc(dataset, bootstrap=30)
+    fit = fit_tfc(dataset)
     assert_refused(fit, "exponent of eps_t")
     assert "exponent of eps_t" in fit["message"].values[1]
 
 
 def test_two_levels_need_a_fixed_exponent():
     dataset = campaign(levels=LEVELS | {"eps_t": [1, 1 / 2]})
-    assert_refused(fit_tfc(dataset, bootstrap=5), "eps_t needs three levels, has two (1, 1/2)", "fixed={'eps_t'")
-    fit = fit_tfc(dataset, fixed={"eps_t": 1.0}, bootstrap=5)
+    assert_refused(fit_tfc(dataset), "eps_t needs three levels, has two (1, 1/2)", "fixed={'eps_t'")
+    fit = fit_tfc(dataset, fixed={"eps_t": 1.0})
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
 
 
 def test_a_limit_that_is_not_varied_is_named_and_left_in_the_result():
-    fit = fit_tfc(campaign(levels={"eps_c": LEVELS["eps_c"], "eps_f": LEVELS["eps_f"]}), bootstrap=5)
+    fit = fit_tfc(campaign(levels={"eps_c": LEVELS["eps_c"], "eps_f": LEVELS["eps_f"]}))
     assert fit["fit_status"] == "ok"
     assert fit["message"] == "eps_t is not varied: kappa_tfc is not extrapolated in it"
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.3 / 2, atol=1e-8)
@@ -63,13 +63,13 @@ def test_a_limit_that_is_not_varied_is_named_and_left_in_the_result():
 
 
 def test_no_limit_varied_is_refused():
-    assert_refused(fit_tfc(campaign(levels={}), bootstrap=5), "no discretisation is varied")
+    assert_refused(fit_tfc(campaign(levels={})), "no discretisation is varied")
 
 
 def test_limits_varied_together_are_refused():
     dataset = campaign(levels={"eps_c": LEVELS["eps_c"]})
     dataset = dataset.assign_coords(eps_t=dataset["eps_c"] / 2)
-    assert_refused(fit_tfc(dataset, bootstrap=5), "3 cases cannot tell eps_c, eps_t apart")
+    assert_refused(fit_tfc(dataset), "3 cases cannot tell eps_c, eps_t apart")
 
 
 def test_a_single_realisation_has_no_sampling_error():

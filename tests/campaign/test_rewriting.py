@@ -1,6 +1,7 @@
 """A campaign rewritten for a target: another name, other realisations, and every other character as it was."""
 
 import re
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from gfmd_numba.analysis import Design
 from gfmd_numba.campaign import design as accuracy
+from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rewriting import with_values
@@ -19,7 +21,7 @@ from support.campaigns import SMALL, campaign
 
 DESIGN = Design(reference=46, levels={"eps_c": {1 / 2: 3, 1 / 8: 7}}, seconds=1.0, error=0.0123, sampling=0.01,
                 exponents=0.005, limiting="sampling")  # fmt: skip
-COUNTS = {"reference": 46, "eps_c": (3, 0, 7), "eps_f": None, "eps_t": None}
+COUNTS = {"reference": 46, "eps_c": (3, 0, 7), "eps_f": (0, 0, 0), "eps_t": None, "cross": None}
 BLOCK = "realisations:   # by limit\n  reference: 6   # as the first\n  # few\n  eps_c: 3   # enough\n"
 FLOW = "realisations: {reference: 6,  # as the first\n   # few\n  eps_c: 3}   # enough\n"
 STYLES = {
@@ -41,8 +43,19 @@ STYLES = {
     "all on one line": yaml.dump(yaml.safe_load(SMALL), default_flow_style=True, width=9999),
     "JSON": '{"name":"small","seed":1,"realisations":6,"scene":{"body":{"poissons_ratio":0.33},"roughness":{"method":'
     '"psd","hurst":0.8,"rms_gradient":0.01},"interface":{"hard_wall":{}},"loading":{"reduced_pressure":0.05}},'
-    '"reference":{"eps_c":0.25,"eps_f":0.0625,"eps_t":0.5},"limits":{"eps_c":[0.5,0.25,0.125]}}',
+    '"reference":{"eps_c":0.25,"eps_f":0.0625,"eps_t":0.5},"limits":{"eps_c":[0.5,0.25,0.125],"eps_f":[0.125,0.0625,0.03125]}}',
 }
+
+CROSS_DESIGN = replace(DESIGN, levels=DESIGN.levels | {"eps_f": {1 / 8: 5, 1 / 32: 4}}, cross=(21,))
+LIMITS = "limits: {eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]}"
+OF_LIMITS = {
+    "a block": "limits:   # all\n  eps_c: [1/2, 1/4, 1/8]\n  eps_f:\n    - 1/8\n    - 1/32   # fine\n",
+    "flow over several lines": "limits: {eps_c: [1/2, 1/4, 1/8],   # c\n  eps_f: [1/8, 1/32]   # f\n  }",
+    "a last comma": "limits: {eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/32],}",
+    "none yet": "limits: {cross: null, eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/32]}",
+    "none yet in a block": "limits:\n  cross:   # none\n  eps_c: [1/2, 1/4, 1/8]\n  eps_f: [1/8, 1/32]",
+}
+STYLES_OF_LIMITS = STYLES | {f"limits, {name}": SMALL.replace(LIMITS, text) for name, text in OF_LIMITS.items()}
 
 
 def rewritten(folder, text):
@@ -68,6 +81,18 @@ def test_every_style_of_yaml_is_rewritten(tmp_path, style):
     assert new.count("\r\n") in (0, new.count("\n"))
 
 
+@pytest.mark.parametrize("style", STYLES_OF_LIMITS)
+def test_every_style_of_yaml_gets_the_cross_levels_of_a_plan(tmp_path, style):
+    path, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
+    path.write_bytes(STYLES_OF_LIMITS[style].encode())
+    new, _ = accuracy.rewritten(with_cross_levels(plan(path)), CROSS_DESIGN, 0.02)
+    second.write_bytes(new.encode())
+    found = load_campaign(second)[0]
+    assert found.limits.crossed == ({"eps_c": 1 / 2, "eps_f": 1 / 8},)
+    assert found.realisations.cross == (21,)
+    assert sorted(re.findall(r"#[^#\r\n]*", new)) == sorted(re.findall(r"#[^#\r\n]*", STYLES_OF_LIMITS[style]))
+
+
 def test_what_is_not_changed_stays_where_it_was(tmp_path):
     _, _, new = rewritten(tmp_path, SMALL)
     before, after = SMALL.splitlines(), new.splitlines()
@@ -90,7 +115,7 @@ def test_a_text_that_would_not_read_as_meant_is_refused(tmp_path, monkeypatch):
 def test_the_planned_campaign_leaves_the_results_of_the_first_alone(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(accuracy, "pilot", lambda planned: accuracy.Pilot(None, [], 1, 1))
-    monkeypatch.setattr(accuracy, "design", lambda *_: DESIGN)
+    monkeypatch.setattr(accuracy, "design", lambda *_: CROSS_DESIGN)
     monkeypatch.setattr(accuracy, "loosest_residual", lambda *_: 1e-3)
     campaign(tmp_path)
     said = CliRunner().invoke(main, ["plan", "campaign.yaml", "--target=kappa=2%", "--write=planned.yaml"])

@@ -8,7 +8,7 @@ from support.synthetic_campaigns import ALPHA, campaign, noisy
 
 
 def fitted(dataset):
-    return fit_tfc(dataset, exponents="free", fixed=ALPHA, bootstrap=5)
+    return fit_tfc(dataset, exponents="free", fixed=ALPHA)
 
 
 def exponent_line(alphas, capsys):

@@ -94,7 +94,7 @@ def test_a_campaign_says_what_each_of_its_numbers_is(campaign):
 
 
 def test_a_fit_says_what_each_of_its_numbers_is(campaign, tmp_path):
-    fitted = gfmd_numba.fit_tfc(campaign, variable="mean_pressure", fixed={"eps_c": 1.0}, bootstrap=5)
+    fitted = gfmd_numba.fit_tfc(campaign, variable="mean_pressure", fixed={"eps_c": 1.0})
     described(fitted)
     assert fitted["kappa_tfc"].units == fitted["C"].units == "Pa"
     assert fitted["alpha"].units == "1"

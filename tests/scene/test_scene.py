@@ -171,9 +171,10 @@ def test_a_campaign_file_gives_its_campaign(tmp_path):
     assert campaign.grid.aspect_ratio == (0.5, 1, 4, inf)
     assert campaign.limits.eps_t == (1, 0.5, 0.25, 0.125)
     assert campaign.n_cases == 12 * (1 + 2 + 1 + 3)
-    visited = [(d.eps_c, d.eps_f, d.eps_t, limit) for d, _, limit, _ in campaign.discretisations()]
+    placed = list(campaign.discretisations())
+    visited = [(*each.discretisation.model_dump().values(), each.limit) for each in placed]
     assert visited == [
-        (0.5, 1 / 1024, 0.5, None),
+        (0.5, 1 / 1024, 0.5, "reference"),
         (1, 1 / 1024, 0.5, "eps_c"),
         (0.25, 1 / 1024, 0.5, "eps_c"),
         (0.5, 1 / 512, 0.5, "eps_f"),

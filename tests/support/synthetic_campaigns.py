@@ -14,6 +14,12 @@ REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
 C = {"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.3}
 ALPHA = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
 TFC = {0.3: 3.0, 0.8: 2.0}
+CROSS = (  # for each pair of limits one, by which corrections are known to add up
+    {"eps_c": 1 / 4, "eps_f": 1 / 512},
+    {"eps_c": 1 / 4, "eps_t": 1},
+    {"eps_f": 1 / 512, "eps_t": 1},
+)
+NO_INTERACTIONS: dict[tuple[str, str], float] = {}
 
 
 def with_axes(dataset):
@@ -32,13 +38,19 @@ def with_axes(dataset):
     return described
 
 
-def campaign(hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisations=4):
-    """Noise-free one-at-a-time campaign; alpha may be given per Hurst exponent."""
+def campaign(
+    hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisations=4, cross=(), interactions=NO_INTERACTIONS
+):
+    """Noise-free campaign, one at a time but for its cross levels; alpha may be given per Hurst exponent.
+
+    Interactions are what the corrections of a pair of limits together differ by from their sum, at the reference.
+    """
     rows = []
     for hurst in hursts:
         rows.append((hurst, "reference", REFERENCE))
         for name, values in levels.items():
             rows += [(hurst, name, REFERENCE | {name: eps}) for eps in values if eps != REFERENCE[name]]
+        rows += [(hurst, "cross", REFERENCE | level) for level in cross]
     constants = {"poissons_ratio": 0.33, "aspect_ratio": np.inf, "reduced_pressure": 0.007}
     coords = {name: ("case", np.array([eps[name] for _, _, eps in rows])) for name in LEVELS}
     coords |= {name: ("case", np.full(len(rows), value)) for name, value in constants.items()}
@@ -48,7 +60,12 @@ def campaign(hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisat
     coords["is_reference"] = ("case", [limit == "reference" for _, limit, _ in rows])
     coords["case_id"] = ("case", [f"case-{index}" for index in range(len(rows))])
     of = alpha if 0.8 in alpha else dict.fromkeys(hursts, alpha)
-    means = [TFC[h] + sum(c * eps[n] ** of[h][n] for n, c in coefficients.items()) for h, _, eps in rows]
+    means = []
+    for hurst, _, eps in rows:
+        powers = {name: eps[name] ** of[hurst][name] for name in LEVELS}
+        ratio = {name: powers[name] / REFERENCE[name] ** of[hurst][name] for name in LEVELS}
+        together = sum(size * ratio[first] * ratio[second] for (first, second), size in interactions.items())
+        means.append(TFC[hurst] + sum(c * powers[name] for name, c in coefficients.items()) + together)
     kappa = np.repeat(np.array(means)[:, None], realisations, axis=1)
     dims = ("case", "realisation")
     variables = {"kappa": (dims, kappa), "status": (dims, np.zeros(kappa.shape, np.int8))}

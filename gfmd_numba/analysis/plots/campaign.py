@@ -23,7 +23,6 @@ from gfmd_numba.analysis.selection import (
     key,
     select_limit,
 )
-from gfmd_numba.arrays import Reals
 
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
@@ -42,7 +41,7 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     good(dataset, variable)
     present = [limit for limit in discretisations(dataset) if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
-        return plot_parameter(dataset, variable)
+        return plot_parameter(_without_cross_levels(dataset), variable)
     if fit is not None and fit.attrs["variable"] != variable:
         raise ValueError(f"the fit is of {fit.attrs['variable']!r}, the figure of {variable!r}")
     looks = looks_of(dataset)
@@ -70,6 +69,12 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         figure.set_figheight(4.6 + LINE * max(0, rows - 3))  # the panels keep their height
         figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
     return figure
+
+
+def _without_cross_levels(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset whose cases all stand at a reference, if it is one without limits that marks references."""
+    references = dataset["is_reference"].values
+    return dataset.isel(case=references) if references.any() else dataset
 
 
 def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:
@@ -106,7 +111,7 @@ def _draw_limit(
         mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
         if physics in fitted:
-            _draw_curve(axis, fitted[physics], limit, group[limit].values, look)
+            _draw_curve(axis, fitted[physics], limit, look)
     title, label = _PANELS[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
@@ -115,13 +120,9 @@ def _draw_limit(
     axis.set(title=title, xlabel=label)
 
 
-def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, levels: Reals, look: Look) -> None:
-    if limit == "eps_c" and _omits_nyquist(fit):
-        levels = levels[~at_nyquist(levels)]
-    eps = np.geomspace(levels.max() * 1.1, levels.min() / 1.25, 100)
-    others = float(fit["kappa_tfc"] + fit["correction"].drop_sel(limit=limit).sum())
+def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, look: Look) -> None:
     one = fit.sel(limit=limit)
-    axis.plot(1 / eps, others + float(one["C"]) * eps ** float(one["alpha"]), look["linestyle"], c=look["color"])
+    axis.plot(1 / one["curve_eps"], one["curve"], look["linestyle"], c=look["color"])
 
 
 def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) -> None:

@@ -1,0 +1,120 @@
+"""How a correction goes to 0 with its discretisation: the laws a fit chooses from, and what is known of them before.
+
+A law is a function of eps with parameters of its own, to which a correction is in proportion. Thesis (4.3) takes powers
+eps^alpha. The fractal limit of kappa has a law from theory: contacts lie on the crests of the longest waves, whose
+slope they do not see, so that kappa = kappa_tfc / sqrt(1 - S), where S is the share of g^2 in the waves that are not
+seen. The spectrum gives S at every eps_f, and at H = 1 too, where no power has the right limit.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+
+BOUNDS = (0.1, 5.0)  # of an exponent of which nothing is known
+FREE = (np.nan, np.nan)
+STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
+_CUTS = (1.0, 200.0)  # wave index, over that of the longest wave, from which half of the slope is seen
+_TAILS = (1 / 3, 3.0)  # exponent with which the part of the slope that is not seen falls beyond
+_POINTS = 128  # of the integrals over a spectrum
+
+Given = Mapping[str, tuple[float, float]]  # ends of the range of each exponent that is not free
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the law of a limit, and the range it lies in: all its values, or logarithms, are as likely."""
+
+    limit: str
+    low: float
+    high: float
+    logarithmic: bool = False
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is an exponent of which nothing is known."""
+        return (self.low, self.high) == BOUNDS
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the range of what is uniformly distributed."""
+        return (np.log(self.low), np.log(self.high)) if self.logarithmic else (self.low, self.high)
+
+    def values(self, positions: Reals) -> Reals:
+        """Return the values at positions between its ends."""
+        return np.exp(positions) if self.logarithmic else positions
+
+
+@dataclass(frozen=True)
+class Law:
+    """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
+
+    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over kappa_tfc:
+    such a law has no coefficient of its own.
+    """
+
+    parameters: tuple[Parameter, ...]
+    excess: Callable[[Reals, Reals], Reals]
+    whole: bool = False
+
+
+def power(limit: str, given: Given) -> Law:
+    """Return eps^alpha of thesis (4.3), alpha exact, in a range or, where nothing is given, free."""
+    low, high = given.get(limit, FREE)
+    free = np.isnan(low)
+    parameter = Parameter(limit, *(BOUNDS if free else (low, high)), logarithmic=free)
+    return Law((parameter,), lambda eps, alpha: np.exp(alpha[:, :1] * np.log(eps)))
+
+
+def unseen_slope(hurst: float) -> Law:
+    """Return the law of the fractal limit of kappa from the share of g^2 that contacts do not see.
+
+    Of a wave of index k the part 1 / (1 + (k / k_c)^m) is not seen; the parameters are k_c, over the index of the
+    longest wave of the power law, and m. The spectrum of the slopes is k^(1 - 2 H) from there to 1 / eps_f.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+
+    def excess(eps: Reals, parameters: Reals) -> Reals:
+        once, same = np.unique(parameters, axis=0, return_inverse=True)  # nodes of other limits repeat them
+        cut, tail = np.log(once[:, :1, np.newaxis]), once[:, 1:, np.newaxis]
+        octaves = -np.log(eps)
+        index = octaves[:, np.newaxis] * (1.0 + nodes) / 2.0  # logarithms of the wave index (level, point)
+        slope = weights * np.exp((2.0 - 2.0 * hurst) * (index - octaves[:, np.newaxis]))
+        unseen = (slope / (1.0 + np.exp(tail * (index - cut)))).sum(axis=-1) / slope.sum(axis=-1)
+        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
+
+    parameters = (Parameter("eps_f", *_CUTS, logarithmic=True), Parameter("eps_f", *_TAILS, logarithmic=True))
+    return Law(parameters, excess, whole=True)
+
+
+def choices(limits: Sequence[str], variable: str, hursts: Sequence[float], given: Given) -> list[dict[str, Law]]:
+    """Return the laws of each limit that a fit chooses from, for groups with these Hurst exponents.
+
+    The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Near H = 1 it
+    is the only one.
+    """
+    powers = {limit: power(limit, given) for limit in limits}
+    low, high = given.get("eps_f", FREE)
+    known = len(set(hursts)) == 1 and 0.0 < hursts[0] <= 1.0
+    if "eps_f" not in limits or variable not in OF_THE_SLOPE or not known or low == high:
+        return [powers]
+    from_theory = powers | {"eps_f": unseen_slope(hursts[0])}
+    return [from_theory] if hursts[0] > STEEPEST else [powers, from_theory]
+
+
+OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
+
+
+def exponent_range(limit: str, value: float | Sequence[float], limits: Sequence[str]) -> tuple[float, float]:
+    """Return the ends of the range of a fixed exponent; ValueError for another limit or no positive numbers."""
+    ends = tuple(value) if isinstance(value, Sequence) else (value, value)
+    numbers = len(ends) == 2 and all(isinstance(end, Real) for end in ends)
+    if limit not in limits or not numbers or not 0 < ends[0] <= ends[1] < np.inf:
+        raise ValueError(
+            f"fixed takes a positive exponent, or a range of them as (low, high), for {', '.join(limits)}, "
+            f"not {limit!r}: {value!r}"
+        )
+    return float(ends[0]), float(ends[1])

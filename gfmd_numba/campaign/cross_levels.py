@@ -1,0 +1,72 @@
+"""Cross levels that a plan adds to a campaign without any, to see whether its corrections add up."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations, product
+from math import prod
+
+from gfmd_numba.analysis.selection import at_nyquist
+from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.limits import CROSS, Limits
+from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.scene import InputError
+
+
+def with_cross_levels(planned: Plan) -> Plan:
+    """Plan with the coarsest cross level of each pair of limits, if its campaign has none."""
+    if planned.campaign.limits.crossed:
+        return planned
+    pairs = combinations(_usable_levels(planned.campaign).items(), 2)
+    found = [next(_usable(planned.campaign, *pair), None) for pair in pairs]
+    levels = [level for level in found if level is not None]
+    if not levels:
+        return planned
+    campaign = _with(planned.campaign, levels)
+    cases = expand(campaign)  # measured surfaces have no limits
+    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+
+
+def as_written(campaign: Campaign) -> str:
+    """Cross levels of a campaign as its file has them, on one line."""
+    levels = [
+        ", ".join(f"{axis}: {_fraction(eps)}" for axis, eps in level.items()) for level in campaign.limits.crossed
+    ]
+    return f"[{', '.join(f'{{{level}}}' for level in levels)}]"
+
+
+def _usable_levels(campaign: Campaign) -> dict[str, list[float]]:
+    """Levels of each limit that have surfaces and enter a fit."""
+    found: dict[str, list[float]] = {}
+    for placed in campaign.discretisations():
+        if placed.limit in DISCRETISATIONS:
+            eps = getattr(placed.discretisation, placed.limit)
+            if placed.limit != "eps_c" or not at_nyquist(eps):
+                found.setdefault(placed.limit, []).append(eps)
+    return found
+
+
+def _usable(
+    campaign: Campaign, one: tuple[str, list[float]], other: tuple[str, list[float]]
+) -> Iterator[dict[str, float]]:
+    """Cross levels of two limits that the campaign may have, the coarsest first."""
+    for chosen in sorted(product(one[1], other[1]), key=prod, reverse=True):
+        level = dict(zip((one[0], other[0]), chosen, strict=True))
+        try:
+            load_campaign(_with(campaign, [level]))
+        except InputError:  # waves that are not whole, or too coarse a grid
+            continue
+        yield level
+
+
+def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:
+    given = campaign.limits.model_dump(exclude_unset=True)
+    return campaign.model_copy(update={"limits": Limits.model_validate(given | {CROSS: levels})})
+
+
+def _fraction(eps: float) -> str:
+    """Fraction that is read as the same number, or else the number."""
+    near = Fraction(eps).limit_denominator(10**9)
+    return str(near) if near.numerator / near.denominator == eps else repr(eps)

@@ -1,0 +1,117 @@
+"""Designs of campaigns with cross levels, at which several discretisations differ from the reference at once."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from gfmd_numba.analysis import best_design, cheapest_design, fit_tfc
+from support.campaigns import campaign as campaign_file
+from support.command_line import gfmd, unfolded
+from support.cross_levels import crossed
+from support.synthetic_campaigns import ALPHA, noisy
+
+CHEAP = {"eps_f": 1 / 512, "eps_t": 1}
+DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
+
+
+def priced(dataset, seed=0):
+    """Pilot of a campaign, and the seconds of a realisation of each case."""
+    dataset = noisy(dataset, np.random.default_rng(seed))
+    return dataset, 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
+
+
+def asked(dataset, design):
+    """Realisations of each case of a dataset in a design."""
+    cross = iter(design.cross)
+    return np.array([
+        next(cross) if limit == "cross"
+        else design.levels[limit][float(dataset[limit][i])] if limit in design.levels
+        else design.reference
+        for i, limit in enumerate(dataset["limit"].values.tolist())
+    ])  # fmt: skip
+
+
+def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not():
+    cheap, dear = cheapest_design(*priced(crossed(CHEAP, DEAR)), target=0.01, fixed=ALPHA).cross
+    assert cheap >= 20
+    assert dear == 0
+    budget = best_design(*priced(crossed(DEAR, CHEAP)), budget=10.0, fixed=ALPHA).cross
+    assert budget[0] == 0 < budget[1]
+
+
+def test_the_price_includes_that_of_the_cross_levels():
+    dataset, seconds = priced(crossed(CHEAP, DEAR))
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
+
+
+def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
+    assert cheapest_design(*priced(crossed({"eps_c": 1, "eps_t": 1}, CHEAP)), target=0.02, fixed=ALPHA).cross[0] == 0
+
+
+def test_a_limit_keeps_its_own_levels_beside_cross_ones():
+    design = cheapest_design(*priced(crossed(CHEAP)), target=0.01, fixed=ALPHA)
+    assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
+
+
+def test_a_target_is_met_with_cross_levels():
+    dataset, seconds = priced(crossed(CHEAP))
+    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    found = []
+    for seed in range(40):
+        whole = noisy(crossed(CHEAP, n=asked(dataset, design).max()), np.random.default_rng(1000 + seed))
+        counts = asked(whole, design)
+        kept = np.arange(whole.sizes["realisation"]) < counts[:, None]
+        whole = whole.assign(kappa=whole["kappa"].where(kept)).assign_coords(realisations=("case", counts))
+        found.append(fit_tfc(whole.isel(case=counts > 0), fixed=ALPHA)["kappa_tfc"].item())
+    assert 0.4 * design.error < np.std(found, ddof=1) / 2.0 < 1.15 * design.error
+
+
+def test_a_cross_level_is_one_whatever_eps_the_grid_varies():
+    fine = crossed(CHEAP, DEAR)
+    coarse = fine.copy(deep=True).assign_coords(eps_c=2 * fine["eps_c"])
+    grid = xr.concat([fine, coarse.isel(case=coarse["limit"].values != "eps_c")], "case")
+    grid = grid.isel(case=grid["limit"].values != "eps_c")  # an eps of the grid is in no limit, and in no cross level
+    grid = grid.isel(case=~((grid["limit"] == "cross") & (grid["eps_t"] == DEAR["eps_t"])).values)
+    grid["eps_c"].attrs = fine["eps_c"].attrs
+    grid["case_id"] = ("case", [f"case-{i}" for i in range(grid.sizes["case"])])
+    assert (grid["limit"] == "cross").sum() == 2
+    dataset, seconds = priced(grid)
+    assert len(cheapest_design(dataset, seconds, target=0.05, fixed=ALPHA).cross) == 1
+
+
+CROSS = {"1/16, 1/32]}": "1/16, 1/32], cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_c: 1/8, eps_f: 1/32}]}"}
+FIXED = {"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"}
+
+
+def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_path):
+    path = campaign_file(tmp_path, **CROSS, **FIXED)
+    planned = tmp_path / "planned.yaml"
+    said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
+    assert said.exit_code == 0, said.output
+    (line,) = [line for line in said.output.splitlines() if line.startswith("realisations ")]
+    assert ", cross: [" in line
+    assert f"realisations: {{{line.partition(' ')[2].strip()}}}\n" in planned.read_text()
+    ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
+    assert ran.exit_code == 0, ran.output
+    assert "reached by all groups" in ran.output
+
+
+@pytest.mark.parametrize("command", ["plan", "accuracy"])
+def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    only = {"eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]": "cross: [{eps_c: 1/2, eps_f: 1/8}]"}
+    said = gfmd(command, campaign_file(tmp_path, **only), *(["--target=8%"] if command == "plan" else []))
+    assert said.exit_code == (2 if command == "plan" else 0), said.output
+    assert "2 cases cannot tell eps_c, eps_f apart: add cases in which only one of them differs" in unfolded(
+        said.output
+    )
+
+
+def test_a_cross_level_without_surfaces_stays_without(tmp_path):
+    asked_for = {"realisations: 6": "realisations: {reference: 6, cross: [0, 6]}"}
+    path = campaign_file(tmp_path, **CROSS, **FIXED, **asked_for)
+    said = gfmd("plan", path, "--target", "kappa=8%", "--write", tmp_path / "planned.yaml")
+    assert said.exit_code == 0, said.output
+    assert "cross: [0, " in said.output
+    assert "cross: [0, " in (tmp_path / "planned.yaml").read_text()

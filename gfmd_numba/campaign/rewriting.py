@@ -1,7 +1,7 @@
 """A campaign file with other values of some keys, and everything else as its author wrote it."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import yaml

@@ -136,8 +136,9 @@ def test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone():
     dataset["kappa"] = dataset["kappa"] + 0.01 * rng.standard_normal(dataset["kappa"].shape)
     shifted = dataset.assign(kappa=dataset["kappa"] + 100 * rng.standard_normal(20))
     plain, paired = (fit_tfc(data, fixed=ALPHA) for data in (dataset, shifted))
-    np.testing.assert_allclose(paired["C"], plain["C"], rtol=1e-5)
-    np.testing.assert_allclose(paired["C_error"], plain["C_error"], rtol=1e-3)
+    # but for the factor on all errors of a group, which is that of kappa_tfc
+    assert (abs(paired["C"] - plain["C"]) < 0.05 * plain["C_error"]).all()
+    np.testing.assert_allclose(paired["C_error"], plain["C_error"], rtol=0.25)
     assert (paired["kappa_tfc_error"] > 1000 * plain["kappa_tfc_error"]).all()
     unpaired = shifted.copy(deep=True)
     unpaired["kappa"][3] = rng.permutation(unpaired["kappa"][3].values)

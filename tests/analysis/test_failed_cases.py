@@ -3,7 +3,7 @@
 import numpy as np
 
 from gfmd_numba.analysis import fit_tfc
-from support.synthetic_campaigns import ALPHA, LEVELS, C, assert_refused, campaign, fails, noisy
+from support.synthetic_campaigns import ALPHA, LEVELS, C, assert_refused, campaign, fails, noisy, notes
 
 
 def test_only_complete_realisations_are_fitted():
@@ -14,7 +14,7 @@ def test_only_complete_realisations_are_fitted():
     assert fit["n_excluded"].values.tolist() == [2, 0]
     assert fit["n_realisations"].values.tolist() == [10, 12]
     assert fit["n_cases"].values.tolist() == [10, 10]
-    assert fit["message"].values.tolist() == ["2 of 12 realisations dropped, not good in every case", ""]
+    assert [notes(fit, 0), notes(fit, 1)] == [["2 of 12 realisations dropped, not good in every case"], []]
     rest = whole.isel(realisation=np.delete(np.arange(12), [3, 4]))
     for row, same in enumerate((rest, whole)):
         expected = fit_tfc(same, exponents="free", fixed=ALPHA)
@@ -22,7 +22,7 @@ def test_only_complete_realisations_are_fitted():
             np.testing.assert_allclose(fit[name][row], expected[name][row], rtol=1e-12)
 
 
-def test_bootstrap_of_incomplete_groups_scatters_as_if_the_rest_had_never_been_run():
+def test_errors_of_incomplete_groups_are_those_of_the_rest_that_had_never_been_run():
     whole = noisy(campaign((0.3, 0.8), realisations=30), np.random.default_rng(13))
     broken = fails(whole, case=5, realisation=slice(0, 10))
     few, all_of_them = (fit_tfc(data, fixed=ALPHA)["kappa_tfc_error"] for data in (broken, whole))
@@ -35,7 +35,7 @@ def test_a_case_that_mostly_failed_is_left_out_by_name():
     dataset = noisy(campaign(realisations=12), np.random.default_rng(9))
     fit = fit_tfc(fails(dataset, case=2, realisation=slice(0, 7)), fixed=ALPHA)
     case = "eps_c = 1/8, eps_f = 1/1024, eps_t = 1/2"
-    assert fit["message"] == f"left out, failed in more than half of the realisations: {case}"
+    assert notes(fit) == [f"left out, failed in more than half of the realisations: {case}"]
     assert (fit["n_cases"], fit["n_realisations"], fit["n_excluded"]) == (9, 12, 7)
     half = fit_tfc(fails(dataset, case=2, realisation=slice(0, 6)), fixed=ALPHA)
     assert (half["n_cases"], half["n_realisations"], half["n_excluded"]) == (10, 6, 6)
@@ -46,7 +46,7 @@ def test_realisations_not_run_yet_are_no_failures_of_single_cases():
     dataset["kappa"][:, 4:] = np.nan
     fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
-    assert (fit["n_cases"], fit["n_realisations"], fit["message"]) == (10, 4, "")
+    assert (fit["n_cases"], fit["n_realisations"], notes(fit)) == (10, 4, [])
 
 
 def test_a_group_without_a_complete_realisation_is_refused():
@@ -63,7 +63,7 @@ def test_a_group_with_one_complete_realisation_has_no_sampling_error():
     fit = fit_tfc(dataset, fixed=ALPHA)
     assert fit["n_realisations"].values.tolist() == [1, 4]
     assert np.isnan(fit["kappa_tfc_error"]).values.tolist() == [True, False]
-    assert "sampling error is unknown (1 realisation," in fit["message"].values[0]
+    assert "sampling error is unknown (1 realisation)" in fit["message"].values[0]
 
 
 def test_missing_results_do_not_break_the_pairing():
@@ -81,7 +81,7 @@ def test_missing_results_do_not_break_the_pairing():
 def test_a_case_that_failed_entirely_is_left_out_by_name():
     dataset = fails(campaign(realisations=6), case=4)
     fit = fit_tfc(dataset)
-    assert fit["message"] == "left out, no good realisation: eps_c = 1/2, eps_f = 1/512, eps_t = 1/2"
+    assert notes(fit) == ["left out, no good realisation: eps_c = 1/2, eps_f = 1/512, eps_t = 1/2"]
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     assert fit["n_cases"] == 9
     assert fit["n_excluded"] == 6

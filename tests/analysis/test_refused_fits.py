@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
-from support.synthetic_campaigns import ALPHA, LEVELS, C, assert_refused, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, C, assert_refused, campaign, noisy, notes
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.02])
@@ -13,7 +13,7 @@ def test_a_flat_limit_has_no_exponent(spread):
     dataset = campaign(coefficients={"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.0}, realisations=15)
     dataset["kappa"] = dataset["kappa"] + spread * rng.standard_normal(dataset["kappa"].shape)
     fixed = {"eps_c": 1.1, "eps_f": 0.6}
-    why = "touches the bounds" if spread else "has no influence"
+    why = "is uncertain by more than a factor 8" if spread else "has no influence"
     assert_refused(
         fit_tfc(dataset, fixed=fixed),
         f"exponent of eps_t {'with' if spread else why}",
@@ -57,7 +57,9 @@ def test_two_levels_need_a_fixed_exponent():
 def test_a_limit_that_is_not_varied_is_named_and_left_in_the_result():
     fit = fit_tfc(campaign(levels={"eps_c": LEVELS["eps_c"], "eps_f": LEVELS["eps_f"]}))
     assert fit["fit_status"] == "ok"
-    assert fit["message"] == "eps_t is not varied: kappa_tfc is not extrapolated in it"
+    assert notes(fit) == ["eps_t is not varied: kappa_tfc is not extrapolated in it"]
+    assert "the corrections of eps_c and eps_f add up" in fit["message"].item()
+    assert np.isnan(fit["interaction"]).values.tolist() == [[False, True, True]]
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.3 / 2, atol=1e-8)
     assert np.isnan(fit["C"].sel(limit="eps_t"))
 
@@ -78,7 +80,7 @@ def test_a_single_realisation_has_no_sampling_error():
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     assert np.isnan(fit["kappa_tfc_error"])
     assert np.isnan(fit["kappa_tfc_low"])
-    assert "sampling error is unknown (1 realisation," in fit["message"].item()
+    assert "sampling error is unknown (1 realisation)" in fit["message"].item()
 
 
 @pytest.mark.parametrize("lacking", ["is_reference", "case_id", "eps_t"])

@@ -45,7 +45,7 @@ def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up(exponent
         np.testing.assert_allclose(fit["kappa_tfc_error"][row], whole, rtol=1e-6)
         np.testing.assert_allclose(fit["error_budget"][row].sel(source="interaction"), whole, rtol=1e-6)
         assert fit["kappa_tfc_high"][row] - TFC[0.8] > whole
-        assert "no cross level says whether corrections add up" in fit["message"].values[row]
+        assert "no cross level tells whether the corrections of eps_c and eps_f; eps_c and eps_t; eps_f and eps_t add" in fit["message"].values[row]
 
 
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():

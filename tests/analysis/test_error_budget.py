@@ -40,7 +40,7 @@ def limit_for(dataset, name, exponent):
 @pytest.mark.parametrize("name", ["eps_c", "eps_f"])
 def test_the_part_of_an_exponent_is_the_spread_over_its_range(name):
     """Of two levels, which tell nothing of the exponent; kappa_r has no other law than powers."""
-    dataset = campaign(levels=LEVELS | {name: [4 * REFERENCE[name], REFERENCE[name]]}).rename(kappa="kappa_r")
+    dataset = campaign(levels=LEVELS | {name: [REFERENCE[name], REFERENCE[name] / 4]}).rename(kappa="kappa_r")
     fit = fit_tfc(dataset, "kappa_r", fixed=MIDDLE | {name: RANGES[name]})
     low, high = RANGES[name]
     exponents = low + (high - low) * (np.arange(1000) + 0.5) / 1000

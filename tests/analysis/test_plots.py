@@ -106,7 +106,7 @@ def test_fit_adds_curves_and_the_extrapolated_panel(campaign):
     figure = plot_campaign(campaign, fit)
     assert figure.axes[-1].get_title() == "TFC limit"
     np.testing.assert_allclose(drawn_points(figure.axes[-1])[:, 1], fit["kappa_tfc"])
-    curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 50]
+    curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 40]
     assert len(curves) == 2
     for curve, tfc, correction in zip(curves, fit["kappa_tfc"], fit["correction"], strict=True):
         x, y = curve.get_data()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.posterior import Choice, Means, linear
+from gfmd_numba.analysis.posterior import Choice, Means, additive_only, linear
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 
@@ -26,7 +26,7 @@ def error_budget(
     sampling = variance = 0.0
     effects = dict.fromkeys(means.levels, 0.0)
     for choice, share, value in zip(choices, shares, kappa, strict=True):
-        additive = linear(means, choice.laws, choice.nodes, np.zeros(len(means.pairs)))
+        additive = linear(means, choice.laws, choice.nodes, additive_only(means))
         variance += float(share @ choice.fits[index].covariance[:, 0, 0])
         sampling += float(share @ additive.covariance[:, 0, 0])
         for limit in effects:

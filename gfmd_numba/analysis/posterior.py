@@ -2,8 +2,9 @@
 
 At known parameters of the laws the fit is linear: kappa_tfc, a correction for each limit, and an interaction for each
 pair of limits, by which their corrections taken together differ from their sum. Interactions are products of the two
-laws. Nothing but cross levels, where two discretisations differ from the reference at once, tells them; what is known
-before is that they are of the size of the smaller correction. Over the parameters of the laws we integrate by
+laws. Nothing but cross levels, where two discretisations differ from the reference at once, tells them. What is known
+before is that they are of the size of the smaller correction, and that the correction in eps_t wanes with eps_f: it
+comes from the few longest waves, whose part in the slope falls. Over the parameters of the laws we integrate by
 quadrature, on a box that is narrowed to where they are likely.
 """
 
@@ -23,6 +24,10 @@ _FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: sp
 _FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
+# Interactions over the smaller of the two corrections before any cross level says more: mean and standard deviation.
+# Measured (H = 0.3 to 1): 0.0 to 0.5, of eps_f and eps_t 1.0 to 1.5.
+_INTERACTION = (0.0, 0.5)
+_WANING = {("eps_f", "eps_t"): (1.0, 0.5)}
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,14 @@ class Means:
     def pairs(self) -> list[tuple[str, str]]:
         """Pairs of the limits that are varied."""
         return list(combinations(self.levels, 2))
+
+
+@dataclass(frozen=True)
+class Before:
+    """What is known of the interactions of each pair before: their mean, in units of their scatter, and that."""
+
+    mean: Reals
+    scatter: Reals
 
 
 @dataclass(frozen=True)
@@ -69,21 +82,24 @@ class Choice:
 def weighed(means: Sequence[Means], laws: Laws) -> Choice:
     """Return the fits of groups that share their laws' parameters, at nodes weighed by how well they fit."""
     parameters = tuple(parameter for law in laws.values() for parameter in law.parameters)
-    sizes = [_interactions(each, laws) for each in means]
+    before = [_before(each, laws) for each in means]
     ends = np.array([parameter.ends for parameter in parameters])
     low, high = ends.T.copy()
     fine = _FINE.get(int((low < high).sum()), _FINE_OF_MORE)
     points = _COARSE
     for _ in range(_ROUNDS):
         nodes, log_volume, shape = _nodes(parameters, low, high, points)
-        misfit = sum(_misfit(each, laws, nodes, size) for each, size in zip(means, sizes, strict=True))
+        misfit = sum(
+            (_misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True)),
+            start=np.zeros(len(nodes)),
+        )
         new_low, new_high = _narrowed(misfit.reshape(shape), low, high, ends)
         settled = (new_high - new_low >= 0.7 * (high - low)) & (new_low >= low - 1e-15) & (new_high <= high + 1e-15)
         if settled.all() and points == fine:
             break
         points = fine if settled.all() else points
         low, high = new_low, new_high
-    fits = [linear(each, laws, nodes, size) for each, size in zip(means, sizes, strict=True)]
+    fits = [linear(each, laws, nodes, known) for each, known in zip(means, before, strict=True)]
     # the share of the box in the ranges is the share of what is possible
     width = np.where(ends[:, 1] > ends[:, 0], ends[:, 1] - ends[:, 0], 1.0)
     log_weight = log_volume - np.log(width).sum() - misfit / 2.0
@@ -131,8 +147,8 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
     return tuple(wide) if cut else tuple(narrow)
 
 
-def _columns(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
-    """Return the columns (node, case, coefficient) of the linear fit, interactions in units of their likely size."""
+def _columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
+    """Return the columns (node, case, coefficient) of the linear fit, interactions in units of their likely scatter."""
     laws_of = {limit: _relative(means, laws, limit, nodes) for limit in means.levels}
     whole = np.ones((len(nodes), means.values.size))
     columns = []
@@ -141,7 +157,7 @@ def _columns(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
             whole = whole + column * _excess(laws, limit, np.array([means.reference[limit]]), nodes)
         else:
             columns.append(column)
-    for (first, second), size in zip(means.pairs, sizes, strict=True):
+    for (first, second), size in zip(means.pairs, before.scatter, strict=True):
         columns.append(size * laws_of[first] * laws_of[second])
     return np.stack([whole, *columns], axis=-1)
 
@@ -162,59 +178,68 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
     return np.asarray((found[:, :-1] / found[:, -1:])[:, case])
 
 
-def _solved(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals, Reals]:
+def _solved(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals, Reals]:
     """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), residuals (node, row).
 
-    Rows are the whitened cases, and then the interactions: all that is known of these before is that they are 0 within
-    their likely sizes.
+    Rows are the whitened cases, and then what is known of the interactions before.
     """
-    rows, data = _equations(means, laws, nodes, sizes)
+    rows, data = _equations(means, laws, nodes, before)
     orthogonal, upper = np.linalg.qr(rows)
     solving = np.linalg.solve(upper, np.swapaxes(orthogonal, 1, 2))
     coefficients = solving @ data
     return coefficients, solving, data - (rows @ coefficients[..., np.newaxis])[..., 0]
 
 
-def _equations(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> tuple[Reals, Reals]:
+def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals]:
     """Return the left (node, row, coefficient) and right (row) side of what the coefficients have to meet."""
-    columns = means.whitener @ _columns(means, laws, nodes, sizes)
-    n_coefficients, n_pairs = columns.shape[-1], len(sizes)
+    columns = means.whitener @ _columns(means, laws, nodes, before)
+    n_coefficients, n_pairs = columns.shape[-1], len(before.scatter)
     known = np.zeros((n_pairs, n_coefficients))
     known[:, n_coefficients - n_pairs :] = np.eye(n_pairs)
     rows = np.concatenate([columns, np.broadcast_to(known, (len(nodes), *known.shape))], axis=1)
-    return rows, np.concatenate([means.whitener @ means.values, np.zeros(n_pairs)])
+    return rows, np.concatenate([means.whitener @ means.values, before.mean])
 
 
-def _misfit(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Reals:
+def _misfit(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
     """Return chi^2 (node): what is left of the right side in the corner of the triangular factor."""
-    rows, data = _equations(means, laws, nodes, sizes)
+    rows, data = _equations(means, laws, nodes, before)
     if rows.shape[1] <= rows.shape[2]:
         return np.zeros(len(nodes))
     both = np.concatenate([rows, np.broadcast_to(data[:, np.newaxis], (len(nodes), len(data), 1))], axis=2)
-    return np.asarray(np.linalg.qr(both, mode="r")[:, -1, -1] ** 2)
+    triangular: Reals = np.linalg.qr(both, mode="r")  # type: ignore[assignment]
+    return np.asarray(triangular[:, -1, -1] ** 2)
 
 
-def _interactions(means: Means, laws: Laws) -> Reals:
-    """Return the likely size of each pair's interaction: the smaller of their corrections taken one at a time."""
-    middle = np.array(
-        [[parameter.values(np.mean(parameter.ends)) for law in laws.values() for parameter in law.parameters]]
-    )
-    powers = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
-    additive = linear(means, powers, middle, np.zeros(len(means.pairs)))
-    corrections = dict(zip(means.levels, abs(additive.coefficients[0, 1:]), strict=False))
-    return np.array([min(corrections[first], corrections[second]) for first, second in means.pairs])
+def _before(means: Means, laws: Laws) -> Before:
+    """Return what is known before of the interactions, from the corrections taken one at a time."""
+    parameters = [parameter for law in laws.values() for parameter in law.parameters]
+    middle = np.concatenate([each.values(np.array([np.mean(each.ends)])) for each in parameters])[np.newaxis]
+    own = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
+    additive = linear(means, own, middle, additive_only(means))
+    corrections = dict(zip(means.levels, additive.coefficients[0, 1:], strict=False))
+    found = []
+    for pair in means.pairs:
+        mean, scatter = _WANING.get(pair, _INTERACTION)
+        size = min((corrections[limit] for limit in pair), key=abs)
+        found.append((mean / scatter, scatter * size))
+    return Before(*np.array(found).reshape(-1, 2).T)
 
 
-def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
-    """Return the fits at nodes of the laws' parameters, with interactions of likely `sizes` (pair)."""
-    coefficients, solving, residual = _solved(means, laws, nodes, sizes)
+def additive_only(means: Means) -> Before:
+    """Return that all interactions are 0."""
+    return Before(*np.zeros((2, len(means.pairs))))
+
+
+def linear(means: Means, laws: Laws, nodes: Reals, before: Before) -> Linear:
+    """Return the fits at nodes of the laws' parameters."""
+    coefficients, solving, residual = _solved(means, laws, nodes, before)
     inverse = solving @ np.swapaxes(solving, 1, 2)
     n_cases = means.values.size
     influence = solving[:, 0, :n_cases] @ means.whitener
     pull = 2.0 * residual[:, :n_cases] @ means.whitener
     # from the columns' coefficients to kappa_tfc, corrections and interactions, in the unit of kappa
     limits = list(means.levels)
-    change = np.zeros((len(nodes), 1 + len(limits) + len(sizes), coefficients.shape[1]))
+    change = np.zeros((len(nodes), 1 + len(limits) + len(means.pairs), coefficients.shape[1]))
     change[:, 0, 0] = 1.0
     exponents = np.empty((len(nodes), len(limits)))
     own = 1
@@ -227,7 +252,7 @@ def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
         else:
             change[:, row, own] = 1.0
             own += 1
-    for pair, size in enumerate(sizes):
+    for pair, size in enumerate(before.scatter):
         change[:, 1 + len(limits) + pair, own + pair] = size
     return Linear(
         misfit=(residual**2).sum(axis=1),
@@ -240,12 +265,12 @@ def linear(means: Means, laws: Laws, nodes: Reals, sizes: Reals) -> Linear:
 
 
 def linear_influence(means: Means) -> tuple[Reals, int]:
-    """Return the derivative of kappa_tfc to each mean (case) if all laws are linear, and how many contrasts have none."""
+    """Return the derivative of kappa_tfc to each mean (case) for linear laws, and how many contrasts have none."""
     laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}
     nodes = np.ones((1, len(laws)))
-    sizes = _interactions(means, laws)
-    columns = _columns(means, laws, nodes, np.ones(len(sizes)))[0]
-    return linear(means, laws, nodes, sizes).influence[0], means.values.size - int(np.linalg.matrix_rank(columns))
+    before = _before(means, laws)
+    columns = _columns(means, laws, nodes, Before(*np.ones((2, len(means.pairs)))))[0]
+    return linear(means, laws, nodes, before).influence[0], means.values.size - int(np.linalg.matrix_rank(columns))
 
 
 def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> Reals:
@@ -270,20 +295,20 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
         [_position(parameter, node) for parameter, node in zip(choice.parameters, choice.nodes.T, strict=True)]
     )
     mean = at @ share
-    sizes = _interactions(means, choice.laws)
+    before = _before(means, choice.laws)
     moving = [index for index, parameter in enumerate(choice.parameters) if parameter.low < parameter.high]
     step = 1e-3 * np.eye(len(mean))[moving]
     positions = np.vstack([mean, mean + step, mean - step])
     nodes = np.stack(
         [parameter.values(row) for parameter, row in zip(choice.parameters, positions.T, strict=True)], axis=-1
     )
-    columns = _columns(means, choice.laws, nodes, sizes)
-    coefficients = _solved(means, choice.laws, nodes[:1], sizes)[0][0]
+    columns = _columns(means, choice.laws, nodes, before)
+    coefficients = _solved(means, choice.laws, nodes[:1], before)[0][0]
     forward, backward = columns[1 : 1 + len(moving)], columns[1 + len(moving) :]
     slopes = ((forward - backward) @ coefficients).T / 2e-3
     widths = np.array([np.diff(choice.parameters[index].ends)[0] for index in moving])
     of_coefficients = np.zeros(len(coefficients))
-    of_coefficients[len(coefficients) - len(sizes) :] = 1.0
+    of_coefficients[len(coefficients) - len(means.pairs) :] = 1.0
     return columns[0], slopes, np.concatenate([of_coefficients, 12.0 / widths**2]), float(coefficients[0])
 
 

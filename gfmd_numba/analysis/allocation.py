@@ -87,7 +87,8 @@ def cheapest_design(
     if least >= target:
         raise UnusableDataError(
             f"given a target of {target:.2%}, where {_MOST} realisations of all cases leave {least:.2%}; "
-            "allowed: a larger one, finer levels, or narrower ranges under `fit: {fixed: ...}`"
+            "allowed: a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower ranges "
+            "under `fit: {fixed: ...}`"
         )
     shares = choice.price**-0.5
     for _ in range(2):  # the best shares depend on the budget, hardly

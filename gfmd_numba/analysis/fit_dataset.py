@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis.error_budget import SOURCES
-from gfmd_numba.analysis.estimates import PAIRS, Estimates, GroupFit
+from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
 from gfmd_numba.analysis.selection import LIMITS, Group, axes
 
 _OF_THE_VARIABLE = "unit of the variable that is fitted"
@@ -46,6 +46,7 @@ _UNITS_AND_NAMES = {
     "limit": ("1", "discretisation that goes to 0"),
     "pair": ("1", "discretisations that go to 0 together"),
     "source": ("1", "source of the error"),
+    "step": ("1", "point of the curve along a limit"),
 }
 
 
@@ -87,6 +88,7 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
         "limit": list(LIMITS),
         "pair": [" ".join(pair) for pair in PAIRS],
         "source": list(SOURCES),
+        "step": np.arange(STEPS),
     }
     result = xr.Dataset(variables, parameters | dimensions)
     own_unit = dataset[variable].attrs.get("units", "1")

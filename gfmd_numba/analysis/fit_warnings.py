@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.estimates import Estimates
+from gfmd_numba.analysis.estimates import PAIRS, Estimates
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST
 from gfmd_numba.analysis.posterior import Choice, Laws
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
@@ -12,6 +12,8 @@ from gfmd_numba.arrays import Reals
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
 _COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
+# ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
+_LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
 WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
 
 
@@ -56,9 +58,9 @@ def doubtful(groups: Sequence[Group], choices: Sequence[Choice], shares: Sequenc
                     continue
                 low, high = _ends(choice.nodes[:, index], share)
                 found = f"with 90 % interval {low:.3g} to {high:.3g}"
-                if low < 1.1 * BOUNDS[0] and high > 0.9 * BOUNDS[1]:
+                if low < 1.1 * _LOWEST and high > 0.9 * _HIGHEST:
                     doubt[limit] = "has no influence on the fit"
-                elif low < 1.02 * BOUNDS[0] or high > 0.98 * BOUNDS[1]:
+                elif low < _LOWEST or high > _HIGHEST:
                     doubt[limit] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
                 elif high > WIDEST * low:
                     doubt[limit] = f"{found} is uncertain by more than a factor {WIDEST:g}"
@@ -100,18 +102,24 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
 
 
 def additivity(group: Group, estimate: Reals, error: Reals) -> list[str]:
-    """Return a line that says by how much the corrections together differ from their sum, and how that is known."""
-    if len(group.levels) < 2:
-        return []
+    """Return lines that say by how much the corrections together differ from their sum, and how that is known."""
     found, unknown = Estimates(estimate).interaction, Estimates(error).interaction
-    off = sum(abs(np.log(group.levels[name] / group.reference[name])) > 1e-9 for name in group.levels)
-    size = f"{np.nansum(found):.2g} +- {np.sqrt(np.nansum(unknown**2)):.2g}"
-    if (np.asarray(off) > 1).any():
-        return [f"corrections together differ from their sum by {size}, as the cross levels say"]
-    return [
-        f"no cross level says whether corrections add up: the error allows for {size}. Add `cross` to the limits, "
-        "cases where two eps differ from the reference"
-    ]
+    off = {name: abs(group.log_ratio(name)) > 1e-9 for name in group.levels}
+    pairs = [(number, pair) for number, pair in enumerate(PAIRS) if set(pair) <= set(off)]
+    crossed = [number for number, (first, second) in pairs if (off[first] & off[second]).any()]
+    open_ones = [number for number, _ in pairs if number not in crossed]
+    lines = []
+    if crossed:
+        size = f"{found[crossed].sum():.2g} +- {np.hypot.reduce(unknown[crossed]):.2g}"
+        lines.append(f"corrections together differ from their sum by {size}, as the cross levels say")
+    if open_ones:
+        which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
+        lines.append(
+            f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
+            f"{np.hypot.reduce(unknown[open_ones]):.2g}: add `cross` to the limits, cases in which two eps differ from "
+            "the reference"
+        )
+    return lines
 
 
 def realisations(group: Group) -> str:

@@ -36,7 +36,7 @@ class Parameter:
     @property
     def is_free(self) -> bool:
         """Whether it is an exponent of which nothing is known."""
-        return (self.low, self.high) == BOUNDS
+        return self.logarithmic and (self.low, self.high) == BOUNDS
 
     @property
     def ends(self) -> tuple[float, float]:

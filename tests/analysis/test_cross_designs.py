@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis import best_design, cheapest_design, fit_tfc
+from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
 from support.campaigns import campaign as campaign_file
 from support.command_line import gfmd, unfolded
 from support.cross_levels import crossed
-from support.synthetic_campaigns import ALPHA, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, noisy
 
 CHEAP = {"eps_f": 1 / 512, "eps_t": 1}
 DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
@@ -32,34 +32,49 @@ def asked(dataset, design):
 
 
 def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not():
-    cheap, dear = cheapest_design(*priced(crossed(CHEAP, DEAR)), target=0.01, fixed=ALPHA).cross
-    assert cheap >= 20
+    *cheap, dear = cheapest_design(*priced(crossed(*CROSS, DEAR)), target=0.01, fixed=ALPHA).cross
+    assert min(cheap) >= 20
     assert dear == 0
-    budget = best_design(*priced(crossed(DEAR, CHEAP)), budget=10.0, fixed=ALPHA).cross
-    assert budget[0] == 0 < budget[1]
+    budget = best_design(*priced(crossed(DEAR, *CROSS)), budget=10.0, fixed=ALPHA).cross
+    assert budget[0] == 0 < min(budget[1:])
+
+
+def test_an_accuracy_that_interactions_forbid_asks_for_cross_levels():
+    for levels in ((), CROSS[:2]):
+        with pytest.raises(UnusableDataError, match=r"cross levels for every pair of limits \(`cross`\)"):
+            cheapest_design(*priced(crossed(*levels)), target=0.01, fixed=ALPHA)
+    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, fixed=ALPHA)
+    assert min(design.cross) >= 20
+
+
+def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interactions():
+    dataset, seconds = priced(crossed(*CROSS))
+    loose, tight = (cheapest_design(dataset, seconds, target=target, fixed=ALPHA) for target in (0.04, 0.01))
+    assert min(tight.cross) > 3 * min(loose.cross)
+    assert tight.limiting == "cross"
 
 
 def test_the_price_includes_that_of_the_cross_levels():
-    dataset, seconds = priced(crossed(CHEAP, DEAR))
+    dataset, seconds = priced(crossed(*CROSS, DEAR))
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
     assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
 
 
 def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
-    assert cheapest_design(*priced(crossed({"eps_c": 1, "eps_t": 1}, CHEAP)), target=0.02, fixed=ALPHA).cross[0] == 0
+    assert cheapest_design(*priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS)), target=0.02, fixed=ALPHA).cross[0] == 0
 
 
 def test_a_limit_keeps_its_own_levels_beside_cross_ones():
-    design = cheapest_design(*priced(crossed(CHEAP)), target=0.01, fixed=ALPHA)
+    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, fixed=ALPHA)
     assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
 
 
 def test_a_target_is_met_with_cross_levels():
-    dataset, seconds = priced(crossed(CHEAP))
+    dataset, seconds = priced(crossed(*CROSS))
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
     found = []
     for seed in range(40):
-        whole = noisy(crossed(CHEAP, n=asked(dataset, design).max()), np.random.default_rng(1000 + seed))
+        whole = noisy(crossed(*CROSS, n=asked(dataset, design).max()), np.random.default_rng(1000 + seed))
         counts = asked(whole, design)
         kept = np.arange(whole.sizes["realisation"]) < counts[:, None]
         whole = whole.assign(kappa=whole["kappa"].where(kept)).assign_coords(realisations=("case", counts))
@@ -80,12 +95,12 @@ def test_a_cross_level_is_one_whatever_eps_the_grid_varies():
     assert len(cheapest_design(dataset, seconds, target=0.05, fixed=ALPHA).cross) == 1
 
 
-CROSS = {"1/16, 1/32]}": "1/16, 1/32], cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_c: 1/8, eps_f: 1/32}]}"}
+ADDED = {"1/16, 1/32]}": "1/16, 1/32], cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_c: 1/8, eps_f: 1/32}]}"}
 FIXED = {"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"}
 
 
 def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_path):
-    path = campaign_file(tmp_path, **CROSS, **FIXED)
+    path = campaign_file(tmp_path, **ADDED, **FIXED)
     planned = tmp_path / "planned.yaml"
     said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
     assert said.exit_code == 0, said.output
@@ -110,7 +125,7 @@ def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, comm
 
 def test_a_cross_level_without_surfaces_stays_without(tmp_path):
     asked_for = {"realisations: 6": "realisations: {reference: 6, cross: [0, 6]}"}
-    path = campaign_file(tmp_path, **CROSS, **FIXED, **asked_for)
+    path = campaign_file(tmp_path, **ADDED, **FIXED, **asked_for)
     said = gfmd("plan", path, "--target", "kappa=8%", "--write", tmp_path / "planned.yaml")
     assert said.exit_code == 0, said.output
     assert "cross: [0, " in said.output

@@ -6,10 +6,10 @@ import pytest
 from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
 from support.campaigns import campaign as campaign_file
 from support.command_line import gfmd
-from support.synthetic_campaigns import ALPHA, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
-CAMPAIGN = {"levels": LEVELS}
+CAMPAIGN = {"levels": LEVELS, "cross": CROSS}
 
 
 def pilot(seed=0, n=40):
@@ -28,16 +28,18 @@ def achieved(design, seeds=40):
 
 
 def most(design):
-    return max(design.reference, *(count for levels in design.levels.values() for count in levels.values()))
+    return max(design.reference, *design.cross, *(n for levels in design.levels.values() for n in levels.values()))
 
 
 def asked(dataset, design):
     """Realisations of each case of a dataset in a design."""
-    counts = [
-        design.levels[limit][float(dataset[limit][i])] if limit in design.levels else design.reference
+    cross = iter(design.cross)
+    return np.array([
+        next(cross) if limit == "cross"
+        else design.levels[limit][float(dataset[limit][i])] if limit in design.levels
+        else design.reference
         for i, limit in enumerate(dataset["limit"].values.tolist())
-    ]
-    return np.array(counts)
+    ])  # fmt: skip
 
 
 def left(dataset, design):
@@ -73,7 +75,7 @@ def test_the_price_is_that_of_the_realisations():
 
 def test_a_level_that_costs_much_and_tells_little_is_left_out():
     levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
-    dataset = noisy(campaign(realisations=40, levels=levels), np.random.default_rng(5))
+    dataset = noisy(campaign(realisations=40, levels=levels, cross=CROSS), np.random.default_rng(5))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
     assert design.levels["eps_c"][1 / 4096] == 0

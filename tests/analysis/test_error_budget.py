@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.optimize import minimize_scalar
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.contact.evaluation import measure
@@ -16,7 +15,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.solvers.options import Options
-from support.synthetic_campaigns import ALPHA, REFERENCE, C, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, campaign, noisy
 
 RANGES = {"eps_c": (0.9, 1.3), "eps_f": (0.5, 0.7), "eps_t": 1.0}
 MIDDLE = {"eps_c": 1.1, "eps_f": 0.6, "eps_t": 1.0}
@@ -26,54 +25,65 @@ def part(fit, source):
     return fit["error_budget"].sel(source=source).item()
 
 
-def limit_for(dataset, name, guess):
-    """kappa_tfc of data without noise, weighed alike, if an exponent is guessed and its range tells how well."""
-    low, high = RANGES[name]
-    means = dataset["kappa"].mean("realisation").values
+def whole(fit):
+    """All parts in quadrature but that of the residual, which is a bound."""
+    return np.hypot.reduce(fit["error_budget"].isel(group=0).drop_sel(source="residual").values)
 
-    def solved(exponent):
-        columns = [dataset[limit].values ** (MIDDLE | {name: exponent})[limit] for limit in MIDDLE]
-        design = np.column_stack([np.ones(means.size), *columns])
-        beta = np.linalg.lstsq(design, means, rcond=None)[0]
-        return beta[0], np.sum((means - design @ beta) ** 2)
 
-    def misfit(exponent):
-        return dataset.sizes["realisation"] * solved(exponent)[1] + 12 * ((exponent - guess) / (high - low)) ** 2
-
-    return solved(minimize_scalar(misfit, bounds=(low, high), method="bounded", options={"xatol": 1e-10}).x)[0]
+def limit_for(dataset, name, exponent):
+    """kappa_tfc of data without noise at a given exponent."""
+    columns = [dataset[limit].values ** (MIDDLE | {name: exponent})[limit] for limit in MIDDLE]
+    design = np.column_stack([np.ones(dataset.sizes["case"]), *columns])
+    return np.linalg.lstsq(design, dataset["kappa_r"].mean("realisation").values, rcond=None)[0][0]
 
 
 @pytest.mark.parametrize("name", ["eps_c", "eps_f"])
 def test_the_part_of_an_exponent_is_the_spread_over_its_range(name):
-    dataset = campaign()
-    fit = fit_tfc(dataset, fixed=MIDDLE | {name: RANGES[name]})
+    """Of two levels, which tell nothing of the exponent; kappa_r has no other law than powers."""
+    dataset = campaign(levels=LEVELS | {name: [REFERENCE[name], REFERENCE[name] / 4]}).rename(kappa="kappa_r")
+    fit = fit_tfc(dataset, "kappa_r", fixed=MIDDLE | {name: RANGES[name]})
     low, high = RANGES[name]
-    guesses = low + (high - low) * (np.arange(100) + 0.5) / 100
-    limits = [limit_for(dataset, name, guess) for guess in guesses]
-    assert part(fit, name) == pytest.approx(np.std(limits), rel=5e-3)
+    exponents = low + (high - low) * (np.arange(1000) + 0.5) / 1000
+    limits = [limit_for(dataset, name, exponent) for exponent in exponents]
+    assert part(fit, name) == pytest.approx(np.std(limits), rel=1e-4)
     assert part(fit, "eps_t") == 0.0
-    assert part(fit, "sampling") < 1e-12
+    assert part(fit, "sampling") < 1e-7
 
 
-def test_exponents_and_sampling_make_the_whole_error():
-    dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
-    fit = fit_tfc(dataset, fixed=RANGES)
-    parts = [part(fit, source) for source in ("eps_c", "eps_f", "eps_t", "sampling")]
-    assert min(parts[0], parts[1], parts[3]) > 0.1 * max(parts)
-    assert np.hypot.reduce(parts) == pytest.approx(fit["kappa_tfc_error"].item(), rel=0.1)
+@pytest.mark.parametrize("cross", [(), CROSS], ids=["one at a time", "cross"])
+@pytest.mark.parametrize("variable", ["kappa", "kappa_r"])
+def test_the_parts_in_quadrature_are_the_whole_error(cross, variable):
+    dataset = noisy(campaign(realisations=30, cross=cross), np.random.default_rng(14), spread=0.05)
+    fit = fit_tfc(dataset.rename(kappa=variable), variable, fixed=RANGES)
+    sources = "eps_c", "eps_f", "interaction", "sampling"
+    assert min(part(fit, source) for source in sources) > 0.02 * fit["kappa_tfc_error"].item()
+    assert part(fit, "eps_t") == 0.0
+    assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-9)
 
 
-def test_with_exact_exponents_all_is_sampling():
+def test_with_exact_exponents_all_is_sampling_and_interactions():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
     fit = fit_tfc(dataset, fixed=MIDDLE)
+    assert [part(fit, name) for name in MIDDLE] == [0.0, 0.0, 0.0]
+    assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
+    # what no cross level tells has nothing to do with the surfaces
+    assert part(fit, "interaction") == pytest.approx(np.hypot.reduce(fit["interaction_error"].values[0]), rel=1e-9)
+
+
+def test_with_a_single_limit_there_is_no_interaction():
+    dataset = noisy(campaign(levels={"eps_c": [1 / 2, 1 / 4, 1 / 8]}, realisations=30), np.random.default_rng(14))
+    fit = fit_tfc(dataset, fixed=MIDDLE)
+    assert part(fit, "interaction") == 0.0
     assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
+    assert "corrections" not in fit["message"].item()
 
 
-def test_what_is_not_known_of_a_searched_exponent_is_sampling():
+def test_what_is_not_known_of_a_searched_exponent_is_the_part_of_its_limit():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(4), spread=0.02, own=0.005)
     fit = fit_tfc(dataset, fixed={"eps_t": 1.0})
-    assert part(fit, "sampling") == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
-    assert [part(fit, name) for name in C] == [0.0, 0.0, 0.0]
+    assert [part(fit, name) > 1e-4 for name in ("eps_c", "eps_f", "eps_t")] == [True, True, False]
+    assert part(fit, "eps_t") == 0.0
+    assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-9)
 
 
 def test_a_limit_that_is_not_varied_has_an_unknown_part():
@@ -86,7 +96,7 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
 @pytest.mark.parametrize("variable", ["kappa", "kappa_r"])
 @pytest.mark.parametrize("fixed", [ALPHA, RANGES, {"eps_t": 1.0}], ids=["exact", "ranges", "free"])
 def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):
-    rng = np.random.default_rng(3)
+    rng = np.random.default_rng(4)
     dataset = noisy(campaign(realisations=30), rng, spread=0.02, own=0.005)
     dataset["kappa_r"] = 0.7 * dataset["kappa"]
     share = 1e-6 * rng.random(dataset["kappa"].shape)
@@ -126,8 +136,8 @@ def test_seconds_are_those_of_the_cases_fitted():
 def test_the_budget_survives_netcdf(tmp_path):
     fit_tfc(campaign((0.3, 0.8)), fixed=RANGES).to_netcdf(tmp_path / "fit.nc")
     with xr.open_dataset(tmp_path / "fit.nc") as again:
-        assert again["source"].values.tolist() == ["eps_c", "eps_f", "eps_t", "sampling", "residual"]
-        assert again["error_budget"].sizes == {"group": 2, "source": 5}
+        assert again["source"].values.tolist() == ["eps_c", "eps_f", "eps_t", "interaction", "sampling", "residual"]
+        assert again["error_budget"].sizes == {"group": 2, "source": 6}
         assert REFERENCE["eps_c"] == again["reference_eps"][0, 0]
 
 

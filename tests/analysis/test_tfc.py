@@ -26,26 +26,36 @@ def test_planted_parameters_are_recovered_exactly(exponents, fixed):
     np.testing.assert_allclose(fit["kappa_tfc_error"], 0, atol=3e-8)
     np.testing.assert_allclose(fit["interaction"], 0, atol=1e-8)
     np.testing.assert_allclose(fit["interaction_error"], 0, atol=3e-8)
-    np.testing.assert_allclose(fit["rms_residual"], 0, atol=1e-8)
+    np.testing.assert_allclose(fit["rms_residual"], 0, atol=3e-8)
     assert fit["n_cases"].values.tolist() == [13, 13]
 
 
-@pytest.mark.parametrize("exponents", ["shared", "free"])
-def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up(exponents):
-    """Each pair may be off by the smaller of its corrections, and nothing tells by how much."""
-    fit = fit_tfc(campaign((0.3, 0.8)), exponents=exponents)
-    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
-    np.testing.assert_allclose(fit["interaction"], 0, atol=1e-8)
-    sizes = [C[name] * REFERENCE[name] ** ALPHA[name] for name in C]
-    pairs = [min(sizes[0], sizes[1]), min(sizes[0], sizes[2]), min(sizes[1], sizes[2])]
-    for row in range(2):
-        # a correction is taken at the middle of what is possible of an exponent
-        np.testing.assert_allclose(fit["interaction_error"][row], pairs, rtol=0.6)
-        whole = np.hypot.reduce(fit["interaction_error"][row].values)
-        np.testing.assert_allclose(fit["kappa_tfc_error"][row], whole, rtol=1e-6)
-        np.testing.assert_allclose(fit["error_budget"][row].sel(source="interaction"), whole, rtol=1e-6)
-        assert fit["kappa_tfc_high"][row] - TFC[0.8] > whole
-        assert "no cross level says whether corrections add up" in fit["message"].values[row]
+BEFORE = {"eps_c eps_f": (0.0, 0.5), "eps_c eps_t": (0.0, 0.5), "eps_f eps_t": (1.0, 0.5)}
+
+
+def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():
+    """What is known before is in proportion to the smaller of two corrections, and nothing else tells of them."""
+    fit = fit_tfc(campaign((0.3, 0.8)), fixed=ALPHA)
+    sizes = {name: C[name] * REFERENCE[name] ** ALPHA[name] for name in C}
+    for row, truth in enumerate((TFC[0.3], TFC[0.8])):
+        found, unknown = fit["interaction"][row], fit["interaction_error"][row]
+        for pair, (mean, scatter) in BEFORE.items():
+            smaller = min(sizes[name] for name in pair.split())
+            assert found.sel(pair=pair).item() == pytest.approx(mean * smaller, abs=1e-8)
+            assert unknown.sel(pair=pair).item() == pytest.approx(scatter * smaller, rel=1e-6)
+        # a sum of two corrections is x_f + x_t - 1 in the cases of a campaign, so that all goes to kappa_tfc
+        assert fit["kappa_tfc"][row].item() == pytest.approx(truth + found.sum().item(), abs=1e-7)
+        whole = np.hypot.reduce(unknown.values)
+        assert fit["kappa_tfc_error"][row].item() == pytest.approx(whole, rel=1e-6)
+        assert fit["error_budget"][row].sel(source="interaction").item() == pytest.approx(whole, rel=1e-6)
+        said = "no cross level tells whether the corrections of eps_c and eps_f; eps_c and eps_t; eps_f and eps_t add up"
+        assert said in fit["message"].values[row]
+
+
+def test_a_correction_in_eps_t_that_wanes_with_eps_f_is_what_is_expected_without_cross_levels():
+    size = C["eps_t"] * REFERENCE["eps_t"] ** ALPHA["eps_t"]
+    waning = campaign(coefficients=C | {"eps_t": 0.0}, interactions={("eps_f", "eps_t"): size})
+    assert fit_tfc(waning, fixed=ALPHA)["kappa_tfc"].item() == pytest.approx(TFC[0.8], abs=1e-7)
 
 
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
@@ -59,7 +69,7 @@ def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
 
 
 def test_a_group_with_two_levels_borrows_the_shared_exponent():
-    dataset = campaign((0.3, 0.8))
+    dataset = campaign((0.3, 0.8), cross=CROSS)
     dataset = dataset.isel(case=~((dataset["hurst"] == 0.3) & (dataset["eps_c"] == 1 / 8)).values)
     fit = fit_tfc(dataset)
     np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
@@ -109,7 +119,7 @@ def test_ninety_percent_interval_covers_the_truth():
         error.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
     assert binom.ppf(1e-3, n, 0.9) <= inside <= binom.ppf(1 - 1e-3, n, 0.9)
     scatter, claimed = np.sqrt(np.mean(np.square(error), axis=0))
-    assert 0.85 < claimed / scatter < 1.2
+    assert 0.85 < claimed / scatter < 1.3
 
 
 def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
@@ -136,8 +146,9 @@ def test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone():
     dataset["kappa"] = dataset["kappa"] + 0.01 * rng.standard_normal(dataset["kappa"].shape)
     shifted = dataset.assign(kappa=dataset["kappa"] + 100 * rng.standard_normal(20))
     plain, paired = (fit_tfc(data, fixed=ALPHA) for data in (dataset, shifted))
-    np.testing.assert_allclose(paired["C"], plain["C"], rtol=1e-5)
-    np.testing.assert_allclose(paired["C_error"], plain["C_error"], rtol=1e-3)
+    # but for the factor on all errors of a group, which is that of kappa_tfc and weighs them against what is known before
+    assert (abs(paired["C"] - plain["C"]) < 0.1 * plain["C_error"]).all()
+    np.testing.assert_allclose(paired["C_error"], plain["C_error"], rtol=0.25)
     assert (paired["kappa_tfc_error"] > 1000 * plain["kappa_tfc_error"]).all()
     unpaired = shifted.copy(deep=True)
     unpaired["kappa"][3] = rng.permutation(unpaired["kappa"][3].values)
@@ -161,21 +172,21 @@ def test_a_fit_draws_no_random_numbers():
 
 
 def test_roughness_at_nyquist_is_left_out_by_default():
-    dataset = campaign(levels=LEVELS | {"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]})
+    dataset = campaign(levels=LEVELS | {"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]}, cross=CROSS)
     dataset["kappa"][dataset["eps_c"].values == 1] += 0.3
     fit = fit_tfc(dataset)
-    np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
-    assert fit["n_cases"] == 10
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=3e-8)
+    assert fit["n_cases"] == 13
     kept = fit_tfc(dataset, omit_nyquist=False)
-    assert kept["n_cases"] == 11
+    assert kept["n_cases"] == 14
     assert abs(kept["kappa_tfc"] - 2.0) > 1e-3
 
 
 def test_a_reference_at_nyquist_is_fitted_and_said():
-    dataset = campaign(levels={name: LEVELS[name] for name in ("eps_f", "eps_t")})
+    dataset = campaign(levels={name: LEVELS[name] for name in ("eps_f", "eps_t")}, cross=CROSS[2:])
     dataset["eps_c"][:] = 1.0
     fit = fit_tfc(dataset)
-    np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.4 * 0.5**1.1, atol=1e-8)
+    np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.4 * 0.5**1.1, atol=3e-8)
     assert fit["message"].item().startswith("eps_c = 1 is fitted as well")
 
 
@@ -203,7 +214,8 @@ def test_of_several_references_the_finest_counts():
         assert fit["reference_eps"].sel(limit="eps_c").values.tolist() == [1 / 8, 1 / 8]
         expected = np.array([3.0, 2.0]) + 0.4 * (1 / 8) ** 1.1 + 6 * (1 / 1024) ** 0.6 + 0.15
         np.testing.assert_allclose(fit["reference"], expected)
-        np.testing.assert_allclose(fit["kappa_tfc"] + fit["correction"].sum("limit"), expected)
+        together = fit["correction"].sum("limit") + fit["interaction"].sum("pair")
+        np.testing.assert_allclose(fit["kappa_tfc"] + together, expected)
         assert set(select_limit(both, "eps_f")["eps_c"].values) == {1 / 8}
 
 

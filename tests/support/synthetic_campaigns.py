@@ -91,6 +91,11 @@ def fails(dataset, **where):
     return broken
 
 
+def notes(fit, group=0):
+    """What a fit says of a group, but for whether corrections add up."""
+    return [line for line in str(fit["message"].values[group]).splitlines() if "corrections" not in line]
+
+
 def assert_refused(fit, *fragments):
     assert (fit["fit_status"] == "refused").all()
     for name in ("kappa_tfc", "kappa_tfc_error", "kappa_tfc_low", "C", "alpha", "correction", "rms_residual"):

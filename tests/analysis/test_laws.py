@@ -1,0 +1,89 @@
+"""The law of the fractal limit from theory, against integrals and their limits, and which laws a fit chooses from."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from gfmd_numba.analysis.laws import choices, power, unseen_slope
+
+PARAMETERS = [(1.0, 0.5), (3.0, 1.0), (30.0, 3.0), (200.0, 1 / 3)]  # k_c and m
+
+
+def excess(hurst, eps, cut, tail):
+    return unseen_slope(hurst).excess(np.atleast_1d(eps), np.array([[cut, tail]]))[0]
+
+
+@pytest.mark.parametrize(("cut", "tail"), PARAMETERS)
+@pytest.mark.parametrize("hurst", [0.1, 0.5, 0.8, 0.95, 1.0])
+def test_the_share_that_is_not_seen_is_that_of_the_spectrum(hurst, cut, tail):
+    for eps in (1 / 2, 1 / 64, 1 / 4096, 1e-6):
+        # of k^(1 - 2 H) dk over q = log k; what is seen is (k / k_c)^m / (1 + (k / k_c)^m)
+        seen, total = (
+            quad(integrand, 0, -np.log(eps), limit=400, epsrel=1e-11)[0]
+            for integrand in (
+                lambda q: np.exp((2 - 2 * hurst) * q) / (1 + (cut * np.exp(-q)) ** tail),
+                lambda q: np.exp((2 - 2 * hurst) * q),
+            )
+        )
+        assert excess(hurst, eps, cut, tail)[0] == pytest.approx((seen / total) ** -0.5 - 1, rel=1e-8)
+
+
+@pytest.mark.parametrize(("cut", "tail"), PARAMETERS)
+def test_at_hurst_1_the_integral_is_elementary(cut, tail):
+    eps = np.geomspace(1 / 4, 1e-8, 9)
+    octaves = -np.log(eps)
+    unseen = octaves - (np.log1p((1 / (eps * cut)) ** tail) - np.log1p(cut**-tail)) / tail
+    np.testing.assert_allclose(excess(1.0, eps, cut, tail), (1 - unseen / octaves) ** -0.5 - 1, rtol=1e-8)
+
+
+def test_at_hurst_1_the_correction_falls_as_one_over_a_logarithm():
+    cut, tail = 3.0, 2.0
+    eps = np.array([1e-20, 1e-40])
+    expected = np.log1p(cut**tail) / tail / -np.log(eps) / 2
+    np.testing.assert_allclose(excess(1.0, eps, cut, tail), expected, rtol=0.05)
+    assert abs(excess(1.0, eps, cut, tail) / expected - 1)[1] < 0.6 * abs(excess(1.0, eps, cut, tail) / expected - 1)[0]
+
+
+@pytest.mark.parametrize(("hurst", "tail"), [(0.8, 2.0), (0.5, 0.35), (0.5, 0.5), (0.5, 3.0), (0.2, 1.0), (0.2, 2.5)])
+def test_below_hurst_1_the_correction_falls_as_the_slower_of_two_powers(hurst, tail):
+    expected = min(tail, 2 - 2 * hurst)
+    eps = 10 ** (-np.array([6.0, 7.0]) / expected)
+    found = np.diff(np.log(excess(hurst, eps, 2.0, tail)))[0] / np.diff(np.log(eps))[0]
+    assert found == pytest.approx(expected, rel=0.05)
+
+
+def test_a_power_is_that_of_thesis_4_3():
+    law = power("eps_c", {"eps_c": (0.5, 2.0)})
+    found = law.excess(np.array([0.5, 0.1]), np.array([[2.0], [0.5]]))
+    np.testing.assert_allclose(found, [[0.25, 0.01], [0.5**0.5, 0.1**0.5]])
+    assert law.parameters[0].ends == (0.5, 2.0)
+    assert not law.parameters[0].logarithmic
+    free = power("eps_c", {}).parameters[0]
+    assert (free.low, free.high, free.is_free, free.logarithmic) == (0.1, 5.0, True, True)
+
+
+LIMITS = ("eps_c", "eps_f", "eps_t")
+
+
+@pytest.mark.parametrize(
+    ("variable", "hursts", "given", "from_theory"),
+    [
+        ("kappa", [0.8], {}, [False, True]),
+        ("kappa_counted", [0.8, 0.8], {"eps_c": (1.0, 1.0)}, [False, True]),
+        ("kappa", [0.8], {"eps_f": (0.3, 1.5)}, [False, True]),
+        ("kappa", [0.8], {"eps_f": (0.5, 0.5)}, [False]),
+        ("kappa", [1.0], {}, [True]),
+        ("kappa", [0.91], {}, [True]),
+        ("kappa", [0.9], {}, [False, True]),
+        ("kappa", [1.0], {"eps_f": (0.5, 0.5)}, [False]),
+        ("kappa", [0.8, 0.3], {}, [False]),
+        ("kappa", [np.nan], {}, [False]),
+        ("kappa_r", [0.8], {}, [False]),
+        ("mean_gap", [1.0], {}, [False]),
+    ],
+)
+def test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed(variable, hursts, given, from_theory):
+    found = choices(LIMITS, variable, hursts, given)
+    assert [laws["eps_f"].whole for laws in found] == from_theory
+    assert not any(laws[limit].whole for laws in found for limit in ("eps_c", "eps_t"))
+    assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], variable, hursts, {}) if "eps_f" in laws] == []

@@ -1,0 +1,235 @@
+"""The mean over laws against what a dense grid, least squares and brute force find."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.laws import power, unseen_slope
+from gfmd_numba.analysis.posterior import Means, along, shares, weighed
+from gfmd_numba.analysis.selection import groups_to_fit
+from gfmd_numba.analysis.tfc import means_of
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, C, campaign, noisy
+
+EXACT = {name: (value, value) for name, value in ALPHA.items()}
+
+
+def group_and_means(seed=0, spread=0.05, **options):
+    options = {"realisations": 30, "cross": CROSS} | options
+    dataset = noisy(campaign(**options), np.random.default_rng(seed), spread=spread, own=spread / 20)
+    (group,) = groups_to_fit(dataset, "kappa", omit_nyquist=True)
+    return dataset, group, means_of(group, group.values)
+
+
+def columns_at(means, relative):
+    """Columns of a fit (case, coefficient) whose laws over their value at the reference are `relative`."""
+    own = [relative[name](means.levels[name]) for name in means.levels]
+    return np.column_stack([np.ones(means.values.size), *own, *(a * b for a, b in combinations(own, 2))])
+
+
+def ratio(exponent, name):
+    return lambda eps: (eps / REFERENCE[name]) ** exponent
+
+
+def least_squares(means, columns, sizes):
+    """Generalised least squares with interactions known to be 0 within their sizes: coefficients, covariance, chi^2."""
+    weight = means.whitener.T @ means.whitener
+    known = np.zeros(columns.shape[1])
+    known[columns.shape[1] - len(sizes) :] = 1 / sizes**2
+    covariance = np.linalg.inv(columns.T @ weight @ columns + np.diag(known))
+    found = covariance @ columns.T @ weight @ means.values
+    left = means.values - columns @ found
+    return found, covariance, left @ weight @ left + known @ found**2
+
+
+def sizes_at(means, middle):
+    """Likely sizes of interactions: of each pair the smaller correction of a fit that adds them up."""
+    columns = columns_at(means, {name: ratio(middle[name], name) for name in means.levels})[:, : 1 + len(means.levels)]
+    weight = means.whitener.T @ means.whitener
+    found = abs(np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:])
+    return np.array([min(pair) for pair in combinations(found, 2)])
+
+
+@pytest.mark.parametrize("cross", [(), CROSS[:1], CROSS], ids=["none", "one", "all"])
+def test_at_exact_exponents_a_fit_is_generalised_least_squares(cross):
+    dataset, _, means = group_and_means(cross=cross)
+    columns = columns_at(means, {name: ratio(ALPHA[name], name) for name in ALPHA})
+    found, covariance, chi2 = least_squares(means, columns, sizes_at(means, ALPHA))
+    fit = fit_tfc(dataset, fixed=ALPHA).isel(group=0)
+    said = np.concatenate([[fit["kappa_tfc"]], fit["correction"], fit["interaction"]])
+    errors = np.concatenate([[fit["kappa_tfc_error"]], fit["correction_error"], fit["interaction_error"]])
+    scale = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(said, found, atol=1e-9 * scale.max())
+    np.testing.assert_allclose(errors, scale, rtol=1e-8)
+    assert fit["chi2"].item() == pytest.approx(chi2 - _prior(found, sizes_at(means, ALPHA)), rel=1e-6) or fit[
+        "chi2"
+    ].item() == pytest.approx(chi2, rel=1e-6)
+    half = student.ppf(0.95, 29) * scale[0]
+    np.testing.assert_allclose([fit["kappa_tfc_low"], fit["kappa_tfc_high"]], [found[0] - half, found[0] + half])
+
+
+def _prior(found, sizes):
+    return ((found[-len(sizes) :] / sizes) ** 2).sum()
+
+
+def dense(means, nodes, relative_at, sizes, wholes=None):
+    """Weights of nodes by their chi^2, and kappa_tfc and its variance there."""
+    kappa, variance, chi2 = np.empty((3, len(nodes)))
+    for index, node in enumerate(nodes):
+        columns = columns_at(means, relative_at(node))
+        if wholes is not None:  # kappa_tfc (1 + excess)
+            law = columns[:, 1 + list(means.levels).index("eps_f")]
+            columns[:, 0] += wholes(node) * law
+            columns = np.delete(columns, 1 + list(means.levels).index("eps_f"), axis=1)
+        found, covariance, chi2[index] = least_squares(means, columns, sizes)
+        kappa[index], variance[index] = found[0], covariance[0, 0]
+    return kappa, variance, chi2
+
+
+def mixture(weight, kappa, variance):
+    weight = weight / weight.sum()
+    mean = weight @ kappa
+    return mean, np.sqrt(weight @ (variance + (kappa - mean) ** 2)), weight
+
+
+def quantile(share, weight, kappa, variance, freedom):
+    """Where a mixture of Student's distributions reaches a share, by brute force."""
+    ends = np.linspace(kappa.min() - 9 * variance.max() ** 0.5, kappa.max() + 9 * variance.max() ** 0.5, 4001)
+    below = [weight @ student.cdf((end - kappa) / np.sqrt(variance), freedom) for end in ends]
+    return np.interp(share, below, ends)
+
+
+@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05), (2, 0.005)])
+def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
+    ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
+    dataset, group, means = group_and_means(seed, spread)
+    axes = [low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(ranges.values(), (60, 240), strict=True)]
+    nodes = np.array(list(product(*axes)))
+    middle = ALPHA | {name: np.mean(ends) for name, ends in ranges.items()}
+    sizes = sizes_at(means, middle)
+
+    def relative_at(node):
+        exponents = ALPHA | dict(zip(ranges, node, strict=True))
+        return {name: ratio(exponents[name], name) for name in ALPHA}
+
+    kappa, variance, chi2 = dense(means, nodes, relative_at, sizes)
+    mean, error, weight = mixture(np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
+    fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA | ranges).isel(group=0)
+    assert fit["kappa_tfc"].item() == pytest.approx(mean, abs=0.01 * error)
+    assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.01)
+    ends = [quantile(share, weight, kappa, variance, group.n_realisations - 1) for share in (0.05, 0.95)]
+    np.testing.assert_allclose([fit["kappa_tfc_low"], fit["kappa_tfc_high"]], ends, atol=0.02 * error)
+    for axis, name in enumerate(ranges):
+        alpha = fit.sel(limit=name)
+        spread_of_alpha = np.sqrt(weight @ (nodes[:, axis] - weight @ nodes[:, axis]) ** 2)
+        assert alpha["alpha"].item() == pytest.approx(weight @ nodes[:, axis], abs=0.02 * spread_of_alpha)
+        assert alpha["alpha_error"].item() == pytest.approx(spread_of_alpha, rel=0.02)
+        inside = np.array([weight[nodes[:, axis] == value].sum() for value in axes[axis]])
+        given = [(weight * kappa)[nodes[:, axis] == value].sum() for value in axes[axis]]
+        means_there = np.divide(given, inside, out=np.full(len(inside), mean), where=inside > 0)
+        effect = np.sqrt(inside @ (means_there - mean) ** 2)
+        assert fit["error_budget"].sel(source=name).item() == pytest.approx(effect, rel=0.1, abs=0.01 * error)
+
+
+@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.02)])
+def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
+    dataset, _, means = group_and_means(seed, spread)
+    law, (low, high) = unseen_slope(0.8), (0.3, 1.5)
+    first = low + (high - low) * (np.arange(400) + 0.5)[:, np.newaxis] / 400
+    cuts, tails = (np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((1, 200, 120), (1 / 3, 3, 60)))
+    second = np.array(list(product(cuts, tails)))
+    one = {name: ratio(ALPHA[name], name) for name in ALPHA}
+    sizes = [
+        sizes_at(means, ALPHA | {"eps_f": 0.9}),
+        sizes_of_theory(means, law, np.array([[200**0.5, 1.0]])),
+    ]
+
+    def theory(node):
+        at = law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
+        return one | {"eps_f": lambda eps: law.excess(eps, node[np.newaxis])[0] / at}
+
+    found = [
+        dense(means, first, lambda node: one | {"eps_f": ratio(node[0], "eps_f")}, sizes[0]),
+        dense(
+            means,
+            second,
+            theory,
+            sizes[1],
+            lambda node: law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0],
+        ),
+    ]
+    kappa, variance, chi2 = (np.concatenate(each) for each in zip(*found, strict=True))
+    of_node = np.concatenate([np.full(len(each), 1 / len(each)) for each in (first, second)])
+    mean, error, _ = mixture(of_node * np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
+    fit = fit_tfc(dataset, fixed=ALPHA | {"eps_f": (low, high)}).isel(group=0)
+    assert fit["kappa_tfc"].item() == pytest.approx(mean, abs=0.03 * error)
+    assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.03)
+
+
+def sizes_of_theory(means, law, middle):
+    at = law.excess(np.array([REFERENCE["eps_f"]]), middle)[0, 0]
+    relative = {name: ratio(ALPHA[name], name) for name in ALPHA}
+    relative["eps_f"] = lambda eps: law.excess(eps, middle)[0] / at
+    columns = columns_at(means, relative)[:, :4]
+    weight = means.whitener.T @ means.whitener
+    found = abs(np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:])
+    return np.array([min(pair) for pair in combinations(found, 2)])
+
+
+def test_groups_that_share_exponents_weigh_them_together():
+    """chi^2 of the groups add up, and so an exponent is known better than in each of them."""
+    dataset = noisy(campaign((0.3, 0.8), realisations=30), np.random.default_rng(3), spread=0.02)
+    shared, free = (
+        fit_tfc(dataset, exponents=how, fixed=ALPHA | {"eps_f": (0.3, 1.5)}).sel(limit="eps_f")
+        for how in ("shared", "free")
+    )
+    groups = groups_to_fit(dataset, "kappa", omit_nyquist=True)
+    exponents = np.linspace(0.3, 1.5, 2001)
+    chi2 = np.zeros(len(exponents))
+    for group in groups:
+        means = means_of(group, group.values)
+        sizes = sizes_at(means, ALPHA | {"eps_f": 0.9})
+        for index, exponent in enumerate(exponents):
+            columns = columns_at(means, {name: ratio((ALPHA | {"eps_f": exponent})[name], name) for name in ALPHA})
+            chi2[index] += least_squares(means, columns, sizes)[2]
+    weight = np.exp(-(chi2 - chi2.min()) / 2)
+    weight /= weight.sum()
+    mean = weight @ exponents
+    error = np.sqrt(weight @ (exponents - mean) ** 2)
+    np.testing.assert_allclose(shared["alpha"], mean, atol=0.01 * error)
+    np.testing.assert_allclose(shared["alpha_error"], error, rtol=0.01)
+    assert (shared["alpha_error"] < free["alpha_error"]).all()
+
+
+def test_a_curve_passes_through_the_fit_of_each_case():
+    _, _, means = group_and_means()
+    choice = weighed([means], {name: power(name, EXACT) for name in means.levels})
+    for name, levels in means.levels.items():
+        there = np.array([levels.min(), means.reference[name]])
+        found = along(choice, 0, means, name, there)[0]
+        coefficients = choice.fits[0].coefficients[0]
+        own = {other: ratio(ALPHA[other], other)(there if other == name else np.full(2, REFERENCE[other])) for other in ALPHA}
+        columns = [np.ones(2), *own.values(), *(a * b for a, b in combinations(own.values(), 2))]
+        np.testing.assert_allclose(found, np.array(columns).T @ coefficients, rtol=1e-12)
+
+
+def test_weights_of_all_laws_add_up_to_one():
+    _, _, means = group_and_means()
+    laws = [{name: power(name, {"eps_c": (0.5, 2.0)} | EXACT) for name in means.levels}]
+    laws.append(laws[0] | {"eps_f": unseen_slope(0.8)})
+    assert sum(share.sum() for share in shares([weighed([means], each) for each in laws])) == pytest.approx(1.0)
+
+
+def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights():
+    values = np.array([1.0, 2.0, 4.0, 2.5, 3.5])
+    levels = {"eps_c": np.array([1 / 4, 1 / 2, 1.0, 1 / 4, 1 / 4]), "eps_t": np.array([1 / 4, 1 / 4, 1 / 4, 1 / 2, 1.0])}
+    values = 3.0 + 2 * levels["eps_c"] - levels["eps_t"]
+    whitener = np.diag([1.0, 5.0, 0.2, 3.0, 7.0])
+    choice = weighed([Means(values, whitener, levels, dict.fromkeys(levels, 1 / 4))], {n: power(n, {n: (1.0, 1.0)}) for n in levels})
+    np.testing.assert_allclose(choice.fits[0].coefficients[0], [3.0, 0.5, -0.25, 0.0], atol=1e-12)
+
+
+def test_levels_of_a_campaign_are_as_assumed_here():
+    assert set(LEVELS) == set(C) == set(REFERENCE)

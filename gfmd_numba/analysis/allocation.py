@@ -94,7 +94,13 @@ def cheapest_design(
     for _ in range(2):  # the best shares depend on the budget, hardly
         budget = _enough(choice, shares, target)
         shares = _best_shares(choice, shares, budget)
-    return _described(choice, np.ceil(_counts(choice, shares, _enough(choice, shares, target))))
+    counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
+    if counts.max() > _MOST:
+        raise UnusableDataError(
+            f"given a target of {target:.2%}, for which {counts.max():.0f} realisations of a level would be the cheapest; "
+            f"allowed: a larger one, as {_MOST} are the most"
+        )
+    return _described(choice, counts)
 
 
 def best_design(

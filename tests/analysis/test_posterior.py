@@ -105,7 +105,9 @@ def quantile(share, weight, kappa, variance, freedom):
 def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
     dataset, group, means = group_and_means(seed, spread)
-    axes = [low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(ranges.values(), (60, 240), strict=True)]
+    axes = [
+        low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(ranges.values(), (60, 240), strict=True)
+    ]
     nodes = np.array(list(product(*axes)))
     middle = ALPHA | {name: np.mean(ends) for name, ends in ranges.items()}
     sizes = sizes_at(means, middle)
@@ -138,7 +140,9 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     dataset, _, means = group_and_means(seed, spread)
     law, (low, high) = unseen_slope(0.8), (0.3, 1.5)
     first = low + (high - low) * (np.arange(400) + 0.5)[:, np.newaxis] / 400
-    cuts, tails = (np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((1, 200, 120), (1 / 3, 3, 60)))
+    cuts, tails = (
+        np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((1, 200, 120), (1 / 3, 3, 60))
+    )
     second = np.array(list(product(cuts, tails)))
     one = {name: ratio(ALPHA[name], name) for name in ALPHA}
     sizes = [
@@ -210,7 +214,10 @@ def test_a_curve_passes_through_the_fit_of_each_case():
         there = np.array([levels.min(), means.reference[name]])
         found = along(choice, 0, means, name, there)[0]
         coefficients = choice.fits[0].coefficients[0]
-        own = {other: ratio(ALPHA[other], other)(there if other == name else np.full(2, REFERENCE[other])) for other in ALPHA}
+        own = {
+            other: ratio(ALPHA[other], other)(there if other == name else np.full(2, REFERENCE[other]))
+            for other in ALPHA
+        }
         columns = [np.ones(2), *own.values(), *(a * b for a, b in combinations(own.values(), 2))]
         np.testing.assert_allclose(found, np.array(columns).T @ coefficients, rtol=1e-12)
 
@@ -224,10 +231,15 @@ def test_weights_of_all_laws_add_up_to_one():
 
 def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights():
     values = np.array([1.0, 2.0, 4.0, 2.5, 3.5])
-    levels = {"eps_c": np.array([1 / 4, 1 / 2, 1.0, 1 / 4, 1 / 4]), "eps_t": np.array([1 / 4, 1 / 4, 1 / 4, 1 / 2, 1.0])}
+    levels = {
+        "eps_c": np.array([1 / 4, 1 / 2, 1.0, 1 / 4, 1 / 4]),
+        "eps_t": np.array([1 / 4, 1 / 4, 1 / 4, 1 / 2, 1.0]),
+    }
     values = 3.0 + 2 * levels["eps_c"] - levels["eps_t"]
     whitener = np.diag([1.0, 5.0, 0.2, 3.0, 7.0])
-    choice = weighed([Means(values, whitener, levels, dict.fromkeys(levels, 1 / 4))], {n: power(n, {n: (1.0, 1.0)}) for n in levels})
+    choice = weighed(
+        [Means(values, whitener, levels, dict.fromkeys(levels, 1 / 4))], {n: power(n, {n: (1.0, 1.0)}) for n in levels}
+    )
     np.testing.assert_allclose(choice.fits[0].coefficients[0], [3.0, 0.5, -0.25, 0.0], atol=1e-12)
 
 

@@ -39,7 +39,7 @@ def test_samples_of_different_cases_add_up_as_satterthwaite_says():
 @pytest.mark.parametrize("counts", [SOME, MORE])
 def test_the_predicted_error_is_the_scatter_of_campaigns(counts):
     """It takes the weights of a fit for known, so that it is a little too good; half the time the factor makes up."""
-    found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA, bootstrap=0)["kappa_tfc"].item() for seed in range(150)]
+    found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA)["kappa_tfc"].item() for seed in range(150)]
     scatter = np.std(found, ddof=1) / 2.0
     told = [predictions(results(SOME, seed), counts, fixed=ALPHA)[0] for seed in range(40)]
     ratio = np.array([each.error for each in told]) / scatter

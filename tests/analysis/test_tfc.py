@@ -48,7 +48,9 @@ def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():
         whole = np.hypot.reduce(unknown.values)
         assert fit["kappa_tfc_error"][row].item() == pytest.approx(whole, rel=1e-6)
         assert fit["error_budget"][row].sel(source="interaction").item() == pytest.approx(whole, rel=1e-6)
-        said = "no cross level tells whether the corrections of eps_c and eps_f; eps_c and eps_t; eps_f and eps_t add up"
+        said = (
+            "no cross level tells whether the corrections of eps_c and eps_f; eps_c and eps_t; eps_f and eps_t add up"
+        )
         assert said in fit["message"].values[row]
 
 

@@ -41,7 +41,7 @@ def until(drawn, target, seed):
     state = Rounds(goal=Goal(variable="kappa", target=target), campaign_sha256="", rounds=(first,))
     while not state.ended:
         results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
-        fitted = fit_tfc(results, fixed=ALPHA, bootstrap=50, seed=seed)
+        fitted = fit_tfc(results, fixed=ALPHA)
         state = after(state, results, fitted, Fit("kappa", ALPHA))
     return fitted, state
 
@@ -54,7 +54,7 @@ def campaigns():
         drawn = surfaces(seed)
         fitted, state = until(drawn, 0.02, seed)
         assert state.ended == "reached"
-        beforehand = fit_tfc(asked(drawn, FIXED_COUNTS), fixed=ALPHA, bootstrap=0)
+        beforehand = fit_tfc(asked(drawn, FIXED_COUNTS), fixed=ALPHA)
         found.append([fitted["kappa_tfc"].item(), fitted["kappa_tfc_error"].item(), beforehand["kappa_tfc"].item()])
     return np.array(found).T
 

@@ -1,7 +1,5 @@
 """How runs until an error end where the target is not reached, and what they refuse before they begin."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -22,11 +20,6 @@ ONE = {
 }
 GOAL = Goal(variable="kappa", target=0.02)
 HERE = Workers(0)
-
-
-@pytest.fixture(autouse=True)
-def quick_fits(monkeypatch):
-    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
 
 
 @pytest.fixture
@@ -101,7 +94,7 @@ def test_exponents_that_nobody_knows_end_a_run(tmp_path):
 
 def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeypatch):
     def refusing(*given, **options):
-        found = fit_tfc(*given, **options | {"bootstrap": 0})
+        found = fit_tfc(*given, **options)
         return found.assign(fit_status=("group", ["refused"]), message=("group", ["no exponent\nno idea"]))
 
     monkeypatch.setattr(until, "fit_tfc", refusing)
@@ -129,7 +122,7 @@ def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkey
         return found.assign(kappa_tfc_error=2.0 * found["kappa_tfc_error"])
 
     expected = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "expected", HERE)
-    monkeypatch.setattr(until, "fit_tfc", partial(doubting, bootstrap=40))
+    monkeypatch.setattr(until, "fit_tfc", doubting)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     assert outcome.reached
     assert prices(outcome)[-1] > 1.5 * prices(expected)[-1]

@@ -1,7 +1,6 @@
 """Runs until the limit has an error: rounds that decide the same after any kill, keep to a budget and end."""
 
 import json
-from functools import partial
 
 import numpy as np
 import pytest
@@ -23,17 +22,10 @@ GOAL = Goal(variable="kappa", target=0.02)
 HERE = Workers(0)
 
 
-@pytest.fixture(autouse=True)
-def quick_fits(monkeypatch):
-    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
-
-
 @pytest.fixture(scope="module")
 def reached(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reached")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
-        return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
+    return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
 
 
 def opened(outcome):
@@ -46,7 +38,7 @@ def realisations(outcome):
 
 def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     results = opened(reached)
-    fitted = fit_tfc(results, fixed={"eps_c": 1.5, "eps_f": 0.7}, bootstrap=40)
+    fitted = fit_tfc(results, fixed={"eps_c": 1.5, "eps_f": 0.7})
     error = (fitted["kappa_tfc_error"] / fitted["kappa_tfc"]).item()
     last = reached.rounds.now
     assert reached.reached

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import fit_tfc, plot_rounds
-from gfmd_numba.campaign import until
+from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.campaign.rounds import PILOT
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
@@ -90,7 +89,6 @@ def test_fit_shows_the_rounds_again(reached):
 
 
 def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monkeypatch):
-    monkeypatch.setattr(until, "fit_tfc", partial(fit_tfc, bootstrap=40))
     path = campaign(tmp_path, **ONE)
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.1%", "--budget=1 s")
     assert done.exit_code == 3

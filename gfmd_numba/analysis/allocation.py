@@ -275,6 +275,7 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
+    counts = counts.clip(max=_MOST)
     worst = max(choice.ensembles, key=lambda ensemble: relative_errors(ensemble, counts)[0])
     total, sampling = relative_errors(worst, counts)
     names = np.array([name for name, _ in choice.levels])

@@ -132,8 +132,19 @@ def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
     assert "--target: given kappa_r; allowed: kappa, as the campaign fits that" in said.output
 
 
-@pytest.mark.parametrize("option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3d"])
+@pytest.mark.parametrize(
+    "option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3 kg"]
+)
 def test_malformed_goals_are_refused(tmp_path, option):
     said = gfmd("plan", campaign_file(tmp_path), option)
     assert said.exit_code == 2
     assert "allowed: a " in said.output
+
+
+def test_a_budget_beyond_all_needs_asks_for_no_more_than_a_campaign_may(tmp_path):
+    design = best_design(*pilot(), budget=1e9, fixed=ALPHA)
+    assert most(design) == 10**6
+    path = campaign_file(tmp_path, **{"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"})
+    planned = gfmd("plan", path, "--budget=3 days")
+    assert planned.exit_code == 0, planned.output
+    assert "realisations  reference: 1000000" in planned.stdout

@@ -33,10 +33,9 @@ def reached(tmp_path_factory):
 def test_it_says_round_by_round_what_was_reached(reached):
     said = unfolded(reached[1].stdout)
     assert "round 0: error" in said
-    assert ", the pilot; " in said
-    assert "until kappa to 2.00%: reached (" in said
-    assert "and with 90 % probability below" in said
-    assert "price the next digit, 0." in said
+    assert "), the pilot; " in said
+    assert "(with 90 % probability below " in said
+    assert "until kappa to 2.00%: reached price the next digit, 0." in said
     assert "plan this campaign again" not in said  # which is what helps where a plan missed its target
 
 

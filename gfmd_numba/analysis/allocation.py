@@ -97,7 +97,7 @@ def cheapest_design(
     counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
     if counts.max() > _MOST:
         raise UnusableDataError(
-            f"given a target of {target:.2%}, for which {counts.max():.0f} realisations of a level would be the cheapest; "
+            f"given a target of {target:.2%}, for which a level would need {counts.max():.0f} realisations; "
             f"allowed: a larger one, as {_MOST} are the most"
         )
     return _described(choice, counts)

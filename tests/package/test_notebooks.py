@@ -15,10 +15,12 @@ CAMPAIGNS = Path(__file__).parents[2] / "campaigns"
 
 QUICKSTART = (
     (
-        "{reference: 90, eps_c: 30, eps_f: [360, 180, 45, 20], eps_t: [180, 45]}",
-        "{reference: 8, eps_c: 6, eps_f: [12, 10, 7, 6], eps_t: [10, 7]}",
+        "{reference: 60, eps_c: [20, 40, 20], eps_f: [150, 90, 30, 24], eps_t: [210, 80], cross: [300, 60, 60]}",
+        "{reference: 8, eps_c: 6, eps_f: [12, 10, 7, 6], eps_t: [10, 7], cross: 8}",
     ),
-    ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}"),
+    ("{eps_c: 1/2, eps_f: 1/1024, eps_t: 1/4}", "{eps_c: 1/2, eps_f: 1/64, eps_t: 1/4}"),
+    ("{eps_f: 1/256, eps_t: 1}", "{eps_f: 1/32, eps_t: 1}"),
+    ("{eps_c: 1/4, eps_f: 1/256}", "{eps_c: 1/4, eps_f: 1/32}"),
     ("[1/64, 1/256, 1/4096, 1/16384]", "[1/16, 1/32, 1/128, 1/256]"),
     ("{eps_c: [3/2, 5/2], eps_f: [1/5, 2], eps_t: [1/2, 3/2]}", "{eps_c: 2, eps_f: 1, eps_t: 1}"),  # nothing to search
 )

@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from gfmd_numba.analysis.fit_warnings import inseparable
+from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
-from gfmd_numba.analysis.tfc import means_of
 from gfmd_numba.arrays import Reals
 
 _FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
-_CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: a bootstrap has noise of its own
+_CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: errors of fits have noise, too
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
 

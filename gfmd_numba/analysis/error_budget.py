@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.posterior import Choice, Means, additive_only, linear
+from gfmd_numba.analysis.linear_fit import Means, additive_only, linear
+from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 

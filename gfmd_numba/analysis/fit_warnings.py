@@ -6,7 +6,8 @@ import numpy as np
 
 from gfmd_numba.analysis.estimates import PAIRS, Estimates
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST
-from gfmd_numba.analysis.posterior import Choice, Laws
+from gfmd_numba.analysis.linear_fit import Laws
+from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 

@@ -34,24 +34,34 @@ def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
     return variance @ total, (variance + variance.T) / 2
 
 
-def inflation(values: Reals, covariance: Reals, of_means: Reals, influence: Reals, contrasts: int) -> float:
-    """Return the factor on the variance of an estimate, for a covariance that is only estimated.
+def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals:
+    """Return the covariance (case, case) of the best means as the realisations themselves tell it (White 1980).
 
-    The estimate is the sum of the means times their `influence` (case), and `contrasts` is how many combinations of the
-    means have no influence. The covariance of one realisation gives the weights. How far the estimate scatters with
-    them is told by the realisations themselves (White 1980, with the mean of each design taken off), and by a part more
-    for weights that come from the same realisations (Lavenberg and Welch 1981).
+    The weights of the means follow from the `covariance` of one realisation, which is only estimated; `of_means` is
+    what it says of the means. The mean of each design, realisations that were asked of the same cases, is taken off.
     """
     mean, present = np.nanmean(values, axis=0), np.isfinite(values)
     patterns, member = np.unique(present, axis=0, return_inverse=True)
-    seen = 0.0
+    scatter = np.zeros_like(of_means)
     for index, pattern in enumerate(patterns):
         there = np.flatnonzero(pattern)
         rows = values[np.ix_(member.ravel() == index, there)] - mean[there]
-        each = rows @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there] @ influence)
-        seen += len(each) * each.var(ddof=1) if len(each) > 1 else float(each @ each)
-    fewest = present.sum(axis=0).min()
-    return float(seen / (influence @ of_means @ influence) * (1.0 + contrasts / fewest))
+        parts = rows @ np.linalg.solve(covariance[np.ix_(there, there)], of_means[there])
+        n = len(parts)
+        centred = parts - parts.mean(axis=0) if n > 1 else parts
+        scatter += centred.T @ centred * (n / (n - 1) if n > 1 else 1.0)
+    return scatter
+
+
+def inflation(scatter: Reals, of_means: Reals, influence: Reals, contrasts: int, fewest: int) -> float:
+    """Return the factor on the variance of an estimate, for a covariance that is only estimated.
+
+    The estimate is the sum of the means times their `influence` (case). Beside the scatter of the means, it counts that
+    the weights of the `contrasts`, combinations of the means that have no influence, come from the same realisations,
+    which are the `fewest` of any case (Lavenberg and Welch 1981).
+    """
+    ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
+    return float(ratio * (1.0 + contrasts / fewest))
 
 
 def covariance_of_one(values: Reals) -> Reals:

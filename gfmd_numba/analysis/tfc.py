@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
@@ -28,9 +27,11 @@ from gfmd_numba.analysis.fit_warnings import (
     realisations,
     shortage,
 )
-from gfmd_numba.analysis.gauss_markov import best_means, covariance_of_one, inflation
+from gfmd_numba.analysis.goodness_of_fit import excess_misfit
+from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
-from gfmd_numba.analysis.posterior import Choice, Linear, Means, along, linear_influence, shares, weighed
+from gfmd_numba.analysis.linear_fit import Linear, Means
+from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, processor_time
 from gfmd_numba.arrays import Reals
 
@@ -100,7 +101,7 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
         return [_refused(group, lack) for group in groups]
     means = [means_of(group, group.values[group.complete]) for group in groups]
     found = [weighed(means, choice) for choice in laws]
-    excess = _excess(means, found)
+    excess = excess_misfit(groups, means, found)
     if excess > 1.0:  # no law describes the means within their errors, which are enlarged until one does
         means = [replace(each, whitener=each.whitener / np.sqrt(excess)) for each in means]
         found = [weighed(means, choice) for choice in laws]
@@ -109,29 +110,6 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     if doubt:
         return [_refused(group, _doubts(group, doubt)) for group in groups]
     return [_fit(index, group, means[index], found, share, excess) for index, group in enumerate(groups)]
-
-
-def _excess(means: Sequence[Means], found: Sequence[Choice]) -> float:
-    """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1."""
-    contrasts = sum(linear_influence(each)[1] for each in means)
-    ratios = []
-    for choice in found:
-        searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
-        misfit = sum(fit.misfit for fit in choice.fits)
-        ratios.append(float(np.min(misfit) / chi2_distribution.ppf(0.95, max(1, contrasts - searched))))
-    return max(1.0, min(ratios))
-
-
-def means_of(group: Group, values: Reals) -> Means:
-    """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
-    covariance = covariance_of_one(values)
-    mean, of_means = best_means(values, covariance)
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
-    if len(values) > 1 and np.nanstd(values - mean) > 1e-9 * np.nanmax(abs(values)):
-        influence, contrasts = linear_influence(means)
-        factor = inflation(values, covariance, of_means, influence, contrasts)
-        return replace(means, whitener=means.whitener / np.sqrt(factor))
-    return means
 
 
 def _fit(

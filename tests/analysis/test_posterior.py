@@ -7,10 +7,11 @@ import pytest
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
-from gfmd_numba.analysis.posterior import Means, along, shares, weighed
+from gfmd_numba.analysis.linear_fit import Means
+from gfmd_numba.analysis.posterior import along, shares, weighed
 from gfmd_numba.analysis.selection import groups_to_fit
-from gfmd_numba.analysis.tfc import means_of
 from support.synthetic_campaigns import ALPHA, CROSS, REFERENCE, WANING, campaign, noisy
 
 EXACT = {name: (value, value) for name, value in ALPHA.items()}

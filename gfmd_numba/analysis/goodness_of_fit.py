@@ -1,0 +1,40 @@
+"""Whether any law of the limits describes the means of a campaign."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import f as f_distribution
+
+from gfmd_numba.analysis.group_means import scatter_of
+from gfmd_numba.analysis.linear_fit import Means, known_before, misfit_form
+from gfmd_numba.analysis.posterior import Choice
+from gfmd_numba.analysis.selection import Group
+
+
+def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[Choice]) -> float:
+    """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1.
+
+    How chi^2 is distributed follows from the scatter of the means, as the covariance that weighs them is only
+    estimated (Satterthwaite 1946).
+    """
+    found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
+    scatters = [scatter for scatter in found_scatters if scatter is not None]
+    freedom = min(group.n_realisations for group in groups) - 1
+    if freedom < 1 or len(scatters) < len(groups):
+        return 1.0
+    ratios = []
+    for choice in found:
+        best = int(np.argmin(np.sum([fit.misfit for fit in choice.fits], axis=0)))
+        expected = squares = 0.0
+        for each, scatter in zip(means, scatters, strict=True):
+            form = misfit_form(each, choice.laws, choice.nodes[best], known_before(each, choice.laws)) @ scatter
+            expected += float(np.trace(form))
+            squares += float(np.trace(form @ form))
+        if expected <= 0.0:
+            continue
+        contrasts = expected**2 / squares
+        searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
+        expected *= max(1.0, contrasts - searched) / contrasts
+        limit = expected * f_distribution.ppf(0.95, max(1.0, contrasts - searched), freedom)
+        ratios.append(float(sum(fit.misfit[best] for fit in choice.fits)) / limit)
+    return max(1.0, min(ratios, default=1.0))

@@ -97,7 +97,7 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
 @pytest.mark.parametrize("fixed", [ALPHA, RANGES, {"eps_t": 1.0}], ids=["exact", "ranges", "free"])
 def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):
     rng = np.random.default_rng(4)
-    dataset = noisy(campaign(realisations=30), rng, spread=0.02, own=0.005)
+    dataset = noisy(campaign(realisations=30, cross=CROSS), rng, spread=0.02, own=0.005)
     dataset["kappa_r"] = 0.7 * dataset["kappa"]
     share = 1e-6 * rng.random(dataset["kappa"].shape)
     dataset["kappa_residual_error"] = share * dataset["kappa"]

@@ -25,8 +25,8 @@ def test_only_complete_realisations_are_fitted():
 def test_errors_of_incomplete_groups_are_those_of_the_rest_that_had_never_been_run():
     whole = noisy(campaign((0.3, 0.8), cross=CROSS, realisations=30), np.random.default_rng(13))
     broken = fails(whole, case=5, realisation=slice(0, 10))
-    few, all_of_them = (fit_tfc(data, fixed=ALPHA)["kappa_tfc_error"] for data in (broken, whole))
-    expected = fit_tfc(whole.isel(realisation=slice(10, 30)), fixed=ALPHA)["kappa_tfc_error"]
+    few, all_of_them = (fit_tfc(data, "kappa", "free", ALPHA)["kappa_tfc_error"] for data in (broken, whole))
+    expected = fit_tfc(whole.isel(realisation=slice(10, 30)), "kappa", "free", ALPHA)["kappa_tfc_error"]
     np.testing.assert_allclose(few[0], expected[0], rtol=0.15)
     np.testing.assert_allclose(few[1], all_of_them[1], rtol=1e-12)
 

@@ -11,14 +11,14 @@ from gfmd_numba.analysis.laws import power, unseen_slope
 from gfmd_numba.analysis.posterior import Means, along, shares, weighed
 from gfmd_numba.analysis.selection import groups_to_fit
 from gfmd_numba.analysis.tfc import means_of
-from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, C, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, REFERENCE, WANING, campaign, noisy
 
 EXACT = {name: (value, value) for name, value in ALPHA.items()}
 
 
 def group_and_means(seed=0, spread=0.05, **options):
     options = {"realisations": 30, "cross": CROSS} | options
-    dataset = noisy(campaign(**options), np.random.default_rng(seed), spread=spread, own=spread / 20)
+    dataset = noisy(campaign(**options, **WANING), np.random.default_rng(seed), spread=spread, own=spread / 20)
     (group,) = groups_to_fit(dataset, "kappa", omit_nyquist=True)
     return dataset, group, means_of(group, group.values)
 
@@ -33,23 +33,29 @@ def ratio(exponent, name):
     return lambda eps: (eps / REFERENCE[name]) ** exponent
 
 
-def least_squares(means, columns, sizes):
-    """Generalised least squares with interactions known to be 0 within their sizes: coefficients, covariance, chi^2."""
+def least_squares(means, columns, before):
+    """Generalised least squares with what is known of interactions before: coefficients, covariance, chi^2."""
     weight = means.whitener.T @ means.whitener
-    known = np.zeros(columns.shape[1])
-    known[columns.shape[1] - len(sizes) :] = 1 / sizes**2
+    expected, scatter = np.zeros((2, columns.shape[1]))
+    expected[-len(before[0]) :], scatter[-len(before[0]) :] = before
+    known = np.divide(1.0, scatter**2, out=np.zeros(len(scatter)), where=scatter != 0)
     covariance = np.linalg.inv(columns.T @ weight @ columns + np.diag(known))
-    found = covariance @ columns.T @ weight @ means.values
+    found = covariance @ (columns.T @ weight @ means.values + known * expected)
     left = means.values - columns @ found
-    return found, covariance, left @ weight @ left + known @ found**2
+    return found, covariance, left @ weight @ left + known @ (found - expected) ** 2
+
+
+def known_before(means, relative):
+    """Mean and scatter of interactions: parts of the smaller correction of a fit that adds them up."""
+    columns = columns_at(means, relative)[:, : 1 + len(means.levels)]
+    weight = means.whitener.T @ means.whitener
+    found = np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:]
+    smaller = np.array([min(pair, key=abs) for pair in combinations(found, 2)])
+    return np.array([0.0, 0.0, 1.0]) * smaller, 0.5 * abs(smaller)
 
 
 def sizes_at(means, middle):
-    """Likely sizes of interactions: of each pair the smaller correction of a fit that adds them up."""
-    columns = columns_at(means, {name: ratio(middle[name], name) for name in means.levels})[:, : 1 + len(means.levels)]
-    weight = means.whitener.T @ means.whitener
-    found = abs(np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:])
-    return np.array([min(pair) for pair in combinations(found, 2)])
+    return known_before(means, {name: ratio(middle[name], name) for name in means.levels})
 
 
 @pytest.mark.parametrize("cross", [(), CROSS[:1], CROSS], ids=["none", "one", "all"])
@@ -63,15 +69,9 @@ def test_at_exact_exponents_a_fit_is_generalised_least_squares(cross):
     scale = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(said, found, atol=1e-9 * scale.max())
     np.testing.assert_allclose(errors, scale, rtol=1e-8)
-    assert fit["chi2"].item() == pytest.approx(chi2 - _prior(found, sizes_at(means, ALPHA)), rel=1e-6) or fit[
-        "chi2"
-    ].item() == pytest.approx(chi2, rel=1e-6)
+    assert fit["chi2"].item() == pytest.approx(chi2, rel=1e-6)
     half = student.ppf(0.95, 29) * scale[0]
     np.testing.assert_allclose([fit["kappa_tfc_low"], fit["kappa_tfc_high"]], [found[0] - half, found[0] + half])
-
-
-def _prior(found, sizes):
-    return ((found[-len(sizes) :] / sizes) ** 2).sum()
 
 
 def dense(means, nodes, relative_at, sizes, wholes=None):
@@ -96,12 +96,14 @@ def mixture(weight, kappa, variance):
 
 def quantile(share, weight, kappa, variance, freedom):
     """Where a mixture of Student's distributions reaches a share, by brute force."""
-    ends = np.linspace(kappa.min() - 9 * variance.max() ** 0.5, kappa.max() + 9 * variance.max() ** 0.5, 4001)
+    counts = weight > 1e-7
+    weight, kappa, variance = weight[counts], kappa[counts], variance[counts]
+    ends = np.linspace(kappa.min() - 9 * variance.max() ** 0.5, kappa.max() + 9 * variance.max() ** 0.5, 801)
     below = [weight @ student.cdf((end - kappa) / np.sqrt(variance), freedom) for end in ends]
     return np.interp(share, below, ends)
 
 
-@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05), (2, 0.005)])
+@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
 def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
     dataset, group, means = group_and_means(seed, spread)
@@ -145,14 +147,12 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     )
     second = np.array(list(product(cuts, tails)))
     one = {name: ratio(ALPHA[name], name) for name in ALPHA}
-    sizes = [
-        sizes_at(means, ALPHA | {"eps_f": 0.9}),
-        sizes_of_theory(means, law, np.array([[200**0.5, 1.0]])),
-    ]
 
     def theory(node):
         at = law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
         return one | {"eps_f": lambda eps: law.excess(eps, node[np.newaxis])[0] / at}
+
+    sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(np.array([200**0.5, 1.0])))]
 
     found = [
         dense(means, first, lambda node: one | {"eps_f": ratio(node[0], "eps_f")}, sizes[0]),
@@ -172,19 +172,9 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.03)
 
 
-def sizes_of_theory(means, law, middle):
-    at = law.excess(np.array([REFERENCE["eps_f"]]), middle)[0, 0]
-    relative = {name: ratio(ALPHA[name], name) for name in ALPHA}
-    relative["eps_f"] = lambda eps: law.excess(eps, middle)[0] / at
-    columns = columns_at(means, relative)[:, :4]
-    weight = means.whitener.T @ means.whitener
-    found = abs(np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:])
-    return np.array([min(pair) for pair in combinations(found, 2)])
-
-
 def test_groups_that_share_exponents_weigh_them_together():
     """chi^2 of the groups add up, and so an exponent is known better than in each of them."""
-    dataset = noisy(campaign((0.3, 0.8), realisations=30), np.random.default_rng(3), spread=0.02)
+    dataset = noisy(campaign((0.3, 0.8), realisations=30, **WANING), np.random.default_rng(3), spread=0.02)
     shared, free = (
         fit_tfc(dataset, exponents=how, fixed=ALPHA | {"eps_f": (0.3, 1.5)}).sel(limit="eps_f")
         for how in ("shared", "free")
@@ -230,7 +220,6 @@ def test_weights_of_all_laws_add_up_to_one():
 
 
 def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights():
-    values = np.array([1.0, 2.0, 4.0, 2.5, 3.5])
     levels = {
         "eps_c": np.array([1 / 4, 1 / 2, 1.0, 1 / 4, 1 / 4]),
         "eps_t": np.array([1 / 4, 1 / 4, 1 / 4, 1 / 2, 1.0]),
@@ -241,7 +230,3 @@ def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_
         [Means(values, whitener, levels, dict.fromkeys(levels, 1 / 4))], {n: power(n, {n: (1.0, 1.0)}) for n in levels}
     )
     np.testing.assert_allclose(choice.fits[0].coefficients[0], [3.0, 0.5, -0.25, 0.0], atol=1e-12)
-
-
-def test_levels_of_a_campaign_are_as_assumed_here():
-    assert set(LEVELS) == set(C) == set(REFERENCE)

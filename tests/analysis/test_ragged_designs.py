@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import covariance_of_one
-from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, fails, noisy, notes
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, WANING, campaign, fails, noisy, notes
 
 
 def ragged(dataset, **counts):
@@ -19,7 +19,7 @@ def test_limits_with_fewer_realisations_lose_little_and_stay_unbiased():
     """Fine levels only have to tell their difference from the reference: they need fewer surfaces."""
     estimates, errors = [], []
     for seed in range(60):
-        whole = noisy(campaign(realisations=120, cross=CROSS), np.random.default_rng(seed), own=0.01)
+        whole = noisy(campaign(realisations=120, cross=CROSS, **WANING), np.random.default_rng(seed), own=0.01)
         designs = whole, ragged(whole, eps_c=10), whole.isel(realisation=slice(10))
         fits = [fit_tfc(design, fixed=ALPHA) for design in designs]
         estimates.append([fit["kappa_tfc"].item() for fit in fits])
@@ -27,7 +27,7 @@ def test_limits_with_fewer_realisations_lose_little_and_stay_unbiased():
     scatter = np.std(estimates, axis=0, ddof=1)
     assert np.abs(np.mean(estimates, axis=0) - TFC[0.8] < 3 * scatter / np.sqrt(60)).all()
     assert scatter[1] < 1.5 * scatter[0]
-    assert scatter[2] > 2.0 * scatter[0]  # ten surfaces everywhere
+    assert scatter[2] > 1.5 * scatter[0]  # ten surfaces everywhere
     stated = np.nanmean(errors, axis=0)
     np.testing.assert_allclose(stated[:2], scatter[:2], rtol=0.3)
     assert fits[1]["n_realisations"] == 10

@@ -1,0 +1,103 @@
+"""Corrections that do not add up, laws that are no powers, and errors that have to be right for both."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.analysis import fit_tfc
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy
+from support.unseen_slope import of_unseen_slope
+
+PLANTED = {("eps_c", "eps_f"): 0.04, ("eps_c", "eps_t"): -0.05, ("eps_f", "eps_t"): 0.08}
+
+
+def error_and_scatter(truth, rng, n, asked=None, **options):
+    """Rms of the error that is said, and of the difference from the limit."""
+    found = []
+    for _ in range(n):
+        dataset = noisy(truth, rng, spread=0.1)
+        if asked is not None:
+            kept = np.arange(dataset.sizes["realisation"]) < asked[:, np.newaxis]
+            dataset = dataset.assign(kappa=dataset["kappa"].where(kept)).assign_coords(realisations=("case", asked))
+        fit = fit_tfc(dataset, **options)
+        found.append([fit["kappa_tfc_error"].item(), fit["kappa_tfc"].item() - TFC[0.8]])
+    return np.sqrt(np.mean(np.square(found), axis=0))
+
+
+@pytest.mark.parametrize("fixed", [ALPHA, {"eps_t": 1.0}], ids=["exact", "free"])
+def test_planted_interactions_are_found_with_cross_levels(fixed):
+    fit = fit_tfc(campaign(cross=CROSS, interactions=PLANTED), fixed=fixed).isel(group=0)
+    np.testing.assert_allclose(fit["interaction"], list(PLANTED.values()), atol=1e-7)
+    np.testing.assert_allclose(fit["interaction_error"], 0.0, atol=1e-7)
+    np.testing.assert_allclose(fit["kappa_tfc"], TFC[0.8], atol=1e-7)
+    np.testing.assert_allclose(fit["C"], list(C.values()), rtol=1e-6)
+    together = f"corrections together differ from their sum by {sum(PLANTED.values()):.2g} +- "
+    assert together in fit["message"].item()
+
+
+def test_planted_interactions_lie_within_their_errors():
+    dataset = noisy(campaign(realisations=60, cross=CROSS, interactions=PLANTED), np.random.default_rng(5), spread=0.05)
+    fit = fit_tfc(dataset, fixed=ALPHA).isel(group=0)
+    assert (abs(fit["interaction"] - list(PLANTED.values())) < 2.5 * fit["interaction_error"]).all()
+    assert abs(fit["kappa_tfc"] - TFC[0.8]) < 2.5 * fit["kappa_tfc_error"]
+
+
+@pytest.mark.parametrize("first", [-1.0, 0.0, 1.0])
+@pytest.mark.parametrize("second", [0.5, 1.0, 1.5])
+def test_without_cross_levels_likely_interactions_lie_inside_the_error(first, second):
+    """Of eps_c a standard deviation, half the smaller correction; of eps_f and eps_t half or one and a half of it."""
+    size = C["eps_t"] * REFERENCE["eps_t"]
+    planted = {("eps_c", "eps_f"): 0.5 * first * C["eps_f"] * REFERENCE["eps_f"] ** ALPHA["eps_f"]}
+    planted[("eps_f", "eps_t")] = second * size
+    # corrections as they are seen one at a time hold those interactions
+    coefficients = C | {"eps_t": C["eps_t"] * (1 - second)}
+    fit = fit_tfc(campaign(coefficients=coefficients, interactions=planted), fixed=ALPHA)
+    assert abs(fit["kappa_tfc"] - TFC[0.8]) < 1.7 * fit["kappa_tfc_error"]
+    assert "no cross level tells whether" in fit["message"].item()
+
+
+def test_one_cross_level_leaves_the_other_pairs_open():
+    fit = fit_tfc(campaign(cross=CROSS[:1], interactions=PLANTED), fixed=ALPHA).isel(group=0)
+    lines = fit["message"].item().splitlines()
+    assert lines[0].startswith("corrections together differ from their sum by 0.04")
+    assert "whether the corrections of eps_c and eps_t; eps_f and eps_t add up" in lines[1]
+    known, *unknown = fit["interaction_error"].values
+    assert known < 1e-7
+    assert min(unknown) > 0.01
+
+
+@pytest.mark.parametrize("hurst", [0.8, 1.0])
+def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst):
+    """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so."""
+    levels = LEVELS | {"eps_f": [1 / 64, 1 / 256, 1 / 1024, 1 / 4096, 1 / 16384]}
+    truth = of_unseen_slope(campaign(levels=levels, realisations=40, cross=CROSS, **WANING), hurst)
+    rng = np.random.default_rng(2)
+    others = {"eps_c": ALPHA["eps_c"], "eps_t": ALPHA["eps_t"]}
+    found = []
+    for _ in range(8):
+        dataset = noisy(truth, rng, spread=0.02)
+        fit, power = (
+            fit_tfc(dataset.rename(kappa=name), name, fixed=others | given)
+            for name, given in (("kappa", {}), ("kappa_r", {"eps_f": (0.05, 3.0)}))
+        )
+        found.append([[one["kappa_tfc"].item() - TFC[0.8], one["kappa_tfc_error"].item()] for one in (fit, power)])
+    (off, error), (off_by_power, error_of_power) = np.transpose(found, (1, 2, 0))
+    assert np.sqrt(np.mean((off / error) ** 2)) < 1.6
+    assert abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))
+    assert np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6
+
+
+def test_errors_of_a_complete_design_are_as_large_as_the_differences():
+    said, rms = error_and_scatter(
+        campaign(realisations=30, cross=CROSS, **WANING), np.random.default_rng(0), 150, fixed=ALPHA
+    )
+    assert 0.85 < said / rms < 1.2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("ragged", [False, True])
+@pytest.mark.parametrize("n", [20, 30, 60])
+def test_errors_are_as_large_as_the_differences_for_every_number_of_realisations(n, ragged):
+    truth = campaign(realisations=3 * n if ragged else n, cross=CROSS, **WANING)
+    asked = np.where(truth["limit"].isin(["eps_c", "cross"]), n, 3 * n) if ragged else None
+    said, rms = error_and_scatter(truth, np.random.default_rng(n), 300, asked, fixed=ALPHA)
+    assert 0.85 < said / rms < 1.2

@@ -11,6 +11,7 @@ from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
+_AT_THE_END = 0.05  # of a range: there the 90 % interval of an exponent begins that the data do not know
 _COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
 # ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
 _LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
@@ -84,8 +85,10 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> list[str]:
             if parameter.logarithmic or parameter.low == parameter.high or share.sum() < _COUNTS:
                 continue
             low, high = parameter.low, parameter.high
-            found = share @ choice.nodes[:, index] / share.sum()
-            if found < low + _PRESSED * (high - low):
+            values = choice.nodes[:, index]
+            mean, least = share @ values / share.sum(), _ends(values, share)[0]
+            # a small exponent that the data know well is not pressed
+            if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
                 lines.append(
                     f"exponent of {parameter.limit} is pressed to the low end of its range, {low:g}: allow less, or "
                     "do not trust this limit"

@@ -14,13 +14,14 @@ _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the on
 
 @dataclass(frozen=True)
 class Prediction:
-    """Relative error of kappa_tfc to expect of one group, times the `factor`.
+    """Relative error of kappa_tfc to expect of one group, times the `factor`, and the part of it from `exponents`.
 
     The factor is the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error
     is that `cheapest_design` promises: a plan is made once, where a run can go on.
     """
 
     error: float
+    exponents: float
     factor: float
     caution: float
 
@@ -42,5 +43,7 @@ def predictions(
     for ensemble in ensembles(results, variable, fixed or {}):
         factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
         caution = float(np.sqrt(ensemble.doubt)) / factor
-        found.append(Prediction(relative_errors(ensemble, of_level)[0] / caution, factor, caution))
+        error, of_surfaces = (each / caution for each in relative_errors(ensemble, of_level))
+        exponents = float(np.sqrt(max(0.0, error**2 - of_surfaces**2)))
+        found.append(Prediction(error, exponents, factor, caution))
     return found

@@ -39,6 +39,7 @@ MODEL = (
     "[thesis (4.3)] or, of kappa against eps_f, 1 / sqrt(1 - S) - 1 with the share S of g^2 that contacts do not see"
 )
 _TAIL = 0.05  # beyond each end of an interval
+_WORTH_A_NOTE = 1.01  # factor on errors
 
 
 def fit_tfc(
@@ -145,9 +146,9 @@ def _fit(
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
     budget = error_budget(index, means, found, share, group.residual_error)
     notes = [*group.notes, *pressed(found, share), *logarithmic(group, found), *additivity(group, estimate, error)]
-    if excess > 1.0 and group.n_realisations > 1:
+    if np.sqrt(excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         notes.append(
-            f"no law of the limits describes the means within their errors, which are enlarged {np.sqrt(excess):.2g} "
+            f"no law of the limits describes the means within their errors, which are enlarged {np.sqrt(excess):.3g} "
             "times: leave out the coarsest levels, or allow other exponents"
         )
     if group.n_realisations < 2:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.allocation import level_of_case
-from gfmd_numba.analysis.prediction import Prediction
 from gfmd_numba.analysis.selection import groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.limits import CROSS, MOST
@@ -142,8 +141,7 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
             try:
                 design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
             except UnusableDataError:
-                (least,) = predictions(cases, [MOST] * len(where), fit.variable, fit.fixed)
-                raise _out_of_reach(_named(results, parameters), least, target) from None
+                raise _out_of_reach(cases, _named(results, parameters), target, fit) from None
             known[identities] = _of_cases(design, cases)
         counts[where] = np.maximum(held[where], known[identities])
     return counts
@@ -195,23 +193,28 @@ def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
     return np.array(counts, dtype=np.intp)
 
 
-def _out_of_reach(whom: str, least: Prediction, target: float) -> UnusableDataError:
+def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
     """Why the most realisations do not reach a target, and what helps."""
+    least, further = (
+        predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed)[0] for number in (MOST, 100 * MOST)
+    )
     if least.error <= target:
         return UnusableDataError(
-            f"{whom}it would take more than {MOST} realisations of a level; allowed: a larger target, or levels that "
-            "tell more"
+            f"{whom}it would take more than {MOST} realisations of a level; allowed: a larger target, or levels "
+            "further from the reference"
         )
-    left = f"{whom}{MOST} realisations of every case would leave an error of {100 * least.error:.3g}%"
-    if 2.0 * least.exponents**2 < least.error**2:
+    left = f"{whom}{MOST} realisations of every case would leave an error of {100 * least.error:.2g}%"
+    if 2.0 * further.interactions**2 > least.error**2:
         return UnusableDataError(
             f"{left}, as no cross level tells whether corrections add up; allowed: a larger target, or a cross level "
             "for every pair of limits under `limits: {cross: ...}`"
         )
-    return UnknownExponentsError(
-        f"{left}, as the exponents are not known any better; allowed: a larger target, finer levels, or narrower "
-        "ranges under `fit: {fixed: ...}`"
-    )
+    if 3.0 * least.exponents**2 > least.error**2:
+        return UnknownExponentsError(
+            f"{left}, as the exponents are not known any better; allowed: a larger target, finer levels, or narrower "
+            "ranges under `fit: {fixed: ...}`"
+        )
+    return UnusableDataError(f"{left}; allowed: a larger target, or levels further from the reference")
 
 
 def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:

@@ -62,12 +62,23 @@ def test_cross_levels_are_what_a_prediction_lacks_without_them():
     assert with_.error < 0.7 * without.error
 
 
-def test_the_part_from_exponents_is_nothing_at_exact_ones_and_most_of_what_many_realisations_leave():
-    many, ranges = [1000 * count for count in MORE], {"eps_c": (0.5, 2), "eps_f": (0.2, 2), "eps_t": (0.5, 2)}
-    exact, wide = (predictions(results(MORE, 0), many, fixed=fixed)[0] for fixed in (ALPHA, ranges))
+def test_many_realisations_leave_what_no_cross_level_tells():
+    """And with cross levels next to nothing, whatever is known of the exponents."""
+    without, crossed = (
+        predictions(results(counts, 0), [10**9] * len(counts), fixed=ALPHA)[0] for counts in (WITHOUT_CROSS, SOME)
+    )
+    assert without.interactions == pytest.approx(without.error, rel=1e-3)
+    assert crossed.error < 1e-3 * without.error
+    assert without.exponents == crossed.exponents == pytest.approx(0.0, abs=1e-9)
+
+
+def test_wide_ranges_of_exponents_are_part_of_the_error():
+    levels = {"eps_f": LEVELS["eps_f"]}
+    only = noisy(campaign(levels=levels, coefficients={"eps_f": 6.0}, realisations=40), np.random.default_rng(0))
+    exact, wide = (predictions(only, [10**6] * 3, fixed={"eps_f": known})[0] for known in (0.6, (0.1, 4.0)))
     assert exact.exponents == pytest.approx(0.0, abs=1e-9)
-    assert wide.exponents**2 > 0.5 * wide.error**2
-    assert exact.error < 0.5 * wide.error
+    assert wide.exponents**2 > wide.error**2 / 3
+    assert wide.interactions == pytest.approx(0.0, abs=1e-6)
 
 
 def test_more_results_make_a_prediction_surer():

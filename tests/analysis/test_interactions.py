@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.gauss_markov import covariance_of_one
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy
 from support.unseen_slope import of_unseen_slope
 
@@ -84,6 +85,21 @@ def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst):
     assert np.sqrt(np.mean((off / error) ** 2)) < 1.6
     assert abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))
     assert np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6
+
+
+def test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation():
+    """White 1980 and Lavenberg and Welch 1981, with the weights of generalised least squares."""
+    dataset = noisy(
+        campaign(levels={"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 16]}, realisations=12), np.random.default_rng(0)
+    )
+    values = dataset["kappa"].values.T
+    columns = np.column_stack([np.ones(4), dataset["eps_c"].values])
+    weight = np.linalg.inv(covariance_of_one(values))
+    each = values @ (weight @ columns @ np.linalg.inv(columns.T @ weight @ columns))[:, 0]
+    fit = fit_tfc(dataset, fixed={"eps_c": 1.0})
+    assert "no law" not in fit["message"].item()
+    assert fit["kappa_tfc"].item() == pytest.approx(each.mean(), rel=1e-10)
+    assert fit["kappa_tfc_error"].item() == pytest.approx(np.sqrt(each.var(ddof=1) / 12 * (1 + 2 / 12)), rel=1e-9)
 
 
 def test_errors_of_a_complete_design_are_as_large_as_the_differences():

@@ -86,7 +86,7 @@ def cheapest_design(
     least = choice.error(np.full(len(choice.levels), float(_MOST)))
     if least >= target:
         raise UnusableDataError(
-            f"given a target of {target:.2%}, where {_MOST} realisations of all cases leave {least:.2%}; "
+            f"given a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave {100 * least:.3g}%; "
             "allowed: a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower ranges "
             "under `fit: {fixed: ...}`"
         )
@@ -97,8 +97,8 @@ def cheapest_design(
     counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
     if counts.max() > _MOST:
         raise UnusableDataError(
-            f"given a target of {target:.2%}, for which a level would need {counts.max():.0f} realisations; "
-            f"allowed: a larger one, as {_MOST} are the most"
+            f"given a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
+            f"the cheapest; allowed: a larger one, as {_MOST} are the most"
         )
     return _described(choice, counts)
 

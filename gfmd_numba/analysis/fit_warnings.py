@@ -11,8 +11,8 @@ from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 
-_PRESSED = 1.4  # standard deviations from the low end of a range: 1 where likelihood falls from there, 1.7 if flat
-_KNOWN = 0.2  # standard deviation over the range of an exponent: 0.29 where nothing is known of it
+_PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
+_AT_THE_END = 0.05  # of a range: there the 90 % interval of an exponent begins that the data do not know
 _COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
 # ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
 _LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
@@ -85,11 +85,11 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> list[str]:
         for index, parameter in enumerate(choice.parameters):
             if parameter.logarithmic or parameter.low == parameter.high or share.sum() < _COUNTS:
                 continue
-            low = parameter.low
-            mean = share @ choice.nodes[:, index] / share.sum()
-            deviation = np.sqrt(share @ (choice.nodes[:, index] - mean) ** 2 / share.sum())
-            known = deviation < _KNOWN * (parameter.high - low)
-            if known and mean - low < _PRESSED * deviation:
+            low, high = parameter.low, parameter.high
+            values = choice.nodes[:, index]
+            mean, least = share @ values / share.sum(), _ends(values, share)[0]
+            # a small exponent that the data know well is not pressed
+            if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
                 lines.append(
                     f"exponent of {parameter.limit} is pressed to the low end of its range, {low:g}: allow less, or "
                     "do not trust this limit"

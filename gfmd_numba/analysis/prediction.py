@@ -1,14 +1,15 @@
 """The error that numbers of realisations are going to give, predicted from the results so far."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 from scipy.stats import chi2
 
-from gfmd_numba.analysis.allocation import ensembles, level_of_case, relative_errors
+from gfmd_numba.analysis.allocation import Ensemble, ensembles, level_of_case, relative_errors
 
+_WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
 _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
 
 
@@ -16,11 +17,14 @@ _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the on
 class Prediction:
     """Relative error of kappa_tfc to expect of one group, times the `factor`.
 
-    The factor is the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error
-    is that `cheapest_design` promises: a plan is made once, where a run can go on.
+    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
+    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
+    `cheapest_design` promises: a plan is made once, where a run can go on.
     """
 
     error: float
+    exponents: float
+    interactions: float
     factor: float
     caution: float
 
@@ -42,5 +46,16 @@ def predictions(
     for ensemble in ensembles(results, variable, fixed or {}):
         factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
         caution = float(np.sqrt(ensemble.doubt)) / factor
-        found.append(Prediction(relative_errors(ensemble, of_level)[0] / caution, factor, caution))
+        error, of_surfaces = (each / caution for each in relative_errors(ensemble, of_level))
+        additive = relative_errors(_additive(ensemble), of_level)[0] / caution
+        exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
+        found.append(Prediction(error, exponents, interactions, factor, caution))
     return found
+
+
+def _additive(ensemble: Ensemble) -> Ensemble:
+    """Return the same, with the interactions known."""
+    known = ensemble.known.copy()
+    coefficients = known[: ensemble.columns.shape[1]]
+    coefficients[coefficients > 0] = _WELL_KNOWN
+    return replace(ensemble, known=known)

@@ -39,8 +39,8 @@ MODEL = (
     "kappa = kappa_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = eps_i^alpha_i "
     "[thesis (4.3)] or, of kappa against eps_f, 1 / sqrt(1 - S) - 1 with the share S of g^2 that contacts do not see"
 )
-_NOTEWORTHY = 1.2  # factor on variances
 _TAIL = 0.05  # beyond each end of an interval
+_WORTH_A_NOTE = 1.01  # factor on errors
 
 
 def fit_tfc(
@@ -124,10 +124,10 @@ def _fit(
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
     budget = error_budget(index, means, found, share, group.residual_error)
     notes = [*group.notes, *pressed(found, share), *logarithmic(group, found), *additivity(group, estimate, error)]
-    if excess > _NOTEWORTHY and group.n_realisations > 1:
+    if np.sqrt(excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         notes.append(
-            "no law of the limits describes the means as well as 19 of 20 campaigns would be described: errors are "
-            f"enlarged {np.sqrt(excess):.2g} times; without the coarsest levels a law may do"
+            f"no law of the limits describes the means within their errors, which are enlarged {np.sqrt(excess):.3g} "
+            "times: leave out the coarsest levels, or allow other exponents"
         )
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)

@@ -13,6 +13,7 @@ from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.limits import CROSS, Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.scene import InputError
+from gfmd_numba.text.input_error import ABSENT
 
 
 def with_cross_levels(planned: Plan) -> Plan:
@@ -27,6 +28,12 @@ def with_cross_levels(planned: Plan) -> Plan:
     campaign = _with(planned.campaign, levels)
     cases = expand(campaign)  # measured surfaces have no limits
     return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+
+
+def added(planned: Plan) -> str:
+    """Cross levels that a plan has and its campaign file has not, as one would write them there."""
+    given = planned.document.value(("limits", CROSS))
+    return as_written(planned.campaign) if planned.campaign.limits.crossed and given in (ABSENT, None) else ""
 
 
 def as_written(campaign: Campaign) -> str:

@@ -16,6 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
+from gfmd_numba.analysis.allocation import level_of_case
 from gfmd_numba.analysis.selection import groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.limits import CROSS, MOST
@@ -27,6 +28,10 @@ _HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
 _LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
 
 Counts = NDArray[np.intp]
+
+
+class UnknownExponentsError(UnusableDataError):
+    """No number of realisations reaches a target, because of the ranges of exponents."""
 
 
 @dataclass(frozen=True)
@@ -136,12 +141,7 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
             try:
                 design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
             except UnusableDataError:
-                (least,) = predictions(cases, [MOST] * len(where), fit.variable, fit.fixed)
-                raise UnusableDataError(
-                    f"{_named(results, parameters)}{MOST} realisations of every case would leave an error of "
-                    f"{least.error:.2%}, as the exponents are not known any better; allowed: a larger target, finer "
-                    "levels, or narrower ranges under `fit: {fixed: ...}`"
-                ) from None
+                raise _out_of_reach(cases, _named(results, parameters), target, fit) from None
             known[identities] = _of_cases(design, cases)
         counts[where] = np.maximum(held[where], known[identities])
     return counts
@@ -181,14 +181,40 @@ def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
 
 def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
     """Realisations (case) of the cases of one group in a design."""
-    cross = iter(design.cross)
+    number, limits = level_of_case(cases), cases["limit"].values.tolist()
+    crossed = np.unique([each for each, limit in zip(number, limits, strict=True) if limit == CROSS])
+    cross = dict(zip(crossed.tolist(), design.cross, strict=True))
     counts = []
-    for i, limit in enumerate(cases["limit"].values.tolist()):
+    for i, limit in enumerate(limits):
         if limit == CROSS:
-            counts.append(next(cross))
+            counts.append(cross[number[i]])
         else:
             counts.append(design.levels[limit][float(cases[limit][i])] if limit in design.levels else design.reference)
     return np.array(counts, dtype=np.intp)
+
+
+def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
+    """Why the most realisations do not reach a target, and what helps."""
+    least, further = (
+        predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed)[0] for number in (MOST, 100 * MOST)
+    )
+    if least.error <= target:
+        return UnusableDataError(
+            f"{whom}it would take more than {MOST} realisations of a level; allowed: a larger target, or levels "
+            "further from the reference"
+        )
+    left = f"{whom}{MOST} realisations of every case would leave an error of {100 * least.error:.2g}%"
+    if 2.0 * further.interactions**2 > least.error**2:
+        return UnusableDataError(
+            f"{left}, as no cross level tells whether corrections add up; allowed: a larger target, or a cross level "
+            "for every pair of limits under `limits: {cross: ...}`"
+        )
+    if 3.0 * least.exponents**2 > least.error**2:
+        return UnknownExponentsError(
+            f"{left}, as the exponents are not known any better; allowed: a larger target, finer levels, or narrower "
+            "ranges under `fit: {fixed: ...}`"
+        )
+    return UnusableDataError(f"{left}; allowed: a larger target, or levels further from the reference")
 
 
 def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:

@@ -18,7 +18,7 @@ from gfmd_numba.campaign.cases import Case, blocks, distinct, expand, groups
 from gfmd_numba.campaign.collection import Measures, in_file_units
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
-from gfmd_numba.campaign.cross_levels import as_written
+from gfmd_numba.campaign.cross_levels import added
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.limits import CROSS, Realisations
@@ -30,7 +30,6 @@ from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import Discretisation, InputError
-from gfmd_numba.text.input_error import ABSENT
 
 REALISATIONS = 40  # of the pilot
 _SCOUTED = 20  # of the cheapest case of every group before it: those that scatter most are the dearest
@@ -142,8 +141,8 @@ def rewritten(planned: Plan, chosen: Design, target: float | None) -> tuple[str,
     goal = f"{chosen.error if target is None else target:.4g}"
     name = f"{planned.campaign.name[: _LONGEST_NAME - len(goal) - 1]}-{goal}"
     values = {"name": name, "realisations": f"{{{asked(planned, chosen)}}}", "target": goal}
-    if planned.campaign.limits.crossed and planned.document.value(("limits", CROSS)) in (ABSENT, None):
-        values[f"limits.{CROSS}"] = as_written(planned.campaign)
+    if crossed := added(planned):
+        values[f"limits.{CROSS}"] = crossed
     text = with_values(planned.document.text, values)
     if not _is_meant(planned.campaign, text, values):
         raise InputError(

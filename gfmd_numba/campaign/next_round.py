@@ -6,7 +6,15 @@ import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.selection import LIMITS
-from gfmd_numba.campaign.decision import Fit, Judgement, decide, judge, price_of_realisations, whole_price
+from gfmd_numba.campaign.decision import (
+    Fit,
+    Judgement,
+    UnknownExponentsError,
+    decide,
+    judge,
+    price_of_realisations,
+    whole_price,
+)
 from gfmd_numba.campaign.rounds import Round, Rounds
 
 REACHED = "reached"
@@ -43,8 +51,10 @@ def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found:
         most = state.goal.budget / state.seconds_per_price
     try:
         decision = decide(results, found, state.goal.target, fit, most)
-    except UnusableDataError as error:
+    except UnknownExponentsError as error:
         return state.ending(f"not {REACHED}: {error}{_widest(fitted)}")
+    except UnusableDataError as error:
+        return state.ending(f"not {REACHED}: {error}")
     if decision is None:
         return state.ending(f"not {REACHED}: the budget does not do for another round")
     another = Round(

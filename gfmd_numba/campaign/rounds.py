@@ -127,10 +127,9 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
     Cross levels are added where it has none.
     """
     update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
-    planned = with_cross_levels(planned)
     campaign = planned.campaign.model_copy(update=update)
     cases = expand(campaign, planned.punches)
-    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+    return with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
 
 
 def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:

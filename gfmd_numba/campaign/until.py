@@ -36,7 +36,7 @@ from gfmd_numba.scene.source import Source
 
 _PILOT_SECONDS = 2.0  # to predict what the pilot itself costs
 
-Told = Callable[[Rounds, int], None]  # of a round that begins, and of how many simulations it has left
+Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, and how many simulations it has left
 
 
 @dataclass(frozen=True)
@@ -110,10 +110,10 @@ class _Run:
                     todo, done = self._blocks(state, choice)
                     if todo and workers.count and not workers.on_cluster:
                         workers = replace(workers, client=stack.enter_context(local(workers.count)))
-                    if self.told is not None:
-                        self.told(state, sum(block.stop - block.first for block in todo))
-                    progress = self.watch(len(todo) + done, done) if self.watch else None
                     planned = with_realisations(self.planned, state.now.realisations)
+                    if self.told is not None:
+                        self.told(state, planned, sum(block.stop - block.first for block in todo))
+                    progress = self.watch(len(todo) + done, done) if self.watch else None
                     if finish(planned, todo, self.directory, workers, progress, choice):
                         state = self._judged(state, planned)
                     else:

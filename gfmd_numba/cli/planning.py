@@ -111,16 +111,16 @@ def _check_target(planned: Plan, name: str) -> None:
 def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
     from gfmd_numba.analysis import UnusableDataError
     from gfmd_numba.campaign import design as accuracy
-    from gfmd_numba.campaign.cross_levels import as_written, with_cross_levels
+    from gfmd_numba.campaign.cross_levels import added, with_cross_levels
     from gfmd_numba.campaign.overhead import UNSURE
     from gfmd_numba.scene import InputError
     from gfmd_numba.storage.atomic_file import create
 
     if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
         raise InputError(f"--write: given {printable(write)}; allowed: a new file in an existing folder")
-    asked_for, planned = planned, with_cross_levels(planned)
-    if planned is not asked_for:
-        say("added", f"cross levels {as_written(planned.campaign)}, to see whether corrections add up", width=14)
+    planned = with_cross_levels(planned)
+    if crossed := added(planned):
+        say("added", f"cross levels {crossed}, to see whether corrections add up", width=14)
     try:
         with waiting("planning from a pilot"):
             found = accuracy.pilot(planned)

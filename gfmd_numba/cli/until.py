@@ -14,6 +14,7 @@ from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.execution import Failures, Workers
+    from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.run import Choice
     from gfmd_numba.campaign.until import Outcome
@@ -51,8 +52,8 @@ def run_rounds(
     goal = goal_of({variable or load_campaign(file)[0].fit.variable: target}, budget)
     caption = ["blocks"]
 
-    def told(rounds: Rounds, left: int) -> None:
-        caption[0] = _tell(rounds, left)
+    def told(rounds: Rounds, planned: Plan, left: int) -> None:
+        caption[0] = _tell(rounds, planned, left)
 
     try:
         with progress_bar(lambda: caption[0]) as watch:
@@ -63,10 +64,14 @@ def run_rounds(
     return _show(outcome, show) and outcome.reached
 
 
-def _tell(rounds: Rounds, left: int) -> str:
+def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     """Say what a round is about to do, and return how its bar is called."""
+    from gfmd_numba.campaign.cross_levels import added
+
     number, now = len(rounds.rounds) - 1, rounds.now
     if number == 0:
+        if left and (crossed := added(planned)):
+            say("added", f"cross levels {crossed}, to see whether corrections add up", err=True)
         if left:
             say("round", f"0, the pilot: {left} simulations", err=True)
         return "pilot"

@@ -6,25 +6,33 @@ import pytest
 from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
 from support.campaigns import campaign as campaign_file
 from support.command_line import gfmd
-from support.synthetic_campaigns import ALPHA, CROSS, WANING, campaign, noisy
+from support.expected_interactions import drawn
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
-CAMPAIGN = {"levels": LEVELS, "cross": CROSS, **WANING}
+CAMPAIGN = {"levels": LEVELS, "cross": CROSS}
+
+
+def whole(seed, n):
+    """Campaign whose interactions are drawn from what is expected of them."""
+    rng = np.random.default_rng(seed)
+    return noisy(campaign(realisations=n, **CAMPAIGN, **drawn(rng)), rng)
 
 
 def pilot(seed=0, n=40):
-    dataset = noisy(campaign(realisations=n, **CAMPAIGN), np.random.default_rng(seed))
+    dataset = whole(seed, n)
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     return dataset, seconds
 
 
 def achieved(design, seeds=40):
-    """Relative scatter of kappa_tfc over repeated campaigns of a design."""
-    found = []
-    for seed in range(seeds):
-        dataset = noisy(campaign(realisations=most(design), **CAMPAIGN), np.random.default_rng(1000 + seed))
-        found.append(fit_tfc(left(dataset, design), fixed=ALPHA)["kappa_tfc"].item())
-    return np.std(found, ddof=1) / 2.0
+    """How far kappa_tfc of repeated campaigns of a design is off, relative and root mean square."""
+    return off([left(whole(1000 + seed, most(design)), design) for seed in range(seeds)])
+
+
+def off(datasets):
+    found = np.array([fit_tfc(dataset, fixed=ALPHA)["kappa_tfc"].item() for dataset in datasets])
+    return np.sqrt(np.mean((found / TFC[0.8] - 1.0) ** 2))
 
 
 def most(design):
@@ -59,8 +67,7 @@ def test_the_target_is_met():
 
 def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
     """Seconds times squared error, a constant of a design, of two pilots on average."""
-    equal = noisy(campaign(realisations=200, **CAMPAIGN), np.random.default_rng(1))
-    error = fit_tfc(equal, fixed=ALPHA)["kappa_tfc_error"].item() / 2.0
+    error = off([whole(1000 + seed, 200) for seed in range(40)])
     seconds = pilot()[1]
     designs = [cheapest_design(*pilot(seed), target=0.01, fixed=ALPHA) for seed in range(2)]
     prices = [design.seconds * achieved(design, 20) ** 2 for design in designs]

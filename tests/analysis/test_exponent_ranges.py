@@ -40,6 +40,16 @@ def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
     assert "exponent of eps_f is pressed to the low end of its range, 1: allow less" in said[1]["message"].item()
 
 
+def test_a_small_exponent_that_the_data_know_is_not_pressed():
+    """At a sixth of its range or less, and yet many standard deviations above the low end."""
+    long = LEVELS | {"eps_f": [4.0**-n for n in range(3, 9)]}
+    dataset = noisy(campaign(levels=long, realisations=60), np.random.default_rng(3), spread=0.005, own=2e-4)
+    fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA | {"eps_f": (0.4, 4.0)})
+    eps_f = fit.sel(limit="eps_f", group=0)
+    assert 0.4 + 3 * eps_f["alpha_error"] < eps_f["alpha"] < 0.4 + 0.15 * 3.6
+    assert "low end of its range" not in fit["message"].item()
+
+
 def test_no_power_of_eps_f_is_passed_off_as_a_limit_where_there_is_a_logarithm():
     dataset = campaign(realisations=3)
     steep = [with_axes(dataset.assign_coords(hurst=("case", np.full(10, hurst)))) for hurst in (0.8, 1)]

@@ -6,20 +6,26 @@ from scipy.stats import chi2
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc, predictions
 from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom
-from support.synthetic_campaigns import ALPHA, campaign, noisy
+from support.expected_interactions import drawn
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
 
 
 def results(counts, seed):
-    """Results with some realisations of each case."""
-    counts = np.array(counts)
-    drawn = noisy(campaign(levels=LEVELS, realisations=counts.max()), np.random.default_rng(seed))
+    """Results with some realisations of each case, cross levels among them where there are counts of these.
+
+    Interactions are drawn from what is expected of them: a prediction allows for those that no cross level tells.
+    """
+    counts, rng = np.array(counts), np.random.default_rng(seed)
+    cross = CROSS[: len(counts) - 7]
+    whole = noisy(campaign(levels=LEVELS, realisations=counts.max(), cross=cross, **drawn(rng)), rng)
     kept = np.arange(counts.max()) < counts[:, None]
-    return drawn.assign(kappa=drawn["kappa"].where(kept)).assign_coords(realisations=("case", counts))
+    return whole.assign(kappa=whole["kappa"].where(kept)).assign_coords(realisations=("case", counts))
 
 
-SOME, MORE = [80, 50, 50, 120, 50, 120, 60], [300, 50, 90, 500, 60, 600, 150]
+WITHOUT_CROSS = [80, 50, 50, 120, 50, 120, 60]
+SOME, MORE = [*WITHOUT_CROSS, 60, 60, 60], [300, 50, 90, 500, 60, 600, 150, 200, 200, 200]
 
 
 def test_as_many_realisations_of_every_case_have_the_freedom_of_a_sample():
@@ -36,24 +42,52 @@ def test_samples_of_different_cases_add_up_as_satterthwaite_says():
     assert degrees_of_freedom(values, np.eye(2), np.eye(2)) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("counts", [SOME, MORE])
-def test_the_predicted_error_is_the_scatter_of_campaigns(counts):
+@pytest.mark.parametrize(
+    ("some", "counts"),
+    [(SOME, SOME), (SOME, MORE), (WITHOUT_CROSS, WITHOUT_CROSS)],
+    ids=["as many", "more", "no cross level"],
+)
+def test_the_predicted_error_is_how_far_campaigns_are_off(some, counts):
     """It takes the weights of a fit for known, so that it is a little too good; half the time the factor makes up."""
     found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA)["kappa_tfc"].item() for seed in range(150)]
-    scatter = np.std(found, ddof=1) / 2.0
-    told = [predictions(results(SOME, seed), counts, fixed=ALPHA)[0] for seed in range(40)]
-    ratio = np.array([each.error for each in told]) / scatter
+    achieved = np.sqrt(np.mean((np.array(found) / TFC[0.8] - 1.0) ** 2))
+    told = [predictions(results(some, seed), counts, fixed=ALPHA)[0] for seed in range(40)]
+    ratio = np.array([each.error for each in told]) / achieved
     assert 0.85 < np.median(ratio / [each.factor for each in told]) < 1.15
     assert np.median(ratio) > 1.0
 
 
+def test_cross_levels_are_what_a_prediction_lacks_without_them():
+    with_, without = (predictions(results(counts, 0), counts, fixed=ALPHA)[0] for counts in (SOME, WITHOUT_CROSS))
+    assert with_.error < 0.7 * without.error
+
+
+def test_many_realisations_leave_what_no_cross_level_tells():
+    """And with cross levels next to nothing, whatever is known of the exponents."""
+    without, crossed = (
+        predictions(results(counts, 0), [10**9] * len(counts), fixed=ALPHA)[0] for counts in (WITHOUT_CROSS, SOME)
+    )
+    assert without.interactions == pytest.approx(without.error, rel=1e-3)
+    assert crossed.error < 1e-3 * without.error
+    assert without.exponents == crossed.exponents == pytest.approx(0.0, abs=1e-9)
+
+
+def test_wide_ranges_of_exponents_are_part_of_the_error():
+    levels = {"eps_f": LEVELS["eps_f"]}
+    only = noisy(campaign(levels=levels, coefficients={"eps_f": 6.0}, realisations=40), np.random.default_rng(0))
+    exact, wide = (predictions(only, [10**6] * 3, fixed={"eps_f": known})[0] for known in (0.6, (0.1, 4.0)))
+    assert exact.exponents == pytest.approx(0.0, abs=1e-9)
+    assert wide.exponents**2 > wide.error**2 / 3
+    assert wide.interactions == pytest.approx(0.0, abs=1e-6)
+
+
 def test_more_results_make_a_prediction_surer():
-    few, many = (predictions(results(counts, 0), MORE, fixed=ALPHA)[0] for counts in ([40] * 7, MORE))
-    assert few.factor == pytest.approx(np.sqrt(33 / chi2.ppf(0.1, 33)))
+    few, many = (predictions(results(counts, 0), MORE, fixed=ALPHA)[0] for counts in ([40] * 10, MORE))
+    assert few.factor == pytest.approx(np.sqrt(30 / chi2.ppf(0.1, 30)))
     assert 1.0 < many.factor < few.factor
     assert 1.0 < many.caution < few.caution
 
 
 def test_too_few_results_predict_nothing():
     with pytest.raises(UnusableDataError, match="given a pilot of 10 good realisations; allowed: at least 20"):
-        predictions(results([40, 40, 40, 40, 40, 40, 10], 0), MORE, fixed=ALPHA)
+        predictions(results([40, 40, 40, 40, 40, 40, 10, 40, 40, 40], 0), MORE, fixed=ALPHA)

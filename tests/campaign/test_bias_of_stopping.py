@@ -11,7 +11,7 @@ from gfmd_numba.campaign.rounds import PILOT, Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
-SEEDS = 150
+SEEDS = 100
 MOST = 1000  # realisations that any campaign asks for
 FIXED_COUNTS = [95, 75, PILOT]  # close to what most ask for
 NOT_ASKED = 7
@@ -72,4 +72,4 @@ def test_the_errors_that_are_said_are_right(campaigns):
     stopped, error, _ = campaigns
     distance = (stopped - TFC[0.8]) / error
     assert 0.85 < distance.std(ddof=1) < 1.15
-    assert abs(distance.mean()) < 0.25  # three standard errors of so many campaigns
+    assert abs(distance.mean()) < 0.3  # three standard errors of so many campaigns

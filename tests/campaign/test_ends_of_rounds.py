@@ -95,7 +95,8 @@ def test_exponents_that_nobody_knows_end_a_run(tmp_path):
 def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeypatch):
     def refusing(*given, **options):
         found = fit_tfc(*given, **options)
-        return found.assign(fit_status=("group", ["refused"]), message=("group", ["no exponent\nno idea"]))
+        said = {"fit_status": ("group", ["refused"]), "message": ("group", ["no exponent\nno idea"])}
+        return found.assign(said | {"kappa_tfc": np.nan * found["kappa_tfc"]})
 
     monkeypatch.setattr(until, "fit_tfc", refusing)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)

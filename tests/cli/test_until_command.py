@@ -41,7 +41,8 @@ def test_it_says_round_by_round_what_was_reached(reached):
 
 def test_its_progress_shows_the_error_beside_the_target_and_the_time(reached):
     said = unfolded(reached[1].stderr)
-    assert f"round 0, the pilot: {5 * PILOT} simulations" in said
+    assert "added cross levels [{eps_c: 1/2, eps_f: 1/8}], to see whether corrections add up" in said
+    assert f"round 0, the pilot: {6 * PILOT} simulations" in said
     assert "round 1: error " in said
     assert ", target 2.00%; " in said
     assert " s of processor time, " in said

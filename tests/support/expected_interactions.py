@@ -1,0 +1,25 @@
+"""Interactions of limits as a fit expects them before any cross level tells."""
+
+from itertools import combinations
+
+from support.synthetic_campaigns import ALPHA, REFERENCE, WANING, C
+
+EXPECTED = {("eps_f", "eps_t"): 1.0}  # part of the smaller correction, 0 of the other pairs
+SCATTER = 0.5
+# of each limit at the reference, where the others are at theirs
+CORRECTIONS = {name: c * REFERENCE[name] ** ALPHA[name] for name, c in C.items()}
+CORRECTIONS["eps_f"] += sum(WANING["interactions"].values())
+
+
+def drawn(rng):
+    """Coefficients and interactions of a campaign, drawn from what is expected."""
+    interactions = {
+        pair: (EXPECTED.get(pair, 0.0) + SCATTER * rng.standard_normal()) * min(CORRECTIONS[name] for name in pair)
+        for pair in combinations(CORRECTIONS, 2)
+    }
+    coefficients = {
+        name: (correction - sum(size for pair, size in interactions.items() if name in pair))
+        / REFERENCE[name] ** ALPHA[name]
+        for name, correction in CORRECTIONS.items()
+    }
+    return {"coefficients": coefficients, "interactions": interactions}

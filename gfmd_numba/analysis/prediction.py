@@ -45,9 +45,11 @@ def predictions(
     found = []
     for ensemble in ensembles(results, variable, fixed or {}):
         factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
-        caution = float(np.sqrt(ensemble.doubt)) / factor
-        error, of_surfaces = (each / caution for each in relative_errors(ensemble, of_level))
-        additive = relative_errors(_additive(ensemble), of_level)[0] / caution
+        # the doubt is about the scatter of surfaces, not about what is known before
+        sober = replace(ensemble, doubt=factor**2)
+        error, of_surfaces = relative_errors(sober, of_level)
+        caution = relative_errors(ensemble, of_level)[0] / error
+        additive = relative_errors(_additive(sober), of_level)[0]
         exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
         found.append(Prediction(error, exponents, interactions, factor, caution))
     return found

@@ -4,8 +4,8 @@ from itertools import combinations
 
 from support.synthetic_campaigns import ALPHA, REFERENCE, WANING, C
 
-EXPECTED = {("eps_f", "eps_t"): 1.0}  # part of the smaller correction, 0 of the other pairs
 SCATTER = 0.5
+WANES = ("eps_f", "eps_t")  # the correction in eps_t is all interaction with eps_f
 # of each limit at the reference, where the others are at theirs
 CORRECTIONS = {name: c * REFERENCE[name] ** ALPHA[name] for name, c in C.items()}
 CORRECTIONS["eps_f"] += sum(WANING["interactions"].values())
@@ -14,9 +14,12 @@ CORRECTIONS["eps_f"] += sum(WANING["interactions"].values())
 def drawn(rng):
     """Coefficients and interactions of a campaign, drawn from what is expected."""
     interactions = {
-        pair: (EXPECTED.get(pair, 0.0) + SCATTER * rng.standard_normal()) * min(CORRECTIONS[name] for name in pair)
+        pair: SCATTER * rng.standard_normal() * min(CORRECTIONS[name] for name in pair)
         for pair in combinations(CORRECTIONS, 2)
+        if pair != WANES
     }
+    left = SCATTER * rng.standard_normal() * CORRECTIONS["eps_t"]
+    interactions[WANES] = CORRECTIONS["eps_t"] - left - interactions["eps_c", "eps_t"]
     coefficients = {
         name: (correction - sum(size for pair, size in interactions.items() if name in pair))
         / REFERENCE[name] ** ALPHA[name]

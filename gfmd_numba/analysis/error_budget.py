@@ -18,8 +18,8 @@ def error_budget(
     """Return what each of `SOURCES` adds to the error of a group's kappa_tfc (source), nan for limits not varied.
 
     A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
-    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error. The residual: the
-    most that errors of the cases' means `residuals` (case) can add up to.
+    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error. The
+    residual: the most that errors of the cases' means `residuals` (case) can add up to.
     """
     weight = np.concatenate(shares)
     kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]

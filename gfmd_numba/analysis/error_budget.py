@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.linear_fit import Means, additive_only, linear
+from gfmd_numba.analysis.linear_fit import Means, as_if_exact, known_before, linear
 from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
@@ -17,9 +17,9 @@ def error_budget(
 ) -> Reals:
     """Return what each of `SOURCES` adds to the error of a group's kappa_tfc (source), nan for limits not varied.
 
-    A limit: its law and the parameters of it, which are not known. The interaction: that corrections taken together
-    may differ from their sum. Sampling: the surfaces. In quadrature these make the whole error. The residual: the
-    most that errors of the cases' means `residuals` (case) can add up to.
+    A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
+    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error. The
+    residual: the most that errors of the cases' means `residuals` (case) can add up to.
     """
     weight = np.concatenate(shares)
     kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]
@@ -27,9 +27,9 @@ def error_budget(
     sampling = variance = 0.0
     effects = dict.fromkeys(means.levels, 0.0)
     for choice, share, value in zip(choices, shares, kappa, strict=True):
-        additive = linear(means, choice.laws, choice.nodes, additive_only(means))
+        exact = linear(means, choice.laws, choice.nodes, as_if_exact(known_before(means, choice.laws)))
         variance += float(share @ choice.fits[index].covariance[:, 0, 0])
-        sampling += float(share @ additive.covariance[:, 0, 0])
+        sampling += float(share @ exact.covariance[:, 0, 0])
         for limit in effects:
             effects[limit] += _main_effect(limit, choice, share, value)
     if len(choices) > 1:  # which differ in the law of eps_f

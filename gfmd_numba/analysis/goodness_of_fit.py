@@ -14,8 +14,8 @@ from gfmd_numba.analysis.selection import Group
 def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[Choice]) -> float:
     """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1.
 
-    How chi^2 is distributed follows from the scatter of the means, as the covariance that weighs them is only
-    estimated (Satterthwaite 1946).
+    It is that of the means alone: coefficients other than expected are no misfit of a law. How it is distributed
+    follows from the scatter of the means, as the covariance that weighs them is only estimated (Satterthwaite 1946).
     """
     found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
     scatters = [scatter for scatter in found_scatters if scatter is not None]
@@ -25,9 +25,11 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
     ratios = []
     for choice in found:
         best = int(np.argmin(np.sum([fit.misfit for fit in choice.fits], axis=0)))
-        expected = squares = 0.0
+        chi2 = expected = squares = 0.0
         for each, scatter in zip(means, scatters, strict=True):
-            form = misfit_form(each, choice.laws, choice.nodes[best], known_before(each, choice.laws)) @ scatter
+            weights = misfit_form(each, choice.laws, choice.nodes[best], known_before(each, choice.laws))
+            chi2 += float(each.values @ weights @ each.values)
+            form = weights @ scatter
             expected += float(np.trace(form))
             squares += float(np.trace(form @ form))
         if expected <= 0.0:
@@ -36,5 +38,5 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
         searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
         expected *= max(1.0, contrasts - searched) / contrasts
         limit = expected * f_distribution.ppf(0.95, max(1.0, contrasts - searched), freedom)
-        ratios.append(float(sum(fit.misfit[best] for fit in choice.fits)) / limit)
+        ratios.append(chi2 / limit)
     return max(1.0, min(ratios, default=1.0))

@@ -103,11 +103,11 @@ def misfit(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
 
 
 def misfit_form(means: Means, laws: Laws, node: Reals, before: Before) -> Reals:
-    """Return the matrix (case, case) that gives chi^2 from the means, at one node (parameter)."""
+    """Return the matrix (case, case) that gives chi^2 of the means alone from them, at one node (parameter)."""
     rows, _ = _equations(means, laws, node[np.newaxis], before)
     orthogonal = np.linalg.qr(rows[0])[0][: means.values.size]
     left = np.eye(means.values.size) - orthogonal @ orthogonal.T
-    return np.asarray(means.whitener.T @ left @ means.whitener)
+    return np.asarray(means.whitener.T @ left @ left @ means.whitener)
 
 
 def solved(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals, Reals]:
@@ -192,6 +192,11 @@ def known_before(means: Means, laws: Laws) -> Before:
 def additive_only(means: Means) -> Before:
     """Return that all interactions are 0."""
     return Before(np.full(len(means.levels), np.inf), np.zeros(len(means.pairs)))
+
+
+def as_if_exact(before: Before) -> Before:
+    """Return that coefficients of which anything is known are 0."""
+    return Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
 
 
 def linear_influence(means: Means) -> tuple[Reals, int]:

@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba.analysis import ensemble_mean, fit_tfc, select_limit
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.cross_levels import crossed
-from support.synthetic_campaigns import ALPHA, TFC, fails
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, fails
 
 BOTH = {"eps_f": 1 / 512, "eps_t": 1}
 AT_NYQUIST = {"eps_c": 1, "eps_f": 1 / 512}
@@ -20,12 +20,13 @@ def test_cross_cases_enter_a_group_with_all_their_levels():
 
 
 def test_a_fit_of_corrections_that_add_up_finds_the_limit_from_cross_levels_too():
-    fit = fit_tfc(crossed(BOTH, {"eps_c": 1 / 8, "eps_f": 1 / 2048}), fixed=ALPHA)
+    others = {"eps_c": 1 / 8, "eps_f": 1 / 2048}, {"eps_c": 1 / 4, "eps_t": 1}
+    fit = fit_tfc(crossed(BOTH, *others), fixed=ALPHA)
     assert fit["kappa_tfc"].item() == pytest.approx(TFC[0.8], rel=1e-6)
 
 
 def test_cross_cases_at_nyquist_are_left_out_of_a_fit():
-    dataset = crossed(BOTH, AT_NYQUIST)
+    dataset = crossed(*CROSS, AT_NYQUIST)
     broken = dataset.assign(kappa=dataset["kappa"].where(dataset["eps_c"] < 1, 17.0))
     (group,) = groups_to_fit(broken, "kappa", omit_nyquist=True)
     assert 1.0 not in group.levels["eps_c"]

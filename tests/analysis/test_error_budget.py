@@ -67,7 +67,9 @@ def test_with_exact_exponents_all_is_sampling_and_interactions():
     assert [part(fit, name) for name in MIDDLE] == [0.0, 0.0, 0.0]
     assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
     # what no cross level tells has nothing to do with the surfaces
-    assert part(fit, "interaction") == pytest.approx(np.hypot.reduce(fit["interaction_error"].values[0]), rel=1e-9)
+    of_c_and_f = fit["interaction_error"].sel(pair="eps_c eps_f").item()
+    of_t = fit["correction_error"].sel(limit="eps_t").item()
+    assert part(fit, "interaction") == pytest.approx(np.hypot(of_c_and_f, of_t), rel=1e-9)
 
 
 def test_with_a_single_limit_there_is_no_interaction():

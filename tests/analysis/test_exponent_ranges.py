@@ -80,15 +80,15 @@ def test_errors_are_right_when_exponents_lie_anywhere_in_their_ranges():
 
 @pytest.mark.parametrize("exponents", ["shared", "free"])
 def test_without_noise_the_error_is_that_of_the_range(exponents):
-    levels = LEVELS | {"eps_t": [1, 1 / 2]}  # the least that are known of an exponent
+    levels = LEVELS | {"eps_c": [1 / 2, 1 / 4]}  # the least that are known of an exponent
     dataset = campaign((0.3, 0.8), levels, realisations=3, cross=CROSS)
-    fit = fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": (0.8, 1.2)})
-    ends = [fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_t": end})["kappa_tfc"] for end in (0.8, 1.2)]
+    fit = fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_c": (1.0, 1.2)})
+    ends = [fit_tfc(dataset, exponents=exponents, fixed=ALPHA | {"eps_c": end})["kappa_tfc"] for end in (1.0, 1.2)]
     # kappa_tfc is nearly linear in the exponent over so short a range
     np.testing.assert_allclose(fit["kappa_tfc_error"], abs(ends[1] - ends[0]) / np.sqrt(12), rtol=0.1)
     assert (fit["kappa_tfc_low"] >= ends[0]).all()
     assert (fit["kappa_tfc_high"] <= ends[1]).all()
-    assert (fit["alpha_error"].sel(limit=["eps_c", "eps_f"]) == 0.0).all()
+    assert (fit["alpha_error"].sel(limit=["eps_f", "eps_t"]) == 0.0).all()
 
 
 def test_without_noise_three_levels_tell_an_exponent_in_its_range():

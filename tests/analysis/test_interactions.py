@@ -66,16 +66,19 @@ def test_one_cross_level_leaves_the_other_pairs_open():
     assert min(unknown) > 0.01
 
 
-@pytest.mark.parametrize("hurst", [0.8, 1.0])
-def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst):
-    """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so."""
+@pytest.mark.parametrize(("hurst", "is_off"), [(0.8, False), (0.9, True), (1.0, True)])
+def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst, is_off):
+    """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so.
+
+    At H = 0.8 a power through the law itself ends only 0.6 % above its limit.
+    """
     levels = LEVELS | {"eps_f": [1 / 64, 1 / 256, 1 / 1024, 1 / 4096, 1 / 16384]}
     truth = of_unseen_slope(campaign(levels=levels, realisations=40, cross=CROSS, **WANING), hurst)
     rng = np.random.default_rng(2)
     others = {"eps_c": ALPHA["eps_c"], "eps_t": ALPHA["eps_t"]}
     found = []
     for _ in range(8):
-        dataset = noisy(truth, rng, spread=0.02)
+        dataset = noisy(truth, rng, spread=0.01)
         fit, power = (
             fit_tfc(dataset.rename(kappa=name), name, fixed=others | given)
             for name, given in (("kappa", {}), ("kappa_r", {"eps_f": (0.05, 3.0)}))
@@ -83,8 +86,8 @@ def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst):
         found.append([[one["kappa_tfc"].item() - TFC[0.8], one["kappa_tfc_error"].item()] for one in (fit, power)])
     (off, error), (off_by_power, error_of_power) = np.transpose(found, (1, 2, 0))
     assert np.sqrt(np.mean((off / error) ** 2)) < 1.6
-    assert abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))
-    assert np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6
+    assert (abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))) == is_off
+    assert (np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6) == is_off
 
 
 def test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation():

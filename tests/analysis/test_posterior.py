@@ -35,24 +35,26 @@ def ratio(exponent, name):
 
 
 def least_squares(means, columns, before):
-    """Generalised least squares with what is known of interactions before: coefficients, covariance, chi^2."""
+    """Generalised least squares with the scatter of the last coefficients before: coefficients, covariance, chi^2."""
     weight = means.whitener.T @ means.whitener
-    expected, scatter = np.zeros((2, columns.shape[1]))
-    expected[-len(before[0]) :], scatter[-len(before[0]) :] = before
-    known = np.divide(1.0, scatter**2, out=np.zeros(len(scatter)), where=scatter != 0)
+    known = np.zeros(columns.shape[1])
+    known[-len(before) :] = before**-2.0
     covariance = np.linalg.inv(columns.T @ weight @ columns + np.diag(known))
-    found = covariance @ (columns.T @ weight @ means.values + known * expected)
+    found = covariance @ columns.T @ weight @ means.values
     left = means.values - columns @ found
-    return found, covariance, left @ weight @ left + known @ (found - expected) ** 2
+    return found, covariance, left @ weight @ left + known @ found**2
 
 
 def known_before(means, relative):
-    """Mean and scatter of interactions: parts of the smaller correction of a fit that adds them up."""
+    """Scatter about 0, in parts of the corrections of a fit that adds them up.
+
+    Of the correction in eps_t, half of itself, and of interactions half of the smaller correction, but for that of
+    eps_f and eps_t, which is free.
+    """
     columns = columns_at(means, relative)[:, : 1 + len(means.levels)]
     weight = means.whitener.T @ means.whitener
-    found = np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:]
-    smaller = np.array([min(pair, key=abs) for pair in combinations(found, 2)])
-    return np.array([0.0, 0.0, 1.0]) * smaller, 0.5 * abs(smaller)
+    c, f, t = abs(np.linalg.solve(columns.T @ weight @ columns, columns.T @ weight @ means.values)[1:])
+    return np.array([t / 2, min(c, f) / 2, min(c, t) / 2, np.inf])
 
 
 def sizes_at(means, middle):

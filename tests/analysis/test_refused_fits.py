@@ -13,11 +13,9 @@ def test_a_flat_limit_has_no_exponent(spread):
     dataset = campaign(coefficients={"eps_c": 0.4, "eps_f": 6.0, "eps_t": 0.0}, realisations=15)
     dataset["kappa"] = dataset["kappa"] + spread * rng.standard_normal(dataset["kappa"].shape)
     fixed = {"eps_c": 1.1, "eps_f": 0.6}
-    why = "is uncertain by more than a factor 8" if spread else "has no influence"
     assert_refused(
         fit_tfc(dataset, fixed=fixed),
-        f"exponent of eps_t {'with' if spread else why}",
-        why,
+        "exponent of eps_t has no influence on the fit",
         "levels 1, 1/2, 1/4, 1/8",
         "15 realisations",
         "`gfmd fit --fixed eps_t=1`",

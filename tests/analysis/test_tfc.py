@@ -30,22 +30,24 @@ def test_planted_parameters_are_recovered_exactly(exponents, fixed):
     assert fit["n_cases"].values.tolist() == [13, 13]
 
 
-BEFORE = {"eps_c eps_f": (0.0, 0.5), "eps_c eps_t": (0.0, 0.5), "eps_f eps_t": (1.0, 0.5)}
-
-
 def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():
-    """What is known before is in proportion to the smaller of two corrections, and nothing else tells of them."""
+    """Nothing tells of interactions, nor of the correction in eps_t, but what is known before.
+
+    With eps_c seen one at a time as c + cf + ct, eps_f as f + cf + ft and eps_t as t + ct + ft, the sum of all is what
+    is seen of eps_c, eps_f and eps_t less cf, ct and ft: kappa_tfc goes as cf - t.
+    """
     fit = fit_tfc(campaign((0.3, 0.8)), fixed=ALPHA)
     sizes = {name: C[name] * REFERENCE[name] ** ALPHA[name] for name in C}
     for row, truth in enumerate((TFC[0.3], TFC[0.8])):
         found, unknown = fit["interaction"][row], fit["interaction_error"][row]
-        for pair, (mean, scatter) in BEFORE.items():
-            smaller = min(sizes[name] for name in pair.split())
-            assert found.sel(pair=pair).item() == pytest.approx(mean * smaller, abs=1e-8)
-            assert unknown.sel(pair=pair).item() == pytest.approx(scatter * smaller, rel=1e-6)
-        # a sum of two corrections is x_f + x_t - 1 in the cases of a campaign, so that all goes to kappa_tfc
-        assert fit["kappa_tfc"][row].item() == pytest.approx(truth + found.sum().item(), abs=1e-7)
-        whole = np.hypot.reduce(unknown.values)
+        of_t = sizes["eps_t"] / 2
+        of_cf, of_ct = (min(sizes["eps_c"], sizes[name]) / 2 for name in ("eps_f", "eps_t"))
+        np.testing.assert_allclose(found, [0.0, 0.0, sizes["eps_t"]], atol=1e-8)
+        np.testing.assert_allclose(unknown, [of_cf, of_ct, np.hypot(of_t, of_ct)], rtol=1e-6)
+        assert fit["correction"][row].sel(limit="eps_t").item() == pytest.approx(0.0, abs=1e-8)
+        assert fit["correction_error"][row].sel(limit="eps_t").item() == pytest.approx(of_t, rel=1e-6)
+        assert fit["kappa_tfc"][row].item() == pytest.approx(truth + sizes["eps_t"], abs=1e-7)
+        whole = np.hypot(of_cf, of_t)
         assert fit["kappa_tfc_error"][row].item() == pytest.approx(whole, rel=1e-6)
         assert fit["error_budget"][row].sel(source="interaction").item() == pytest.approx(whole, rel=1e-6)
         said = (

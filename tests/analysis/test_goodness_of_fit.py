@@ -94,3 +94,9 @@ def test_one_right_law_among_wrong_ones_is_enough():
 
 def test_results_without_scatter_alarm_nobody():
     assert excess_of(campaign(realisations=3, cross=CROSS), ALPHA)[0] == 1.0
+
+
+def test_interactions_far_larger_than_expected_are_no_misfit_where_cross_levels_tell_them():
+    planted = {("eps_c", "eps_f"): 0.9, ("eps_c", "eps_t"): -0.9}
+    dataset = noisy(campaign(realisations=30, cross=CROSS, interactions=planted), np.random.default_rng(0), spread=0.02)
+    assert excess_of(dataset, ALPHA)[0] == 1.0

@@ -48,13 +48,12 @@ def test_samples_of_different_cases_add_up_as_satterthwaite_says():
     ids=["as many", "more", "no cross level"],
 )
 def test_the_predicted_error_is_how_far_campaigns_are_off(some, counts):
-    """It takes the weights of a fit for known, so that it is a little too good; half the time the factor makes up."""
+    """It holds a factor on the scatter of the surfaces, and none on what is known before."""
     found = [fit_tfc(results(counts, 1000 + seed), fixed=ALPHA)["kappa_tfc"].item() for seed in range(150)]
     achieved = np.sqrt(np.mean((np.array(found) / TFC[0.8] - 1.0) ** 2))
     told = [predictions(results(some, seed), counts, fixed=ALPHA)[0] for seed in range(40)]
     ratio = np.array([each.error for each in told]) / achieved
-    assert 0.85 < np.median(ratio / [each.factor for each in told]) < 1.15
-    assert np.median(ratio) > 1.0
+    assert 0.8 < np.median(ratio) < 1.3
 
 
 def test_cross_levels_are_what_a_prediction_lacks_without_them():

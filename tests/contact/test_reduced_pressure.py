@@ -22,7 +22,10 @@ def solve(discretisation=AT_NYQUIST, **parts):
     scene = {"body": BODY, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": LOAD}} | parts
     rough = [scene[name] for name in ("body", "counter_body") if "roughness" in scene.get(name, {})]
     numerics = {"residual": 1e-10} | ({"topography_order": 0} if rough else {})
-    file = {"scene": scene, "numerics": numerics, "seed": 11}
+    file = {"scene": scene, "numerics": numerics}
+    surfaces = [*(record["roughness"] for record in rough), scene.get("roughness", {})]
+    if any(surface.get("method", "measured") != "measured" for surface in surfaces):
+        file["seed"] = 11
     return gfmd_numba.solve(file | ({} if discretisation is None else {"discretisation": discretisation}))
 
 

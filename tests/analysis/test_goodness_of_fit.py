@@ -77,7 +77,7 @@ def test_errors_are_enlarged_and_it_is_said_where_no_law_describes_the_means():
     excess, _ = excess_of(moved, {"eps_c": 1.1})
     assert "no law" not in plain["message"].item()
     assert "no law of the limits describes the means" in off["message"].item()
-    assert f"enlarged {np.sqrt(excess):.2g} times" in off["message"].item()
+    assert f"enlarged {np.sqrt(excess):.3g} times" in off["message"].item()
     assert excess > 2.0
     for error in ("kappa_tfc_error", "C_error"):
         np.testing.assert_allclose(off[error], np.sqrt(excess) * plain[error], rtol=1e-9)

@@ -14,7 +14,8 @@ def means_of(group: Group, values: Reals) -> Means:
     """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference)
+    slab = bool(np.isfinite(group.parameters.get("aspect_ratio", np.inf)))
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, slab)
     scatter = scatter_of(values)
     if scatter is None:
         return means

@@ -17,7 +17,8 @@ from gfmd_numba.arrays import Reals
 
 Laws = dict[str, Law]
 # What is known before any cross level says more, measured from H = 0.3 to 1. An interaction is 0 within half of the
-# smaller of its two corrections. The correction in eps_t is all interaction with eps_f, within half of itself.
+# smaller of its two corrections. The correction in eps_t is all interaction with eps_f, within half of itself. That of
+# a slab is not: with its thickness in proportion to the period, smaller eps_t make it thicker for the longest waves.
 _SCATTER = 0.5
 _WANING = ("eps_t", "eps_f")
 
@@ -30,6 +31,7 @@ class Means:
     whitener: Reals
     levels: dict[str, Reals]  # (case) of the limits that are varied
     reference: dict[str, float]
+    of_a_slab: bool = False
 
     @property
     def pairs(self) -> list[tuple[str, str]]:
@@ -180,10 +182,10 @@ def known_before(means: Means, laws: Laws) -> Before:
     additive = linear(means, powers, middle, additive_only(means))
     corrections = dict(zip(means.levels, abs(additive.coefficients[0, 1:]), strict=False))
     waning, by = _WANING
-    wanes = {waning, by} <= set(means.levels)
+    wanes = {waning, by} <= set(means.levels) and not means.of_a_slab
     own = [_SCATTER * corrections[limit] if wanes and limit == waning else np.inf for limit in means.levels]
     pair = [
-        np.inf if set(both) == set(_WANING) else _SCATTER * min(corrections[limit] for limit in both)
+        np.inf if wanes and set(both) == set(_WANING) else _SCATTER * min(corrections[limit] for limit in both)
         for both in means.pairs
     ]
     return Before(np.array(own), np.array(pair))

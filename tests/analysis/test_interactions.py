@@ -5,7 +5,7 @@ import pytest
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import covariance_of_one
-from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy, with_axes
 from support.unseen_slope import of_unseen_slope
 
 PLANTED = {("eps_c", "eps_f"): 0.04, ("eps_c", "eps_t"): -0.05, ("eps_f", "eps_t"): 0.08}
@@ -120,3 +120,13 @@ def test_errors_are_as_large_as_the_differences_for_every_number_of_realisations
     asked = np.where(truth["limit"].isin(["eps_c", "cross"]), n, 3 * n) if ragged else None
     said, rms = error_and_scatter(truth, np.random.default_rng(n), 300, asked, fixed=ALPHA)
     assert 0.85 < said / rms < 1.2
+
+
+def test_the_correction_in_eps_t_of_a_slab_is_not_taken_to_wane():
+    """Its thickness goes with the period: smaller eps_t make it thicker for the longest waves, at every eps_f."""
+    half_space = campaign()
+    slab = with_axes(half_space.assign_coords(aspect_ratio=("case", np.full(half_space.sizes["case"], 0.1))))
+    own = C["eps_t"] * REFERENCE["eps_t"] ** ALPHA["eps_t"]
+    for dataset, whole in ((half_space, own), (slab, 0.0)):
+        fit = fit_tfc(dataset, fixed=ALPHA).isel(group=0)
+        assert fit["interaction"].sel(pair="eps_f eps_t").item() == pytest.approx(whole, abs=1e-3 * own)

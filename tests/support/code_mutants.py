@@ -38,7 +38,7 @@ MUTANTS = [
     ),
     ("linear_fit.py", '_WANING = ("eps_t", "eps_f")', '_WANING = ("eps_f", "eps_t")', "test_posterior"),
     ("linear_fit.py", "_SCATTER = 0.5", "_SCATTER = 1.0", "test_posterior"),
-    ("linear_fit.py", "np.inf if set(both) == set(_WANING) else", "", "test_posterior"),
+    ("linear_fit.py", "np.inf if wanes and set(both) == set(_WANING) else", "", "test_posterior"),
     ("linear_fit.py", "wanes = {waning, by} <=", "wanes = {waning} <=", "test_posterior"),
     ("linear_fit.py", "whole = whole + column * excess", "whole = whole + 0.9 * column * excess", "test_posterior"),
     ("linear_fit.py", "_unit(scatter) * column)", "column)", "test_posterior"),

@@ -12,7 +12,7 @@ from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
-_AT_THE_END = 0.05  # of a range: there the 90 % interval of an exponent begins that the data do not know
+_AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
 _COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
 # ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
 _LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))

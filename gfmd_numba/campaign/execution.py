@@ -15,6 +15,7 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block, Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
@@ -90,6 +91,8 @@ def perform(task: Task, directory: Path, timeout: float | None, mortal: bool = T
     A `mortal` process ends itself if nothing else stops a block after `timeout` seconds. An OSError is raised: a disk
     that fails one block fails them all.
     """
+    if mortal:
+        keep_freed_memory()
     failures = {}
     for block in task:
         path = shard_path(directory, block)

@@ -15,6 +15,7 @@ from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
@@ -43,7 +44,7 @@ class Plan:
 
     def blocks_in(self, directory: Path) -> list[Block]:
         """All blocks of work in an output directory, whose finished shards are taken as they are."""
-        return list(split(self.cases, held(directory)))
+        return list(split(self.cases, held(Finished(directory))))
 
     @cached_property
     def demand(self) -> dict[str, int]:

@@ -1,16 +1,17 @@
 """From a campaign to its cases, and from cases to the distinct problems and blocks of work behind them."""
 
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
 from types import MappingProxyType
+from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.campaign.measured_punches import Punches
+from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
 from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
@@ -21,7 +22,26 @@ _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of wor
 Range = tuple[int, int]  # first realisation, and the one after the last
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
+class GridPoint:
+    """Values at one point of a campaign's grid, beside the scene that is `common` to all; `punch` if it was measured.
+
+    A scene takes more memory than all the rest of a case, and there may be a million: it is made when asked for.
+    """
+
+    common: Scene
+    places: tuple[Place, ...]
+    values: tuple[Any, ...]
+    punch: MeasuredPunch | None
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with these values."""
+        scene = with_values(self.common, dict(zip(self.places, self.values, strict=True)))
+        return scene if self.punch is None else self.punch.under(scene)
+
+
+@dataclass(frozen=True, slots=True)
 class Case:
     """One ensemble: a scene at one discretisation, its realisations, and the dimensionless problem it reduces to.
 
@@ -30,7 +50,7 @@ class Case:
     the surfaces.
     """
 
-    scene: Scene
+    point: GridPoint
     discretisation: Discretisation | None
     limit: str
     realisations: int
@@ -38,8 +58,13 @@ class Case:
     effects: tuple[Effect, ...]
     rms_gradient: float
 
+    @property
+    def scene(self) -> Scene:
+        """Scene of the case."""
+        return self.point.scene
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, slots=True)
 class Block:
     """A block of realisations of one problem: the unit of finished work."""
 
@@ -60,14 +85,16 @@ def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[
     """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
+    places = tuple(place for place, _ in varied)
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     cases = []
     for values in product(*(values for _, values in varied)):
-        scene = with_values(campaign.scene, dict(zip((place for place, _ in varied), values, strict=True)))
+        scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
         punch = punches.get(scene.roughness)
+        point = GridPoint(campaign.scene, places, values, punch)
         if punch is not None:
-            scene = punch.under(scene)
+            scene = point.scene
         for level in levels:
             surface, rms_gradient = (
                 random_surface_of(scene.roughness, level.discretisation)
@@ -76,7 +103,7 @@ def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[
             )
             problem, effects = _reduced(scene, surface, rms_gradient, campaign)
             case = Case(
-                scene=scene,
+                point=point,
                 discretisation=level.discretisation,
                 limit=level.limit,
                 realisations=level.realisations,
@@ -129,12 +156,16 @@ def demand(cases: Iterable[Case]) -> dict[str, int]:
     return wanted
 
 
-def blocks(problem: Problem, realisations: int, held: Iterable[Range] = ()) -> Iterator[Block]:
+def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) -> Iterator[Block]:
     """Blocks that together hold the realisations of one problem, those of the `held` ranges as they are.
 
     The last one may hold more than is wanted. A block that becomes held changes no other.
     """
     size = max(1, _BLOCK_SAMPLES // problem.surface.nodes)
+    if not held:
+        for first in range(0, realisations, size):
+            yield Block(problem, first, min(first + size, realisations))
+        return
     stops: dict[int, int] = {}
     for first, stop in held:
         if first < stop <= first + size:
@@ -148,7 +179,7 @@ def blocks(problem: Problem, realisations: int, held: Iterable[Range] = ()) -> I
         first = stop
 
 
-def split(cases: Iterable[Case], held: Mapping[str, Iterable[Range]]) -> Iterator[Block]:
+def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Iterator[Block]:
     """All blocks of work of some cases, the largest grids first; `held` ranges by identity of their problem."""
     cases = list(cases)
     wanted = demand(cases)

@@ -9,14 +9,15 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.campaign import failures, rounds, shards
+from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates
-from gfmd_numba.campaign.execution import SECONDS, shard_path
+from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.dataset import (
     campaign_dataset,
     cf_attributes,
@@ -61,7 +62,8 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     blocks: dict[str, list[Block]] = {}
     for block in planned.blocks_in(directory):
         blocks.setdefault(block.problem.identity, []).append(block)
-    measured = {name: _measured(of_it, wanted[name], longest, directory) for name, of_it in blocks.items()}
+    stored = Finished(directory)
+    measured = {name: _measured(of_it, wanted[name], longest, directory, stored) for name, of_it in blocks.items()}
     attributes = {
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
@@ -122,12 +124,12 @@ def in_file_units(case: Case, measured: Measures) -> Measures:
     return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
-def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path) -> Measures:
-    """Measures of a problem `[longest]` from its blocks, dimensionless, and the seconds of each block."""
+def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:
+    """Measures of a problem `[longest]` from its blocks, dimensionless, and their seconds."""
     parts = []
     names = (*recorded(blocks[0].problem.interface.hardness is not None), SECONDS)
     for block in blocks:
-        part = shards.read(shard_path(directory, block))
+        part = stored.read(block.name)
         if part is None:
             failure = failures.of(directory, block.name)
             status = Outcome.unfinished if failure is None else Outcome[failure.status]

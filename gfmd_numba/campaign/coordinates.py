@@ -13,6 +13,7 @@ from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 
 Described = tuple[str, list[Any], dict[str, Any]]  # dim, values, attributes
 
+_REDUCED = "reduced_pressure"
 _OTHERS = {
     "case_id": "identity of the dimensionless problem, which equal cases share",
     "limit": "discretisation in which the case differs from its reference",
@@ -25,31 +26,31 @@ _OTHERS = {
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     """Values by name and case; an axis that they have no value on is left out."""
-    columns: dict[str, list[Any]] = {
+    axes = present(cases[0].scene, cases[0].discretisation)
+    reduced = _follows(cases[0].scene)
+    columns: dict[str, list[Any]] = {axis.coordinate: [] for axis in axes} | ({_REDUCED: []} if reduced else {})
+    dimensions = []
+    for case in cases:
+        scene = case.scene
+        for axis in axes:
+            columns[axis.coordinate].append(axis.value(scene, case.discretisation))
+        if reduced:
+            columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient, contact_modulus(scene)))
+        dimensions.append(scene.dimension)
+    return {
         "case_id": [case.problem.identity for case in cases],
         "limit": [case.limit for case in cases],
         "realisations": [case.realisations for case in cases],
         "is_reference": [case.limit == "reference" for case in cases],
-    }
-    for axis in present(cases[0].scene, cases[0].discretisation):
-        columns[axis.coordinate] = [axis.value(case.scene, case.discretisation) for case in cases]
-    columns |= _reduced_pressures(cases)
-    return columns | {
+        **columns,
         "nx": [case.problem.surface.nx for case in cases],
-        "dimension": [case.scene.dimension for case in cases],
+        "dimension": dimensions,
     }
 
 
-def _reduced_pressures(cases: list[Case]) -> dict[str, list[Any]]:
-    """The load p/(g E*) that follows from one in Pa or N, under its name; nothing of others."""
-    loading = cases[0].scene.loading
-    if loading.displacement is not None or loading.reduced_pressure is not None:
-        return {}
-    return {
-        "reduced_pressure": [
-            reduced_pressure(case.scene, case.rms_gradient, contact_modulus(case.scene)) for case in cases
-        ]
-    }
+def _follows(scene: Scene) -> bool:
+    """Whether the load p/(g E*) follows from one in Pa or N."""
+    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
@@ -67,7 +68,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
             "rank": rank,
         }
     if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis
-        attributes["reduced_pressure"] = cf_attributes(REDUCED_PRESSURE)
+        attributes[_REDUCED] = cf_attributes(REDUCED_PRESSURE)
     columns = coordinates(cases)
     described = {name: ("case", column, attributes[name]) for name, column in columns.items()}
     for axis in (axis for axis in AXES if axis.has_names and axis.coordinate in columns):

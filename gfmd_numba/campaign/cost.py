@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +27,7 @@ _LEAST_NODES = 2**12  # of a smaller problem in place of one that takes too long
 _LOOKED_AT = 50  # problems, those that tell most, for one the pilot can afford
 _MACHINE = 0.25  # of the logarithm of all run times: a machine is not equally fast all day
 _DRAWS = 200
+_SCATTERED = 2**12  # problems, the costliest, whose scatter is drawn for each; that of more averages out
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,9 @@ def predict(
         left = (budget if len(known.rows) < _LEAST_PILOTS else min(budget, 0.1 * float(likely.sum()))) - known.spent
         chosen = None
         if left > 0.0 and len(known.rows) < _MOST_PILOTS:
-            order = _most_telling(x, likely, found, np.array([p.identity in known.tried for p in problems]))
-            chosen = _affordable([problems[i] for i in order[:_LOOKED_AT]], kinds, found, known, left)
+            telling = (problems[i] for i in _most_telling(x, likely, found, _LOOKED_AT + len(known.tried)))
+            untried = (problem for problem in telling if problem.identity not in known.tried)
+            chosen = _affordable(list(islice(untried, _LOOKED_AT)), kinds, found, known, left)
         if chosen is None:
             break
         row = features([chosen], kinds)[0]
@@ -176,14 +179,16 @@ def _measured(problem: Problem, count: int, timeout: float | None) -> float | No
     return (time.thread_time() - begun) / count
 
 
-def _most_telling(x: Reals, likely: Reals, found: Regression, tried: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
-    """Indices of problems, first those whose run time narrows the total of the `likely` seconds most."""
+def _most_telling(x: Reals, likely: Reals, found: Regression, count: int) -> npt.NDArray[np.intp]:
+    """Indices of so many problems whose run time narrows the total of the `likely` seconds most, the most first."""
     share = likely / likely.sum()
-    together = x @ (found.covariance @ (share @ x))
-    own = np.einsum("ij,jk,ik->i", x, found.covariance, x) + found.scatter**2
+    spread = x @ found.covariance
+    together = spread @ (share @ x)
+    own = np.einsum("ij,ij->i", spread, x) + found.scatter**2
     gain = together**2 / own + (share * found.scatter) ** 2
-    order = np.argsort(np.where(tried, np.inf, -gain), kind="stable")
-    return order[: len(x) - int(tried.sum())]
+    least = np.partition(gain, -count)[-count] if count < len(gain) else 0.0
+    candidates = np.flatnonzero(gain >= least)  # the first ones where many tell the same
+    return candidates[np.argsort(-gain[candidates], kind="stable")][:count]
 
 
 def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, known: _Known) -> Cost:
@@ -192,11 +197,14 @@ def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, k
     rng = np.random.default_rng(0)
     logarithm = np.where(measured, np.log(np.where(measured, seconds, 1.0)), x @ found.coefficients)
     own = np.where(measured, SCATTER, found.scatter)
-    total = np.empty(_DRAWS)
-    for i in range(_DRAWS):
-        shift = x @ rng.multivariate_normal(np.zeros(x.shape[1]), found.covariance)
-        shift[measured] = 0.0
-        total[i] = weight @ np.exp(logarithm + shift + own * rng.standard_normal(len(x)))
+    costliest = np.argsort(-weight * np.exp(logarithm), kind="stable")
+    shifts = rng.multivariate_normal(np.zeros(x.shape[1]), found.covariance, _DRAWS)
+    total = np.zeros(_DRAWS)
+    for first in range(0, len(x), _SCATTERED):
+        some = costliest[first : first + _SCATTERED]
+        shift = np.where(measured[some], 0.0, shifts @ x[some].T)
+        scatter = own[some] * rng.standard_normal(shift.shape) if first == 0 else 0.5 * own[some] ** 2
+        total += np.exp(logarithm[some] + shift + scatter) @ weight[some]
     total *= np.exp(_MACHINE * rng.standard_normal(_DRAWS))
     each = dict(zip((problem.identity for problem in problems), np.exp(logarithm).tolist(), strict=True))
     return Cost(each, total, int(measured.sum()), len(known.rows) - int(measured.sum()))

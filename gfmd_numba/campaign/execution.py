@@ -15,6 +15,7 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block, Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
@@ -24,12 +25,13 @@ from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.text.input_error import brief
 
-SECONDS = "seconds"  # what a block took, stored beside its measures
+SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
+_MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 _LOST = "its worker died or froze, also with nothing else at work"
 
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]
-Finished = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
+Told = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
 
 
 @dataclass(frozen=True)
@@ -69,70 +71,84 @@ def check(workers: Workers, directory: Path) -> None:
             check_workers(client, directory, "workers" if workers.address is None else "--scheduler")
 
 
-def shard_path(directory: Path, block: Block) -> Path:
-    """Where the shard of a block lies."""
-    return directory / "shards" / f"{block.name}.shard"
-
-
-def held(directory: Path) -> dict[str, list[Range]]:
-    """Ranges of realisations that shards in an output directory are named after, by identity of the problem."""
+def held(finished: shards.Finished) -> dict[str, list[Range]]:
+    """Ranges of realisations that finished blocks are named after, by identity of the problem."""
     ranges: dict[str, list[Range]] = {}
-    for file in (directory / "shards").glob("*.shard"):
-        identity, *numbers = file.stem.rsplit("-", 2)
+    for name in finished:
+        identity, *numbers = name.rsplit("-", 2)
         if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
             ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
     return ranges
 
 
-def perform(task: Task, directory: Path, timeout: float | None, mortal: bool = True) -> Failures:
-    """Solve blocks one after another and store their measures, unless a sound shard is there; returns what failed.
+def perform(task: Task, directory: Path, timeout: float | None, together: int = 1, mortal: bool = True) -> Failures:
+    """Solve blocks one after another and store their measures, so many `together`; returns what failed.
 
-    A `mortal` process ends itself if nothing else stops a block after `timeout` seconds. An OSError is raised: a disk
-    that fails one block fails them all.
+    Blocks that are stored and sound are left alone. A `mortal` process ends itself if nothing else stops a block after
+    `timeout` seconds. An OSError is raised: a disk that fails one block fails them all.
     """
-    failures = {}
-    for block in task:
-        path = shard_path(directory, block)
-        if shards.read(path) is not None:
+    if mortal:
+        keep_freed_memory()
+    failures: Failures = {}
+    for first in range(0, len(task), together):
+        some = task[first : first + together]
+        if shards.are_stored(directory, [block.name for block in some]):
             continue
+        measured: dict[str, shards.Arrays] = {}
         try:
-            with watched(timeout, _trace(directory, block.name) if mortal else None):
-                begun = time.thread_time()
-                measures = measure(solve(block.problem, range(block.first, block.stop)))
-                measures[SECONDS] = np.array([time.thread_time() - begun])
-        except TooLongError:
-            failures[block.name] = _too_long(timeout)
-        except Exception as error:  # whatever it is, it concerns this block only
-            failures[block.name] = Failure("crashed", f"{type(error).__name__}: {error}")
-        else:
-            shards.write(path, measures)
+            for block in some:
+                outcome = _outcome(block, directory, timeout, mortal)
+                if isinstance(outcome, Failure):
+                    failures[block.name] = outcome
+                else:
+                    measured[block.name] = outcome
+        finally:  # also what an interrupt leaves
+            shards.store(directory, measured)
     return failures
 
 
+def _outcome(block: Block, directory: Path, timeout: float | None, mortal: bool) -> shards.Arrays | Failure:
+    """Measures of a block, or why there are none."""
+    try:
+        with watched(timeout, _trace(directory, block.name) if mortal else None):
+            begun = time.thread_time()
+            measures = measure(solve(block.problem, range(block.first, block.stop)))
+            count = block.stop - block.first
+            return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
+    except TooLongError:
+        return _too_long(timeout)
+    except Exception as error:  # whatever it is, it concerns this block only
+        return Failure("crashed", f"{type(error).__name__}: {error}")
+
+
 def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
-    """Blocks without a sound shard."""
-    return [block for block in blocks if shards.read(shard_path(directory, block)) is None]
+    """Blocks that are not stored, or not as they were written."""
+    finished = shards.Finished(directory)
+    return [block for block in blocks if not finished.is_sound(block.name)]
 
 
-def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Finished) -> None:
+def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Told) -> None:
     """Perform tasks until all are done or `finished` says to stop.
 
     Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
     then is kept.
     """
     (directory / "shards").mkdir(exist_ok=True)
+    for bundle in shards.Finished(directory).unreadable:
+        bundle.unlink()  # its blocks are among the tasks
     if not tasks:
         return
+    together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
     if workers.count == 0 and not workers.on_cluster:
         for task in tasks:
-            if not finished(len(task), perform(task, directory, timeout, mortal=False)):
+            if not finished(len(task), perform(task, directory, timeout, together, mortal=False)):
                 return
         return
     cluster = (
         connected(workers.address, workers.client, workers.insecure) if workers.on_cluster else local(workers.count)
     )
     with cluster as client, frozen_replaced(client, timeout):
-        _Submission(client, directory.resolve(), timeout, finished).all(tasks)
+        _Submission(client, directory.resolve(), timeout, together, finished).all(tasks)
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:
@@ -152,7 +168,8 @@ class _Submission:
     client: Any
     directory: Path
     timeout: float | None
-    finished: Finished
+    together: int
+    finished: Told
 
     def all(self, tasks: list[Task]) -> None:
         """Perform tasks, a few in flight; the blocks of those that lost their worker then once more, alone.
@@ -187,7 +204,7 @@ class _Submission:
         def submitted() -> Iterator[Any]:
             for task in tasks:
                 # its key is nobody else's, also on a scheduler that others use
-                future = self.client.submit(perform, task, self.directory, self.timeout, pure=False)
+                future = self.client.submit(perform, task, self.directory, self.timeout, self.together, pure=False)
                 at_work[future.key] = task
                 yield future
 

@@ -3,19 +3,21 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from gfmd_numba.campaign import failures, shards
-from gfmd_numba.campaign.execution import SECONDS, held, shard_path
+from gfmd_numba.campaign import failures
+from gfmd_numba.campaign.execution import SECONDS, held
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.price import price_of_transform
+from gfmd_numba.campaign.shards import Finished
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
     """Realisations (case) from the first one up to which all have ended, but no less than the fewest (case)."""
     reach: dict[str, int] = {}
     stopped: set[str] = set()
+    stored = Finished(directory)
     for block in planned.blocks_in(directory):  # those of a problem come in order
         identity = block.problem.identity
-        ended = shard_path(directory, block).exists() or failures.of(directory, block.name) is not None
+        ended = block.name in stored or failures.of(directory, block.name) is not None
         if ended and identity not in stopped:
             reach[identity] = block.stop
         elif not ended:
@@ -27,8 +29,9 @@ def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]
 def seconds_per_price(planned: Plan, directory: Path) -> float | None:
     """Processor time in s over the price, of all shards of a plan; None where none tells."""
     seconds = price = 0.0
+    stored = Finished(directory)
     for block in planned.blocks_in(directory):
-        measured = shards.read(shard_path(directory, block))
+        measured = stored.read(block.name)
         if measured is not None:
             seconds += float(measured[SECONDS].sum())
             price += float(measured["n_transforms"].sum() * price_of_transform(block.problem.surface.nodes))
@@ -37,5 +40,5 @@ def seconds_per_price(planned: Plan, directory: Path) -> float | None:
 
 def unused(planned: Plan, directory: Path) -> int:
     """Number of simulations in a directory that are of a plan's problems, and more than it asks for."""
-    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(directory).items()}
+    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
     return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import psutil
 
-from gfmd_numba.campaign.cases import Block, Case, block_bytes, demand, distinct, expand, split
+from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
 from gfmd_numba.campaign.conditions import meeting
 from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
@@ -39,11 +40,11 @@ class Plan:
     @property
     def blocks(self) -> Iterator[Block]:
         """All blocks of work, as long as nothing is finished."""
-        return split(self.cases, {})
+        return (block for problem in self.problems for block in blocks(problem, self.demand[problem.identity]))
 
     def blocks_in(self, directory: Path) -> list[Block]:
         """All blocks of work in an output directory, whose finished shards are taken as they are."""
-        return list(split(self.cases, held(directory)))
+        return list(split(self.cases, held(Finished(directory))))
 
     @cached_property
     def demand(self) -> dict[str, int]:
@@ -98,6 +99,8 @@ class Plan:
     @property
     def shared(self) -> dict[tuple[str, ...], int]:
         """How many cases have the problem of another one, by the parameters in which the two differ."""
+        if len(self.problems) == len(self.cases):
+            return {}
         columns = coordinates(self.cases)
         del columns["case_id"], columns["is_reference"]
         members: dict[str, list[int]] = {}

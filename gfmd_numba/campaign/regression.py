@@ -63,31 +63,32 @@ def kinds_of(problems: Sequence[Problem]) -> list[str]:
 
 def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
     """Return logarithms of what decides the run time [problem, feature], zero at the thesis's reference system."""
-    rows = []
+    found = np.empty((len(problems), len(_PRIOR) + len(kinds)))
     stiffening: dict[ElasticBody, float] = {}
-    for problem in problems:
+    for row, problem in zip(found, problems, strict=True):
         surface, body = problem.surface, problem.body
         if body not in stiffening:
             longest = np.array([2.0 * np.pi])
             stiffening[body] = float(np.log(body.condensed_stiffness(longest) / stiffness.half_space(longest))[0])
         cut_on, cut_off, hurst, anisotropy = _spectrum(surface)
-        size = np.log(_work(surface.nodes) / _work(8192))
-        beyond = max(0.0, np.log(surface.nodes / _CACHED))
-        row = [
+        size = math.log(_work(surface.nodes) / _work(8192))
+        beyond = max(0.0, math.log(surface.nodes / _CACHED))
+        row[: len(_PRIOR)] = (
             1.0,
             size,
             0.0 if problem.numerics.solver in _STATIC else size,
             beyond if len(surface.shape) == 1 else 0.0,
             beyond if len(surface.shape) == 2 else 0.0,
-            np.log(surface.nx / cut_off / 4),
-            np.log(cut_off / cut_on / 1024),
+            math.log(surface.nx / cut_off / 4),
+            math.log(cut_off / cut_on / 1024),
             hurst - 0.5,
-            0.0 if problem.mean_pressure is None else np.log(problem.mean_pressure / 0.007),
+            0.0 if problem.mean_pressure is None else math.log(problem.mean_pressure / 0.007),
             stiffening[body],
-            np.log(anisotropy),
-        ]
-        rows.append(row + [float(_kind(problem) == kind) for kind in kinds])
-    return np.array(rows).reshape(len(rows), len(_PRIOR) + len(kinds))
+            math.log(anisotropy),
+        )
+        own = _kind(problem)
+        row[len(_PRIOR) :] = [own == kind for kind in kinds]
+    return found
 
 
 def _spectrum(surface: RandomSurface | GivenSurface) -> tuple[float, float, float, float]:

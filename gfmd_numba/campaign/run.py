@@ -13,6 +13,7 @@ from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kern
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, plan, tasks
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene.source import Source
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
@@ -63,7 +64,7 @@ def run(
         claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
     ):
         rounds.forget(directory)
-        chosen = list(split(cases, held(directory)))
+        chosen = list(split(cases, held(Finished(directory))))
         todo = to_do(chosen, directory, choice)
         finish(
             planned, todo, directory, workers, watch(len(chosen), len(chosen) - len(todo)) if watch else None, choice

@@ -1,9 +1,15 @@
-"""Finished work on disk: one file per task, complete and verified or not there at all."""
+"""Finished work on disk: a block is there complete and verified, or it is not there at all.
+
+A shard is a file of one block and has its name. Where blocks are many and small, a bundle is a file of many shards,
+with their names and lengths at its head.
+"""
 
 import hashlib
 import io
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,32 +17,138 @@ import numpy.typing as npt
 from gfmd_numba.storage.atomic_file import replace
 
 Arrays = dict[str, npt.NDArray[Any]]
-_MAGIC = b"gfmd shard 1\n"
+_FOLDER, _SHARD, _BUNDLE = "shards", ".shard", ".bundle"
+_MAGIC, _MAGIC_OF_BUNDLE = b"gfmd shard 1\n", b"gfmd bundle 1\n"
 _DIGEST_BYTES = hashlib.sha256().digest_size
+_LENGTH_BYTES = 8
 
 
-def write(path: Path, arrays: Arrays) -> None:
-    """Store arrays under a path so that a kill at any moment leaves either all of them or nothing."""
-    buffer = io.BytesIO()
-    np.savez(buffer, allow_pickle=False, **arrays)
-    payload = buffer.getvalue()
-    replace(path, _seal(path, payload) + payload)
+class _Place(NamedTuple):
+    """Where the content of a shard lies; the `length` is None for a file of its own."""
+
+    file: Path
+    start: int
+    length: int | None
+
+    def content(self) -> bytes:
+        """Content of the shard, or less; nothing if the file is gone."""
+        try:
+            with open(self.file, "rb") as file:
+                file.seek(self.start)
+                return file.read(-1 if self.length is None else self.length)
+        except FileNotFoundError:
+            return b""
 
 
-def read(path: Path) -> Arrays | None:
-    """Arrays of a shard; None if it is missing, truncated, altered, renamed or no shard."""
+class Finished:
+    """Blocks that are finished in an output directory, as its files are at this moment."""
+
+    def __init__(self, directory: Path) -> None:
+        self._places: dict[str, list[_Place]] = {}  # a block that was damaged may be there again
+        self.unreadable: list[Path] = []  # bundles that do not tell what they hold
+        for file in (directory / _FOLDER).glob(f"*{_SHARD}"):
+            self._places.setdefault(file.stem, []).append(_Place(file, 0, None))
+        for file in (directory / _FOLDER).glob(f"*{_BUNDLE}"):
+            held = _held(file)
+            if held is None:
+                self.unreadable.append(file)
+            for name, start, length in held or ():
+                self._places.setdefault(name, []).append(_Place(file, start, length))
+
+    def __contains__(self, name: str) -> bool:
+        """Whether a block of this name is there, sound or not."""
+        return name in self._places
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the blocks that are there, sound or not."""
+        return iter(self._places)
+
+    def is_sound(self, name: str) -> bool:
+        """Whether a block is there and as it was written."""
+        return any(_payload(name, place.content()) is not None for place in self._places.get(name, ()))
+
+    def read(self, name: str) -> Arrays | None:
+        """Arrays of a block; None if it is missing, truncated, altered or renamed."""
+        payloads = (_payload(name, place.content()) for place in self._places.get(name, ()))
+        sound = next((payload for payload in payloads if payload is not None), None)
+        return None if sound is None else _arrays(sound)
+
+    def written(self, name: str) -> float:
+        """Time at which a block was written, by the clock of the disk; raises FileNotFoundError."""
+        return max((place.file.stat().st_mtime for place in self._places[name]), default=0.0)
+
+
+def path_of(directory: Path, names: Sequence[str]) -> Path:
+    """File in which blocks of these names are finished together."""
+    if len(names) == 1:
+        return directory / _FOLDER / f"{names[0]}{_SHARD}"
+    return directory / _FOLDER / f"{hashlib.sha256(' '.join(names).encode()).hexdigest()[:24]}{_BUNDLE}"
+
+
+def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
+    """Store the arrays of blocks, by name, so that a kill at any moment leaves either all of them or nothing."""
+    contents = [_content(name, arrays) for name, arrays in blocks.items()]
+    if len(contents) > 1:
+        head = json.dumps(list(zip(blocks, map(len, contents), strict=True))).encode()
+        length = len(head).to_bytes(_LENGTH_BYTES, "big")
+        contents.insert(0, _MAGIC_OF_BUNDLE + hashlib.sha256(head).digest() + length + head)
+    if contents:
+        replace(path_of(directory, list(blocks)), b"".join(contents))
+
+
+def are_stored(directory: Path, names: Sequence[str]) -> bool:
+    """Whether these blocks are finished together, and as they were written."""
+    path = path_of(directory, names)
+    held = [(names[0], 0, None)] if len(names) == 1 else _held(path) or []
+    sound = [name for name, *where in held if _payload(name, _Place(path, *where).content()) is not None]
+    return sound == list(names)
+
+
+def _held(bundle: Path) -> list[tuple[str, int, int]] | None:
+    """Name, start and length of each shard in a bundle; None if its head is damaged."""
     try:
-        content = path.read_bytes()
+        with open(bundle, "rb") as file:
+            magic, digest = file.read(len(_MAGIC_OF_BUNDLE)), file.read(_DIGEST_BYTES)
+            size = int.from_bytes(file.read(_LENGTH_BYTES), "big")
+            head = file.read(min(size, bundle.stat().st_size))
     except FileNotFoundError:
         return None
+    if magic != _MAGIC_OF_BUNDLE or hashlib.sha256(head).digest() != digest:
+        return None
+    held = []
+    start = len(magic) + len(digest) + _LENGTH_BYTES + len(head)
+    for name, length in json.loads(head):
+        held.append((name, start, length))
+        start += length
+    return held
+
+
+def _content(name: str, arrays: Arrays) -> bytes:
+    """Shard of a block: all arrays [realisation] as columns of one table, which is read ten times as fast as each."""
+    dtype = np.dtype([(field, values.dtype) for field, values in arrays.items()])
+    table = np.empty(len(next(iter(arrays.values()))), dtype)
+    for field, values in arrays.items():
+        table[field] = values
+    buffer = io.BytesIO()
+    np.save(buffer, table, allow_pickle=False)
+    payload = buffer.getvalue()
+    return _seal(name, payload) + payload
+
+
+def _payload(name: str, content: bytes) -> bytes | None:
     start = len(_MAGIC) + _DIGEST_BYTES
     payload = content[start:]
-    if content[:start] != _seal(path, payload):
-        return None
-    with np.load(io.BytesIO(payload), allow_pickle=False) as stored:
+    return payload if content[:start] == _seal(name, payload) else None
+
+
+def _arrays(payload: bytes) -> Arrays:
+    stored = np.load(io.BytesIO(payload), allow_pickle=False)
+    if isinstance(stored, np.ndarray):
+        return {field: np.ascontiguousarray(stored[field]) for field in stored.dtype.names or ()}
+    with stored:  # earlier versions kept an array of each
         return dict(stored)
 
 
-def _seal(path: Path, payload: bytes) -> bytes:
+def _seal(name: str, payload: bytes) -> bytes:
     """What a shard begins with; its name is the identity of the work, so the digest covers it too."""
-    return _MAGIC + hashlib.sha256(path.name.encode() + payload).digest()
+    return _MAGIC + hashlib.sha256(f"{name}{_SHARD}".encode() + payload).digest()

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from math import log
 from pathlib import Path
 
-from gfmd_numba.campaign import failures, rounds, shards
+from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.execution import shard_path
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.campaign.shards import Finished
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Names of shards that are sound, damaged, still missing, or none of this campaign's."""
+    """How many blocks are sound or missing, and the names of those damaged, or none of this campaign's."""
 
     sound: int
     damaged: list[str]
@@ -49,18 +49,17 @@ def campaign_in(directory: Path) -> Plan:
 
 
 def progress(directory: Path) -> Progress:
-    """Progress of the campaign in a directory, by the names of its files; raises InputError."""
+    """Progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
     planned = campaign_in(directory)
     blocks = planned.blocks_in(directory)
+    stored = Finished(directory)
     begun = (directory / MARK).stat().st_mtime
     done = 0
     left = recent = 0.0  # work to do, and work done since the run began
     failed: dict[str, Failure] = {}
     retry: dict[str, str] = {}
     for block in blocks:
-        try:
-            written = shard_path(directory, block).stat().st_mtime
-        except FileNotFoundError:
+        if block.name not in stored:
             failure = failures.of(directory, block.name)
             if failure is None:
                 left += _work(block)
@@ -69,7 +68,7 @@ def progress(directory: Path) -> Progress:
                 retry[block.name] = _retry(directory, block)
             continue
         done += 1
-        if written >= begun:
+        if stored.written(block.name) >= begun:
             recent += _work(block)
     seconds_left = None
     if left == 0.0:
@@ -88,21 +87,22 @@ def progress(directory: Path) -> Progress:
 
 
 def verify(directory: Path) -> Verdict:
-    """Read every shard of the campaign in a directory and check its digest; raises InputError."""
+    """Read every finished block of the campaign in a directory and check its digest; raises InputError."""
     planned = campaign_in(directory)
-    expected = {shard_path(directory, block).name for block in planned.blocks_in(directory)}
+    expected = {block.name for block in planned.blocks_in(directory)}
     sound = 0
     damaged: list[str] = []
     foreign: list[str] = []
     problems = {problem.identity for problem in planned.problems}
-    present = {file.name: file for file in (directory / "shards").glob("*.shard")}
-    for name, file in sorted(present.items()):
+    stored = Finished(directory)
+    for name in sorted(stored):
         ours = name in expected or name.rsplit("-", 2)[0] in problems  # also of more realisations than now
-        if ours and shards.read(file) is not None:
+        if ours and stored.is_sound(name):
             sound += 1
         else:
             (damaged if name in expected else foreign).append(name)
-    return Verdict(sound, damaged, len(expected - present.keys()), foreign)
+    damaged += sorted(file.name for file in stored.unreadable)
+    return Verdict(sound, damaged, len(expected.difference(stored)), foreign)
 
 
 def _work(block: Block) -> float:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import rounds
-from gfmd_numba.campaign.cases import Block, split
+from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import local
 from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
-from gfmd_numba.campaign.execution import Failures, Workers, check, held
+from gfmd_numba.campaign.execution import Failures, Workers, check
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
 from gfmd_numba.campaign.goal import Goal
@@ -131,7 +131,7 @@ class _Run:
     def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
         """Blocks of a round that are to be done, and the number of others."""
         planned = with_realisations(self.planned, state.now.realisations)
-        blocks = list(split(planned.cases, held(self.directory)))
+        blocks = planned.blocks_in(self.directory)
         todo = to_do(blocks, self.directory, choice)
         return todo, len(blocks) - len(todo)
 

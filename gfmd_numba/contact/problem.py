@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class Effect:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)  # there may be a million
 class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None."""
 
@@ -71,39 +71,61 @@ class Problem:
     numerics: Options
     tractions: Tractions | None = None
     counter: CounterBody | None = None
+    _identity: str = field(default="", init=False, repr=False, compare=False)
 
-    @cached_property
+    @property
     def identity(self) -> str:
         """Hash of everything that decides the numbers: equal problems are solved once."""
-        surface = asdict(self.surface)
-        surface.pop("heights", None)
-        if isinstance(self.surface, RandomSurface):
-            # its text names the classes: models with equal numbers differ in nothing else
-            surface["generator"] = repr(self.surface.generator)
-        interface = asdict(self.interface) | {"laws": self.interface.laws}
-        if self.interface.hardness is None:
-            del interface["hardness"]
+        if not self._identity:
+            object.__setattr__(self, "_identity", self._hash())
+        return self._identity
+
+    def _hash(self) -> str:
         content = {
             "results_version": results_version(),
-            "surface": surface,
-            "body": _content(self.body),
-            "interface": interface,
+            "surface": _surface_content(self.surface),
+            "body": _body_content(self.body),
+            "interface": _interface_content(self.interface),
             "mean_pressure": self.mean_pressure,
             "displacement": self.displacement,
-            "numerics": asdict(self.numerics),
+            "numerics": _fields(self.numerics),
         }
         if self.tractions is not None:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
-            content["counter"] = {"body": _content(self.counter.body), "share": self.counter.share}
-        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+            content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
+        return hashlib.sha256(_JSON.encode(content).encode()).hexdigest()[:24]
 
 
-def _content(body: ElasticBody) -> dict[str, object]:
+_JSON = json.JSONEncoder(sort_keys=True)
+
+
+def _fields(record: Any) -> dict[str, Any]:
+    """Fields of a dataclass as they are: `asdict` copies each, which would be most of the time of a large plan."""
+    return {name: getattr(record, name) for name in record.__dataclass_fields__}
+
+
+def _surface_content(surface: RandomSurface | GivenSurface) -> dict[str, Any]:
+    if isinstance(surface, GivenSurface):
+        return {"nx": surface.nx, "digest": surface.digest}
+    # the text of a generator names its classes: models with equal numbers differ in nothing else
+    return _fields(surface) | {"generator": repr(surface.generator)}
+
+
+def _body_content(body: ElasticBody) -> dict[str, Any]:
     """What tells a body from others; nothing is said of layers where there are none."""
-    content = asdict(body)
-    if body.stack is None:
-        del content["stack"]
+    if body.stack is not None:
+        return asdict(body)
+    return {"poissons_ratio": body.poissons_ratio, "aspect_ratio": body.aspect_ratio}
+
+
+def _interface_content(interface: Interactions) -> dict[str, Any]:
+    content = _fields(interface) | {"laws": interface.laws}
+    for name in ("normal_law", "cohesive"):
+        if content[name] is not None:
+            content[name] = asdict(content[name])
+    if interface.hardness is None:
+        del content["hardness"]
     return content
 
 

@@ -49,7 +49,7 @@ def reduce(
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
-    options = solver_options(numerics, automatic(scene.dimension, interface.abilities))
+    options = _options(numerics, scene.dimension, interface.abilities)
     load = reduced_pressure(scene, rms_gradient, modulus)
     pressure = None if load is None else load / scene.body.stiffness_scale
     counter = None
@@ -58,11 +58,23 @@ def reduce(
         other = _body(counter_body, interface, displacement is not None, False, tolerance)[0]
         counter = CounterBody(other, modulus / effective_modulus(scene.counter_body))
     problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
-    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", tractions))
-    if scene.body.stiffness_scale != 1.0:
-        wrong = f"all stiffnesses are {scene.body.stiffness_scale:g} times too large, as the scene asks for"
-        effects = (Effect("stiffness scale", "on", wrong), *effects)
-    return problem, effects
+    return problem, _all_effects(elasticity, interactions, tractions is not None, scene.body.stiffness_scale)
+
+
+@lru_cache(maxsize=4096)  # a tuple that many problems share
+def _all_effects(
+    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], loaded: bool, stiffness_scale: float
+) -> tuple[Effect, ...]:
+    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", loaded or None))
+    if stiffness_scale == 1.0:
+        return effects
+    wrong = f"all stiffnesses are {stiffness_scale:g} times too large, as the scene asks for"
+    return (Effect("stiffness scale", "on", wrong), *effects)
+
+
+@lru_cache
+def _options(numerics: Numerics, dimension: int, abilities: tuple[str, ...]) -> Options:
+    return solver_options(numerics, automatic(dimension, abilities))
 
 
 @lru_cache

@@ -14,11 +14,11 @@ import cloudpickle
 import pytest
 from distributed import LocalCluster
 
-from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import connected
-from gfmd_numba.campaign.execution import Workers, check, execute, shard_path
+from gfmd_numba.campaign.execution import Workers, check, execute
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign
 from support.command_line import unfolded
@@ -81,7 +81,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
     for task, reason in zip(bad, reasons, strict=True):
         assert reason in failures[task[0].name].reason
     assert len(failures) == 3
-    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+    assert all(Finished(tmp_path).is_sound(block.name) for task in sound for block in task)
     assert not list(tmp_path.glob("shards/*.tmp"))
 
 
@@ -90,7 +90,7 @@ def test_poison_in_this_process_fails_its_own_block_only(tmp_path, sound, monkey
     bad = poisoned(sound[0][0].problem, ["endless"])
     failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
     assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
-    assert all(shards.read(shard_path(tmp_path, block)) is not None for task in sound for block in task)
+    assert all(Finished(tmp_path).is_sound(block.name) for task in sound for block in task)
 
 
 def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
@@ -122,7 +122,8 @@ def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
     assert said.count("gfmd: ") == 1
     assert said.startswith("gfmd: [Errno 27] File too large")
     assert said.endswith("finished work is kept, the same command resumes")
-    assert all(shards.read(shard) is not None for shard in out.glob("shards/*.shard"))
+    finished = Finished(out)
+    assert all(finished.is_sound(name) for name in finished)
     assert subprocess.run(command, capture_output=True).returncode == 0
 
 
@@ -152,7 +153,7 @@ def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
         folders[0].mkdir()
         execute(sound, folders[0], workers, None, finished)
     for folder in folders:
-        assert all(shards.read(shard_path(folder, block)) is not None for task in sound for block in task)
+        assert all(Finished(folder).is_sound(block.name) for task in sound for block in task)
 
 
 @pytest.mark.parametrize(

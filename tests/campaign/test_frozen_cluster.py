@@ -8,9 +8,9 @@ import pytest
 from distributed import LocalCluster
 
 from gfmd_numba.campaign import cluster as cluster_of_run
-from gfmd_numba.campaign import shards
-from gfmd_numba.campaign.execution import Workers, execute, shard_path
+from gfmd_numba.campaign.execution import Workers, execute
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.shards import Finished
 from support.campaigns import campaign
 
 
@@ -34,4 +34,4 @@ def test_a_frozen_worker_of_a_cluster_is_replaced(tmp_path, monkeypatch):
         execute(tasks, tmp_path, Workers(address=cluster.scheduler_address), 2.0, finished)
         assert not stopped[0].is_running()
     assert sum(ended) == len(blocks)
-    assert all(shards.read(shard_path(tmp_path, block)) is not None for block in blocks)
+    assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)

@@ -6,9 +6,9 @@ import psutil
 import pytest
 
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.execution import perform, shard_path
+from gfmd_numba.campaign.execution import perform
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.shards import read
+from gfmd_numba.campaign.shards import Finished, path_of
 from support.campaigns import campaign
 
 
@@ -22,9 +22,8 @@ def test_memory_and_file_handles_stay_flat_over_many_cases(tmp_path, cases):
     def perform_some(number):
         for task in islice(tasks, number):
             assert perform(task, tmp_path, None) == {}
-            path = shard_path(tmp_path, task[0])
-            assert read(path)["status"].tolist() == [0]
-            path.unlink()
+            assert Finished(tmp_path).read(task[0].name)["status"].tolist() == [0]
+            path_of(tmp_path, [task[0].name]).unlink()
         return process.memory_info().rss, process.num_fds()
 
     memory, handles = perform_some(100)

@@ -12,12 +12,13 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import execution, shards
+from gfmd_numba.campaign import execution
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.shards import Finished
 from support.campaigns import campaign, numbers
 
 
@@ -55,7 +56,7 @@ def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]
     left = list(out.glob("shards/*"))
     assert left
-    assert all(shards.read(shard) is not None for shard in left if shard.suffix == ".shard")
+    assert all(Finished(out).is_sound(shard.stem) for shard in left if shard.suffix == ".shard")
     assert not [p for p in psutil.process_iter() if p.status() != psutil.STATUS_ZOMBIE and session(p) == process.pid]
 
 
@@ -83,7 +84,7 @@ def test_a_damaged_shard_is_computed_again(finished, tmp_path):
     third.write_bytes(b"")
     xr.testing.assert_identical(numbers(gfmd_numba.run(path, out, 0)), numbers(finished))
     assert first.read_bytes()[:13] == content[:13]
-    assert all(shards.read(shard) is not None for shard in (first, second, third))
+    assert all(Finished(out).is_sound(shard.stem) for shard in (first, second, third))
 
 
 def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path, monkeypatch):

@@ -13,9 +13,10 @@ import pytest
 from distributed.comm import connect
 from distributed.security import Security
 
-from gfmd_numba.campaign import cluster, shards
-from gfmd_numba.campaign.execution import Workers, execute, shard_path
+from gfmd_numba.campaign import cluster
+from gfmd_numba.campaign.execution import Workers, execute
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.shards import Finished
 from support.campaigns import campaign
 
 
@@ -101,7 +102,7 @@ def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_pat
     execute([(block,) for block in blocks], tmp_path, Workers(1), 2.0, finished)
     assert not stopped[0].is_running()
     assert sum(ended) == len(blocks)
-    assert all(shards.read(shard_path(tmp_path, block)) is not None for block in blocks)
+    assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")

@@ -89,7 +89,7 @@ def test_a_surplus_shard_is_not_foreign(tmp_path, of_six):
     assert (verify(out).sound, verify(out).foreign) == (20, [])
     surplus = next(out.glob("shards/*-000004-000006.shard"))
     surplus.write_bytes(b"")
-    assert (verify(out).sound, verify(out).damaged, verify(out).foreign) == (19, [], [surplus.name])
+    assert (verify(out).sound, verify(out).damaged, verify(out).foreign) == (19, [], [surplus.stem])
 
 
 def test_a_damaged_old_shard_is_computed_again(tmp_path, of_six):

@@ -1,25 +1,130 @@
-"""Shards: each is written and read whole, or not at all."""
+"""Finished blocks: each is written and read whole, or not at all, in a file of its own or with others."""
+
+import io
+import os
 
 import numpy as np
+import pytest
 
-from gfmd_numba.campaign import shards
+from gfmd_numba.campaign import execution, shards
+from gfmd_numba.campaign.execution import Workers, perform
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.run import run
+from gfmd_numba.campaign.shards import Finished, are_stored, path_of, store
+from gfmd_numba.campaign.status import verify
+from support.campaigns import campaign
+
+ARRAYS = {"kappa": np.array([1.0, np.nan]), "status": np.array([0, 1], dtype=np.int8)}
+OTHERS = {"kappa": np.array([2.0]), "status": np.array([0], dtype=np.int8)}
+BLOCKS = {"a-000000-000002": ARRAYS, "b-000000-000001": OTHERS}
 
 
-def test_shards_are_all_or_nothing(tmp_path):
-    path = tmp_path / "a.shard"
-    assert shards.read(path) is None
-    arrays = {"kappa": np.array([1.0, np.nan]), "status": np.array([0, 1], dtype=np.int8)}
-    shards.write(path, arrays)
-    stored = shards.read(path)
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "shards").mkdir()
+    return tmp_path
+
+
+def same(stored, arrays):
     assert stored is not None
+    assert list(stored) == list(arrays)
     for name, values in arrays.items():
         np.testing.assert_array_equal(stored[name], values)
         assert stored[name].dtype == values.dtype
+
+
+def test_shards_are_all_or_nothing(folder):
+    assert Finished(folder).read("a") is None
+    store(folder, {"a": ARRAYS})
+    same(Finished(folder).read("a"), ARRAYS)
+    path = folder / "shards" / "a.shard"
     content = path.read_bytes()
-    (tmp_path / "b.shard").write_bytes(content)
-    assert shards.read(tmp_path / "b.shard") is None
-    (tmp_path / "b.shard").unlink()
+    (folder / "shards" / "b.shard").write_bytes(content)
+    assert Finished(folder).read("b") is None
+    (folder / "shards" / "b.shard").unlink()
     for cut in range(0, len(content), 7):
         path.write_bytes(content[:cut])
-        assert shards.read(path) is None
-    assert list(tmp_path.iterdir()) == [path]
+        assert Finished(folder).read("a") is None
+    assert list((folder / "shards").iterdir()) == [path]
+
+
+def test_blocks_of_a_bundle_are_read_one_by_one(folder):
+    store(folder, BLOCKS)
+    assert list((folder / "shards").iterdir()) == [path_of(folder, list(BLOCKS))]
+    found = Finished(folder)
+    assert list(found) == list(BLOCKS)
+    for name, arrays in BLOCKS.items():
+        same(found.read(name), arrays)
+    assert are_stored(folder, list(BLOCKS))
+    assert not are_stored(folder, list(BLOCKS)[:1])
+
+
+def test_a_damaged_byte_costs_one_block_or_all_of_a_bundle_and_none_is_wrong(folder):
+    store(folder, BLOCKS)
+    path = path_of(folder, list(BLOCKS))
+    content = path.read_bytes()
+    head = content.index(b"gfmd shard")
+    for place in range(0, len(content), 5):
+        altered = bytearray(content)
+        altered[place] ^= 1
+        path.write_bytes(altered)
+        found = Finished(folder)
+        sound = [name for name in BLOCKS if found.is_sound(name)]
+        assert len(sound) == (0 if place < head else 1)
+        assert found.unreadable == ([path] if place < head else [])
+        for name in sound:
+            same(found.read(name), BLOCKS[name])
+        assert not are_stored(folder, list(BLOCKS))
+    for cut in range(0, len(content), 7):
+        path.write_bytes(content[:cut])
+        assert not all(Finished(folder).is_sound(name) for name in BLOCKS)
+
+
+def test_a_block_that_was_damaged_and_stored_again_is_sound(folder):
+    store(folder, BLOCKS)
+    path = path_of(folder, list(BLOCKS))
+    path.write_bytes(path.read_bytes()[:-1])
+    store(folder, {"b-000000-000001": OTHERS})
+    same(Finished(folder).read("b-000000-000001"), OTHERS)
+
+
+def test_shards_of_earlier_versions_are_read(folder):
+    buffer = io.BytesIO()
+    np.savez(buffer, **ARRAYS)
+    payload = buffer.getvalue()
+    (folder / "shards" / "a.shard").write_bytes(shards._seal("a", payload) + payload)
+    same(Finished(folder).read("a"), ARRAYS)
+
+
+def test_many_small_blocks_share_files_and_give_the_same_results(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(execution, "_MOST_FILES", 2)
+    monkeypatch.setattr("gfmd_numba.campaign.plan._TASKS_PER_WORKER", 0.5)  # all in one
+    path, out = campaign(tmp_path), tmp_path / "out"
+    results, failures = run(path, out, Workers(0))
+    assert failures == {}
+    assert len(list(out.glob("shards/*"))) < 10
+    assert (verify(out).sound, verify(out).damaged, verify(out).missing) == (10, [], 0)
+    for kept in (0, -1):  # all blocks of a bundle are damaged, or one of them
+        bundle = next(out.glob("shards/*.bundle"))
+        bundle.write_bytes(bundle.read_bytes()[:kept])
+        assert verify(out).missing or verify(out).damaged
+        results, _ = run(path, out, Workers(0))
+        assert (verify(out).sound, verify(out).damaged, verify(out).missing) == (10, [], 0)
+        with open(results, "rb") as file:
+            assert finished.attrs["content_sha256"].encode() in file.read()
+
+
+def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
+    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), execution.solve, []
+
+    def interrupted(*given):
+        if len(solved) == 3:
+            raise KeyboardInterrupt
+        solved.append(given)
+        return solve(*given)
+
+    monkeypatch.setattr(execution, "solve", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        perform(task, folder, None, together=5, mortal=False)
+    assert list(Finished(folder)) == [block.name for block in task[:3]]
+    assert len(os.listdir(folder / "shards")) == 1

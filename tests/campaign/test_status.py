@@ -112,8 +112,8 @@ def test_verify_finds_what_was_altered(tmp_path):
     ran = gfmd("verify", out)
     assert ran.exit_code == 3
     assert "7 sound, 1 damaged, 2 not there" in ran.output
-    assert f"damaged  {shard.name}" in ran.output
-    assert "foreign  foreign.shard" in ran.output
+    assert f"damaged  {shard.stem}" in ran.output
+    assert "foreign  foreign:" in ran.output
     assert "small.nc differs from its digest" in unfolded(ran.output)
 
 

@@ -10,7 +10,8 @@ from contextlib import contextmanager
 import pytest
 from click.testing import CliRunner
 
-from gfmd_numba.campaign import shards, work_precision
+from gfmd_numba.campaign import work_precision
+from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.cli import main
 from gfmd_numba.storage.atomic_file import replace
 from support.campaigns import campaign
@@ -129,7 +130,8 @@ def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp
         assert said.count("gfmd: ") == 1
         assert said.startswith("gfmd: [Errno 28] No space left on device: ")
         assert said.endswith("; finished work is kept, the same command resumes")
-        assert all(shards.read(shard) is not None for shard in out.glob("shards/*.shard"))
+        finished = Finished(out)
+        assert all(finished.is_sound(name) for name in finished)
         assert not list(small_disk.rglob("*.tmp"))
     filler.unlink()
     assert subprocess.run(command, capture_output=True).returncode == 0

@@ -4,13 +4,15 @@ Candidates are the nodes that may come into contact, listed around the period be
 Arrays over them, and over those in contact, hold as many values as there are, in longer arrays.
 """
 
+import numpy as np
+
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.active_sets import newton_error, without_mean
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.decay_sums import POWERS, decay_product, far_powers
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 
-_WIDER = 1.0  # gaps up to this many times the largest misfit on the contact make a node a candidate
+_WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
 _STEPS = 30  # contacts tried for one gap
@@ -26,21 +28,17 @@ def candidates(
     They are the nodes with pressure and those less open than these are, at most, from being closed.
     """
     count = 0
-    total = 0.0
-    highest = 0.0
-    lowest = 0.0
+    approach = 0.0
     for j in range(n):
         if p[j] > 0.0:
-            gap = wall[j] + sp[j]
-            if count == 0:
-                highest = gap
-                lowest = gap
-            highest = max(highest, gap)
-            lowest = min(lowest, gap)
-            total += gap
+            spare[count] = j
+            approach += wall[j] + sp[j]
             count += 1
-    approach = total / count if free_mean and count > 0 else 0.0
-    widest = approach + _WIDER * max(highest - approach, approach - lowest)
+    approach = approach / count if free_mean and count > 0 else 0.0
+    misfit = 0.0
+    for k in range(count):
+        misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
+    widest = approach + (_WIDER * misfit / count if count > 0 else 0.0)
     count = 0
     for j in range(n):
         if wall[j] + sp[j] <= widest or p[j] > 0.0:
@@ -83,6 +81,7 @@ def decay_contact(
     free_mean: bool,
     target: float,
     share: float,
+    may_change: float,
     powers: Reals,
     weights: Reals,
     white: float,
@@ -98,15 +97,15 @@ def decay_contact(
     decay: Reals,
     lower: Reals,
     carried: Reals,
-) -> tuple[float, int, int]:
+) -> tuple[float, int]:
     """Find the contact and its pressure p that leave no overlap and no tension under a sum of decays.
 
-    The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients
-    solve for the pressure on one contact after the other, preconditioned by a coarser sum, until none changes and the
-    relative error is at most `target`, or `share` of the relative change that the first contact asked for if that is
-    larger. Returns the largest change of the pressure over the largest pressure, how many nodes changed sides between
-    the first and the last contact, and how many nodes are in contact; the change is infinite if the contact did not
-    settle.
+    The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients,
+    preconditioned by a coarser sum, solve for the pressure on one contact after the other: first nodes under tension
+    leave until there are none, then overlapping ones join, until at most the share `may_change` of the contact
+    does and the relative error is at most `target`, or `share` of the relative change that the first contact asked
+    for if that is larger. Returns the largest change of the pressure over the largest pressure, infinite if the
+    contact did not settle, and the number of nodes in contact.
     """
     nodes, distances, rows, inside, contact, contact_rows = (
         indices[0], indices[1], indices[2], indices[3], indices[4], indices[5],
@@ -117,7 +116,6 @@ def decay_contact(
     count, approach = candidates(p, sp, wall, n, free_mean, nodes, inside)
     distances_around(nodes, count, n, distances)
     free = far_powers(powers, near, distances, count, POWERS, rows)
-    touching = 0
     for k in range(count):
         old[k] = p[nodes[k]]
         new[k] = old[k]
@@ -125,15 +123,16 @@ def decay_contact(
         gap[k] = opened[k]
         touches[k] = old[k] > 0.0
     tolerance = _LOOSE
-    final = target
+    final = -1.0
     settled = False
-    first = True
+    touching = 0
     for _ in range(_STEPS):
         touching = 0
         for k in range(count):
             if touches[k]:
                 inside[touching] = k
                 contact[touching] = nodes[k]
+                r[touching] = -gap[k]
                 touching += 1
         if touching > 0:
             distances_around(contact, touching, n, distances)
@@ -141,95 +140,89 @@ def decay_contact(
             exponential_sum_factor(
                 contact, touching, n, rates, coarse_weights, coarse_white, floor, decay, lower, diagonal, carried
             )
-            for k in range(touching):
-                r[k] = -gap[inside[k]]
             if free_mean:
                 without_mean(r, touching)
                 for k in range(touching):
                     z[k] = 1.0
                 exponential_sum_solve(z, touching, coarse_weights, decay, lower, diagonal, uniform, carried[0])
-        changed = 0
         while True:
-            if touching > 0:
-                last = 0.0
-                for iteration in range(_ITERATIONS):
-                    exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
-                    energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
-                    if first:
-                        final = max(target, share * error)
-                        tolerance = max(tolerance, final)
-                        first = False
-                    if not error > tolerance:
-                        break
-                    beta = energy / last if iteration > 0 else 0.0
-                    for k in range(touching):
-                        t[k] = z[k] + beta * t[k] if iteration > 0 else z[k]
-                    last = energy
-                    decay_product(contact_rows, touching, near, weights, white, mean, t, st)
-                    curvature = 0.0
-                    for k in range(touching):
-                        curvature += t[k] * st[k]
-                    if not curvature > 0.0:
-                        break
-                    length = energy / curvature
-                    for k in range(touching):
-                        new[inside[k]] += length * t[k]
-                        r[k] -= length * st[k]
-                    if free_mean:
-                        without_mean(r, touching)
+            last = 0.0
+            for _ in range(_ITERATIONS if touching > 0 else 0):
+                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
+                if final < 0.0:
+                    final = max(target, share * error)
+                    tolerance = max(tolerance, final)
+                if not error > tolerance:
+                    break
+                beta = energy / last if last > 0.0 else 0.0
+                for k in range(touching):
+                    t[k] = z[k] + beta * t[k] if last > 0.0 else z[k]
+                last = energy
+                decay_product(contact_rows, touching, near, weights, white, mean, t, st)
+                curvature = 0.0
+                for k in range(touching):
+                    curvature += t[k] * st[k]
+                if not curvature > 0.0:
+                    break
+                length = energy / curvature
+                for k in range(touching):
+                    new[inside[k]] += length * t[k]
+                    r[k] -= length * st[k]
+                if free_mean:
+                    without_mean(r, touching)
+            leaving = 0
+            total = 0.0
+            misfit = rounding
+            for k in range(touching):
+                total += max(new[inside[k]], 0.0)
+                misfit = max(misfit, abs(r[k]))
+                if not new[inside[k]] > 0.0:
+                    leaving += 1
+            joining = 0
+            if leaving > 0:
+                scale = load * n / total if free_mean else 1.0
+                for k in range(touching):
+                    i = inside[k]
+                    t[k] = -new[i]
+                    touches[i] = new[i] > 0.0
+                    new[i] = scale * new[i] if new[i] > 0.0 else 0.0
+                    t[k] += new[i]
+                decay_product(contact_rows, touching, near, weights, white, mean, t, st)
+                for k in range(touching):
+                    gap[inside[k]] = st[k] - r[k]
+                break
             for k in range(count):
                 z[k] = new[k] - old[k]
             decay_product(rows, count, near, weights, white, mean, z, gap)
+            approach = 0.0
             for k in range(count):
                 gap[k] += opened[k]
             if free_mean:
-                approach = 0.0
                 for k in range(touching):
                     approach += gap[inside[k]]
                 approach /= touching
-                for k in range(count):
-                    gap[k] -= approach
-            changed = 0
-            total = 0.0
             for k in range(count):
-                if touches[k]:
-                    if new[k] > 0.0:
-                        total += new[k]
-                    else:
-                        new[k] = 0.0
-                        touches[k] = False
-                        changed += 1
-                elif gap[k] < -rounding:
+                if not touches[k] and gap[k] - approach < -misfit:
                     touches[k] = True
-                    changed += 1
-            if changed > 0 or tolerance <= final:
+                    joining += 1
+            settled = joining <= may_change * touching
+            if joining > 0 or tolerance <= final:
                 break
             tolerance = final
-        if changed == 0:
-            settled = True
+        if settled and tolerance <= final:
             break
-        tolerance = max(_TIGHTEN * tolerance, final)
-        if free_mean:
-            scale = load * n / total
-            for k in range(count):
-                new[k] *= scale
-        for k in range(count):
-            z[k] = new[k] - old[k]
-        decay_product(rows, count, near, weights, white, mean, z, gap)
-        for k in range(count):
-            gap[k] += opened[k]
+        if joining > 0:
+            tolerance = max(_TIGHTEN * tolerance, final)
     change = 0.0
     largest = 0.0
-    moved = 0
     for k in range(count):
         change = max(change, abs(new[k] - old[k]))
         largest = max(largest, new[k])
-        if (old[k] > 0.0) != (new[k] > 0.0):
-            moved += 1
         p[nodes[k]] = new[k]
     if not settled:
-        return float("inf"), moved, touching
-    return (change / largest if largest > 0.0 else 0.0), moved, touching
+        return np.inf, touching
+    return (change / largest if largest > 0.0 else 0.0), touching
 
 
 @jit

@@ -9,7 +9,7 @@ from gfmd_numba.kernels.compilation import jit
 
 DECAYS_AT_ONCE = 8
 POWERS = 64  # distances are written in this base, with a table of powers for each digit
-_FELT = 1e-8  # what a decay keeps across the cut of the period, below which its images do not count
+_FELT = 1e-6  # what a decay keeps across the cut of the period, below which its images do not count
 
 Eight = tuple[float, float, float, float, float, float, float, float]
 

@@ -18,6 +18,9 @@ from gfmd_numba.solvers.options import Options
 Rows = npt.NDArray[np.int64]
 
 _COARSE_ERROR = 0.01  # relative error of a first guess
+_EXACT = 0.1  # relative error of the pressure asked for, over the residual
+_TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
+_SETTLED = 0.02  # share of its contact that may still change
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
 
 
@@ -44,6 +47,7 @@ class DecayNewton:
         self._residual = options.residual
         self._transforms = np.zeros(rows)
         self._expected = np.full(rows, np.inf)
+        self._target = np.full(rows, _EXACT * options.residual)
         stiffness = batch.normal_stiffness
         self._rigid_mean = not np.isfinite(stiffness[0])
         self._impossible = self._rigid_mean & (batch.punch.mean(axis=1) < 0.0)
@@ -64,7 +68,7 @@ class DecayNewton:
         for i in active:
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
             change = self._level.solve(
-                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, 0.2 * self._residual
+                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, self._target[i], 0.0
             )
             self._expected[i] = self._model.error * change
         self._transforms[active] += 2
@@ -74,7 +78,9 @@ class DecayNewton:
         residual = np.full(active.size, np.inf)
         sure = self._expected[active] <= _SURE * self._residual
         if sure.any():
-            residual[sure] = self._violation(active[sure])
+            looked = active[sure]
+            residual[sure] = self._violation(looked)
+            self._target[looked[residual[sure] > self._residual]] *= _TIGHTEN
         return residual
 
     def _violation(self, active: Rows) -> Reals:
@@ -119,7 +125,7 @@ class DecayNewton:
             if other.coarser is not None:
                 other.field.apply(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
-            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR)
+            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, _SETTLED)
             pressure = self.pressure[i] if finer is level else finer.pressure
             kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, pressure)
         self._transforms[i] += cost
@@ -151,13 +157,14 @@ class _Level:
         field.inverse(self.wall)
 
     def solve(
-        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float
+        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float,
+        may_change: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
         model, sum_ = self.model, self.model.preconditioner
-        change, _, _ = kernels.decay_contact(
-            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, model.powers,
-            model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
+        change, _ = kernels.decay_contact(
+            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, may_change,
+            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
             self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
         )  # fmt: skip
         return float(change)

@@ -11,10 +11,13 @@ from gfmd_numba.kernels.active_sets import (
 )
 from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.decay_contacts import decay_contact, refined_pressure, touching_displacement
+from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.least_squares import least_squares
 from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.spectral import couple, multiply
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
@@ -30,6 +33,8 @@ __all__ = [
     "couple",
     "coupled_step",
     "damp",
+    "decay_contact",
+    "decay_product",
     "exponential_pull",
     "exponential_sum_factor",
     "exponential_sum_solve",
@@ -37,6 +42,7 @@ __all__ = [
     "free_mean",
     "friction_violation",
     "kkt_violation",
+    "least_squares",
     "level",
     "multiply",
     "near_field_pressure",
@@ -46,9 +52,11 @@ __all__ = [
     "open_gap",
     "prescribed_step",
     "prescribed_violation",
+    "refined_pressure",
     "revise_bounds",
     "revise_contact",
     "stop_at_first_bound",
+    "touching_displacement",
     "verlet_step",
     "wall_pressure",
     "wrong_gaps",

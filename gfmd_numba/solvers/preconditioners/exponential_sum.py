@@ -1,5 +1,7 @@
 """The compliance as a sum of exponential decays, which can be inverted on any set of nodes."""
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
@@ -31,18 +33,18 @@ class ExponentialSum:
         slowest = np.pi / n
         terms = int(np.ceil(np.log(_STEEPEST / slowest) / _SPACING)) + 1
         rates = np.geomspace(slowest, _STEEPEST, terms)
-        weights, self._white = _fit(compliance, n, rates)
+        weights, self.white = _fit(compliance, n, rates)
         # all images of a node, one period apart, add up to another decay and one that comes from the other side
         image = np.exp(-n * rates)
         weights /= 1.0 - image
         felt = image > _FAINT
-        self._rates = np.concatenate((rates, -rates[felt]))
-        self._weights = np.concatenate((weights, (image * weights)[felt]))
-        self._floor = 0.1 * float(compliance.min())
+        self.rates = np.concatenate((rates, -rates[felt]))
+        self.weights = np.concatenate((weights, (image * weights)[felt]))
+        self.floor = 0.1 * float(compliance.min())
         self._n = n
-        self._decay, self._lower = np.empty((2, 0, self._rates.size))
+        self._decay, self._lower = np.empty((2, 0, self.rates.size))
         self._diagonal = np.empty(0)
-        self._carried = np.empty((self._rates.size, self._rates.size))
+        self._carried = np.empty((self.rates.size, self.rates.size))
         self._count = 0
 
     @property
@@ -53,15 +55,26 @@ class ExponentialSum:
         but no longer where the period is cut: without a wide gap there pivots have to be lifted, and the factors may
         grow beyond all bounds.
         """
-        return bool((self._diagonal[: self._count] > self._floor).all())
+        return bool((self._diagonal[: self._count] > self.floor).all())
+
+    @cached_property
+    def is_safe(self) -> bool:
+        """Whether the sum is positive definite on any nodes: sums of positive decays are, others are tried on all."""
+        if (self.weights > 0.0).all() and self.white > 0.0:
+            return True
+        self.factor(np.arange(self._n), self._n)
+        safe = self.is_positive
+        self._decay, self._lower = np.empty((2, 0, self.rates.size))
+        self._diagonal = np.empty(0)
+        return safe
 
     def factor(self, nodes: Rows, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         if count > len(self._diagonal):
-            self._decay, self._lower = np.empty((2, count, self._rates.size))
+            self._decay, self._lower = np.empty((2, count, self.rates.size))
             self._diagonal = np.empty(count)
         kernels.exponential_sum_factor(
-            nodes, count, self._n, self._rates, self._weights, self._white, self._floor,
+            nodes, count, self._n, self.rates, self.weights, self.white, self.floor,
             self._decay, self._lower, self._diagonal, self._carried,
         )  # fmt: skip
         self._count = count
@@ -69,7 +82,7 @@ class ExponentialSum:
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that causes the displacement there."""
         kernels.exponential_sum_solve(
-            displacement, self._count, self._weights, self._decay, self._lower, self._diagonal, pressure,
+            displacement, self._count, self.weights, self._decay, self._lower, self._diagonal, pressure,
             self._carried[0],
         )  # fmt: skip
 

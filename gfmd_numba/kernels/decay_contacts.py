@@ -1,0 +1,264 @@
+"""Compiled active-set steps of a profile whose compliance is a sum of decays: no transforms, no work on open nodes.
+
+Candidates are the nodes that may come into contact, listed around the period behind the widest gap between them.
+Arrays over them, and over those in contact, hold as many values as there are, in longer arrays.
+"""
+
+import numpy as np
+
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.kernels.active_sets import newton_error, without_mean
+from gfmd_numba.kernels.compilation import jit
+from gfmd_numba.kernels.decay_sums import POWERS, decay_product, far_powers
+from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
+
+_WIDER = 2.0
+_LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
+_TIGHTEN = 0.1  # factor on that error after each step
+_STEPS = 30  # contacts tried for one gap
+_ITERATIONS = 60  # of conjugate gradients for each
+
+
+@jit
+def candidates(
+    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, nodes: Indices, spare: Indices
+) -> tuple[int, float]:
+    """List the candidates under the pressure p whose displacement is sp; their number, and the approach.
+
+    They are the nodes with pressure and those less open than these are, at most, from being closed.
+    """
+    count = 0
+    approach = 0.0
+    for j in range(n):
+        if p[j] > 0.0:
+            spare[count] = j
+            approach += wall[j] + sp[j]
+            count += 1
+    approach = approach / count if free_mean and count > 0 else 0.0
+    misfit = 0.0
+    for k in range(count):
+        misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
+    widest = approach + (_WIDER * misfit / count if count > 0 else 0.0)
+    count = 0
+    for j in range(n):
+        if wall[j] + sp[j] <= widest or p[j] > 0.0:
+            spare[count] = j
+            count += 1
+    begin_behind_widest_gap(spare, count, n, nodes)
+    return count, approach
+
+
+@jit
+def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indices) -> None:
+    """Copy nodes in ascending order so that they begin behind the widest gap between two."""
+    start = 0
+    widest = 0
+    for k in range(count):
+        before = ascending[k - 1] if k > 0 else ascending[count - 1] - n
+        if ascending[k] - before > widest:
+            widest = ascending[k] - before
+            start = k
+    for k in range(count):
+        nodes[k] = ascending[(start + k) % count]
+
+
+@jit
+def distances_around(nodes: Indices, count: int, n: int, distances: Indices) -> None:
+    """Distances of nodes around a period from the one before, of the first from the last."""
+    for k in range(count):
+        distance = nodes[k] - (nodes[k - 1] if k > 0 else nodes[count - 1])
+        distances[k] = distance if distance > 0 else distance + n
+
+
+@jit
+def decay_contact(
+    p: Reals,
+    sp: Reals,
+    wall: Reals,
+    n: int,
+    load: float,
+    rounding: float,
+    free_mean: bool,
+    target: float,
+    share: float,
+    may_change: float,
+    powers: Reals,
+    weights: Reals,
+    white: float,
+    mean: float,
+    near: Reals,
+    rates: Reals,
+    coarse_weights: Reals,
+    coarse_white: float,
+    floor: float,
+    indices: Indices,
+    touches: Flags,
+    values: Reals,
+    decay: Reals,
+    lower: Reals,
+    carried: Reals,
+) -> tuple[float, int]:
+    """Find the contact and its pressure p that leave no overlap and no tension under a sum of decays.
+
+    The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients,
+    preconditioned by a coarser sum, solve for the pressure on one contact after the other: first nodes under tension
+    leave until there are none, then overlapping ones join, until at most the share `may_change` of the contact
+    does and the relative error is at most `target`, or `share` of the relative change that the first contact asked
+    for if that is larger. Returns the largest change of the pressure over the largest pressure, infinite if the
+    contact did not settle, and the number of nodes in contact.
+    """
+    nodes, distances, rows, inside, contact, contact_rows = (
+        indices[0], indices[1], indices[2], indices[3], indices[4], indices[5],
+    )  # fmt: skip
+    new, old, opened, gap, r, z, uniform, t, st, diagonal = (
+        values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9],
+    )  # fmt: skip
+    count, approach = candidates(p, sp, wall, n, free_mean, nodes, inside)
+    distances_around(nodes, count, n, distances)
+    free = far_powers(powers, near, distances, count, POWERS, rows)
+    for k in range(count):
+        old[k] = p[nodes[k]]
+        new[k] = old[k]
+        opened[k] = wall[nodes[k]] + sp[nodes[k]] - approach
+        gap[k] = opened[k]
+        touches[k] = old[k] > 0.0
+    tolerance = _LOOSE
+    final = -1.0
+    settled = False
+    touching = 0
+    for _ in range(_STEPS):
+        touching = 0
+        for k in range(count):
+            if touches[k]:
+                inside[touching] = k
+                contact[touching] = nodes[k]
+                r[touching] = -gap[k]
+                touching += 1
+        if touching > 0:
+            distances_around(contact, touching, n, distances)
+            far_powers(powers, near, distances, touching, free, contact_rows)
+            exponential_sum_factor(
+                contact, touching, n, rates, coarse_weights, coarse_white, floor, decay, lower, diagonal, carried
+            )
+            if free_mean:
+                without_mean(r, touching)
+                for k in range(touching):
+                    z[k] = 1.0
+                exponential_sum_solve(z, touching, coarse_weights, decay, lower, diagonal, uniform, carried[0])
+        while True:
+            last = 0.0
+            for _ in range(_ITERATIONS if touching > 0 else 0):
+                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
+                if final < 0.0:
+                    final = max(target, share * error)
+                    tolerance = max(tolerance, final)
+                if not error > tolerance:
+                    break
+                beta = energy / last if last > 0.0 else 0.0
+                for k in range(touching):
+                    t[k] = z[k] + beta * t[k] if last > 0.0 else z[k]
+                last = energy
+                decay_product(contact_rows, touching, near, weights, white, mean, t, st)
+                curvature = 0.0
+                for k in range(touching):
+                    curvature += t[k] * st[k]
+                if not curvature > 0.0:
+                    break
+                length = energy / curvature
+                for k in range(touching):
+                    new[inside[k]] += length * t[k]
+                    r[k] -= length * st[k]
+                if free_mean:
+                    without_mean(r, touching)
+            leaving = 0
+            total = 0.0
+            misfit = rounding
+            for k in range(touching):
+                total += max(new[inside[k]], 0.0)
+                misfit = max(misfit, abs(r[k]))
+                if not new[inside[k]] > 0.0:
+                    leaving += 1
+            joining = 0
+            if leaving > 0:
+                scale = load * n / total if free_mean else 1.0
+                for k in range(touching):
+                    i = inside[k]
+                    t[k] = -new[i]
+                    touches[i] = new[i] > 0.0
+                    new[i] = scale * new[i] if new[i] > 0.0 else 0.0
+                    t[k] += new[i]
+                decay_product(contact_rows, touching, near, weights, white, mean, t, st)
+                for k in range(touching):
+                    gap[inside[k]] = st[k] - r[k]
+                break
+            for k in range(count):
+                z[k] = new[k] - old[k]
+            decay_product(rows, count, near, weights, white, mean, z, gap)
+            approach = 0.0
+            for k in range(count):
+                gap[k] += opened[k]
+            if free_mean:
+                for k in range(touching):
+                    approach += gap[inside[k]]
+                approach /= touching
+            for k in range(count):
+                if not touches[k] and gap[k] - approach < -misfit:
+                    touches[k] = True
+                    joining += 1
+            settled = joining <= may_change * touching
+            if joining > 0 or tolerance <= final:
+                break
+            tolerance = final
+        if settled and tolerance <= final:
+            break
+        if joining > 0:
+            tolerance = max(_TIGHTEN * tolerance, final)
+    change = 0.0
+    largest = 0.0
+    for k in range(count):
+        change = max(change, abs(new[k] - old[k]))
+        largest = max(largest, new[k])
+        p[nodes[k]] = new[k]
+    if not settled:
+        return np.inf, touching
+    return (change / largest if largest > 0.0 else 0.0), touching
+
+
+@jit
+def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, u: Reals) -> None:
+    """Displacement nearest to sp, up to the approach, that touches where there is pressure and overlaps nowhere."""
+    approach = 0.0
+    if free_mean:
+        count = 0
+        for j in range(n):
+            if p[j] > 0.0:
+                approach += wall[j] + sp[j]
+                count += 1
+        approach /= count
+    for j in range(n):
+        u[j] = wall[j]
+        gap = wall[j] + sp[j] - approach
+        if gap > 0.0 and not p[j] > 0.0:
+            u[j] -= gap
+
+
+@jit
+def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int, p: Reals) -> None:
+    """Interpolate a pressure of m nodes to n, keep it on nodes nearer to a contact node, and scale it to the load."""
+    for j in range(n):
+        p[j] = 0.0
+    total = 0.0
+    for i in range(m):
+        here = coarse[i]
+        there = coarse[i + 1] if i + 1 < m else coarse[0]
+        if not (here > 0.0 or there > 0.0):
+            continue
+        for j in range(-(-i * n // m), -(-(i + 1) * n // m)):
+            x = (j * m - i * n) / n
+            if (x <= 0.5 and here > 0.0) or (x >= 0.5 and there > 0.0):
+                p[j] = (1.0 - x) * here + x * there
+                total += p[j]
+    if free_mean:
+        for j in range(n):
+            p[j] *= load * n / total

@@ -1,0 +1,170 @@
+"""Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.fourier.row_transform import RowTransform
+from gfmd_numba.kernels.decay_sums import POWERS
+from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.decay_model import DecayModel
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
+
+Rows = npt.NDArray[np.int64]
+
+_COARSE_ERROR = 0.01  # relative error of a first guess
+_EXACT = 0.1  # relative error of the pressure asked for, over the residual
+_TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
+_SETTLED = 0.02  # share of its contact that may still change
+_SURE = 0.5  # share of the residual within which an expected error is taken for reached
+
+
+class DecayNewton:
+    """Pressure of a batch, found by solving the contact of a sum of decays and correcting it by transforms.
+
+    Each step takes two transforms for the gap under the pressure. From there one compiled function solves for the
+    contact and pressure that a sum of decays close to the compliance would have. What it errs by is a small share of
+    what the pressure changes by, so that steps gain as many digits as the sum is exact to, whatever the contact. The
+    first guess is the same on coarser grids. `certificate.py` measures the residual once the error expected is small.
+    """
+
+    check_every = 1
+    tangential: tuple[Reals, Reals] | None = None
+
+    def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
+        rows, n = batch.punch.shape
+        self._model, self._level = model, _Level(model)
+        self.field = self._level.field
+        self.wall, self.load = batch.punch, batch.loads
+        self._free_mean = batch.load is not None
+        self.pressure, self.displacement, self.restoring = (aligned_rows(rows, n) for _ in range(3))
+        self.certificate = Certificate(rows)
+        self._residual = options.residual
+        self._transforms = np.zeros(rows)
+        self._expected = np.full(rows, np.inf)
+        self._target = np.full(rows, _EXACT * options.residual)
+        stiffness = batch.normal_stiffness
+        self._rigid_mean = not np.isfinite(stiffness[0])
+        self._impossible = self._rigid_mean & (batch.punch.mean(axis=1) < 0.0)
+        softest = stiffness[1] if self._free_mean or self._rigid_mean else stiffness[0]
+        self._stiffest = float(model.stiffness.max()) * n
+        start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
+        self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
+        for i in range(rows):
+            self._guess(i, float(start[i]))
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        return np.ceil(self._transforms).astype(np.int64)
+
+    def advance(self, active: Rows) -> None:
+        """Correct the contact and pressure of each active row by one pair of transforms."""
+        for i in active:
+            self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
+            change = self._level.solve(
+                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, self._target[i], 0.0
+            )
+            self._expected[i] = self._model.error * change
+        self._transforms[active] += 2
+
+    def residual(self, active: Rows) -> Reals:
+        """Relative violation of the contact conditions, infinite where it is not yet expected to be small enough."""
+        residual = np.full(active.size, np.inf)
+        sure = self._expected[active] <= _SURE * self._residual
+        if sure.any():
+            looked = active[sure]
+            residual[sure] = self._violation(looked)
+            self._target[looked[residual[sure] > self._residual]] *= _TIGHTEN
+        return residual
+
+    def _violation(self, active: Rows) -> Reals:
+        n, field = self.field.n, self.field
+        for i in active:
+            field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
+            kernels.touching_displacement(
+                self.pressure[i], self._level.displacement, self.wall[i], n, self._free_mean, self.displacement[i]
+            )
+            field.apply(self._model.stiffness, self.displacement[i], self.restoring[i])
+        self._transforms[active] += 4
+        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+            self.load[active] = self.pressure[active, :n].mean(axis=1)
+        self.certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        if self._rigid_mean:
+            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
+        residual = self.certificate.residual(self.load, active)
+        if self._rigid_mean:
+            self.certificate.worst[self._impossible] = np.inf
+            residual[self._impossible[active]] = np.inf
+        return residual
+
+    def _guess(self, i: int, start: float) -> None:
+        """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own."""
+        level = self._level
+        if level.coarser is None:
+            self.pressure[i, : self.field.n] = start
+            return
+        level.displacement[: self.field.n] = self.wall[i]
+        level.field.forward(level.displacement)
+        levels = [level]
+        while levels[-1].coarser is not None:
+            levels.append(levels[-1].coarser)
+        for other in levels[1:]:
+            other.filter(level.field.spectrum, self.field.n)
+        levels[-1].pressure[: levels[-1].n] = start
+        levels[-1].displacement[: levels[-1].n] = 0.0 if self._free_mean else start * levels[-1].at_zero
+        cost = 1.0
+        price = self.field.n * np.log(self.field.n)
+        for other, finer in zip(levels[:0:-1], levels[-2::-1], strict=True):
+            if other.coarser is not None:
+                other.field.apply(other.model.compliance, other.pressure, other.displacement)
+            cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
+            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, _SETTLED)
+            pressure = self.pressure[i] if finer is level else finer.pressure
+            kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, pressure)
+        self._transforms[i] += cost
+
+
+class _Level:
+    """A grid at work: its transforms and the arrays that one row after the other needs."""
+
+    def __init__(self, model: DecayModel) -> None:
+        self.model, self.n = model, model.n
+        n, sum_ = model.n, model.preconditioner
+        self.field = RowTransform(n)
+        self.displacement, self.wall, self.pressure = aligned_rows(3, n)
+        self.at_zero = float(model.compliance[0]) * n
+        self._near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
+        self._near[:POWERS] = model.powers[:POWERS]
+        self._indices, self._touches = np.empty((6, n), dtype=np.int64), np.empty(n, dtype=np.bool_)
+        self._values = np.empty((10, n))
+        self._decay, self._lower = np.empty((2, n, sum_.rates.size))
+        self._carried = np.empty((sum_.rates.size, sum_.rates.size))
+        self.coarser = None if model.coarser is None else _Level(model.coarser)
+
+    def filter(self, spectrum: Any, n: int) -> None:
+        """Take the waves that this grid holds from the spectrum of a wall on n nodes."""
+        field = self.field
+        np.multiply(spectrum[: field.half], 1.0 / n, out=field.spectrum)
+        if self.n % 2 == 0:  # a pair of waves on the finer grid
+            field.spectrum[-1] *= 2.0
+        field.inverse(self.wall)
+
+    def solve(
+        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float,
+        may_change: float,
+    ) -> float:
+        """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
+        model, sum_ = self.model, self.model.preconditioner
+        change, _ = kernels.decay_contact(
+            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, may_change,
+            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
+            self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
+        )  # fmt: skip
+        return float(change)

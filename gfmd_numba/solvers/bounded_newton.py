@@ -7,15 +7,19 @@ from gfmd_numba import kernels
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
+from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.split_compliance import fits
 
 Rows = npt.NDArray[np.int64]
 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
 
-def newton(batch: Batch, options: Options) -> ActiveSetNewton:
+def newton(batch: Batch, options: Options) -> ActiveSetNewton | MapNewton:
     """Begin the method for as many bounds as the pressure has."""
+    if batch.interface.hardness is None and fits(batch.punch.shape[1:]):
+        return MapNewton(batch, options)
     return ActiveSetNewton(batch, options) if batch.interface.hardness is None else BoundedNewton(batch, options)
 
 

@@ -80,16 +80,16 @@ class MapContact:
 
         `error` is that of the pressure now; below the relative error `target` nothing is gained.
         """
-        goal = max(_EXACT * error, target)
-        tolerance = max(goal, min(_LOOSE, error))
+        goal = max(_EXACT * min(error, 1.0), target)
+        tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
         level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
         for _ in range(_STEPS):
-            self._close_gap(tolerance)
+            iterations = self._close_gap(tolerance)
             changed, self.count = kernels.revise_tiles(
-                self.pressure.ravel(), self._gap.ravel(), self.contact.ravel(), self.count,
+                _flat(self.pressure), _flat(self._gap), _flat(self.contact), self.count,
                 0.0 if self._load is None else self._load * self.wall.size, self._rounding, self.free_mean,
             )  # fmt: skip
-            if not changed and tolerance <= goal:
+            if tolerance <= goal and (not changed or not iterations):
                 break
             if changed:
                 np.subtract(self.pressure, before, out=self._direction)
@@ -98,37 +98,38 @@ class MapContact:
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
 
-    def _close_gap(self, tolerance: float) -> None:
-        """Conjugate gradients for the pressure that closes the gap on the nodes in contact."""
+    def _close_gap(self, tolerance: float) -> int:
+        """Conjugate gradients for the pressure that closes the gap on the nodes in contact; how many."""
         if self.count == 0:
-            return
+            return 0
         level = self._level
         p, gap, r, z, t, st = (
-            values.ravel()
+            _flat(values)
             for values in (self.pressure, self._gap, self._residual, self._change, self._direction, self._soft)
         )
-        contact = self.contact.ravel()
+        contact = _flat(self.contact)
         uniform = self._prepared()
         kernels.closing_residual(gap, contact, r, self.count, self.free_mean)
         t[:] = 0.0
         last = 0.0
-        for _ in range(_ITERATIONS):
+        for iteration in range(_ITERATIONS):
             level.inverse.solve(self._residual, self._change)
             energy, error = kernels.tile_error(r, z, uniform, p, self._rounding, self.free_mean)
             if not error > tolerance:
-                break
+                return iteration
             kernels.tile_direction(z, energy / last if last > 0.0 else 0.0, t)
             last = energy
             level.compliance.apply(self._direction, self._soft)
             kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
+        return _ITERATIONS
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
         if self.count == 0:
             return np.inf
-        r, z, p = self._residual.ravel(), self._change.ravel(), self.pressure.ravel()
+        r, z, p = _flat(self._residual), _flat(self._change), _flat(self.pressure)
         uniform = self._prepared()
-        kernels.closing_residual(self._gap.ravel(), self.contact.ravel(), r, self.count, self.free_mean)
+        kernels.closing_residual(_flat(self._gap), _flat(self.contact), r, self.count, self.free_mean)
         self._level.inverse.solve(self._residual, self._change)
         error = kernels.tile_error(r, z, uniform, p, self._rounding, self.free_mean)[1]
         overlap = -min(float(self._gap[~self.contact].min(initial=0.0)), 0.0)
@@ -140,7 +141,7 @@ class MapContact:
         uniform = np.zeros_like(self.pressure)
         if self.free_mean:
             self._level.inverse.solve(self.contact.astype(np.float64), uniform)
-        return uniform.ravel()
+        return _flat(uniform)
 
     def _values(self) -> tuple[Reals, ...]:
         return tuple(np.zeros((self.tiles.size + 1, TILE, TILE)) for _ in range(6))
@@ -161,3 +162,8 @@ class MapContact:
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         kernels.move_tiles(pressure, places, self.tiles, self.pressure)
         kernels.move_tiles(contact, places, self.tiles, self.contact)
+
+
+def _flat(values: Reals) -> Reals:
+    """Values on the listed tiles, without the empty one."""
+    return values[:-1].reshape(-1)

@@ -14,6 +14,7 @@ _NEAR = 3.0  # gaps that may close, over the root-mean-square gap to be closed o
 _EXACT = 3e-3  # of the error before is left by the compliance between tiles, which is as inexact
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
+_DENSE = 0.4  # share of tiles in contact beyond which the exact compliance costs less than that between tiles
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
@@ -71,7 +72,9 @@ class MapContact:
         kernels.mark_contact(self.contact, self.tiles, self._marks)
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
-        level.compliance.place(self.tiles, self._around)
+        self._exact = self.tiles.size > _DENSE * self._marks.size
+        if not self._exact:
+            level.compliance.place(self.tiles, self._around)
         level.inverse.place(self.tiles, self._around)
         return self._error()
 
@@ -80,7 +83,7 @@ class MapContact:
 
         `error` is that of the pressure now; below the relative error `target` nothing is gained.
         """
-        goal = max(_EXACT * min(error, 1.0), target)
+        goal = target if self._exact else max(_EXACT * min(error, 1.0), target)
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
         level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
         for _ in range(_STEPS):
@@ -93,7 +96,7 @@ class MapContact:
                 break
             if changed:
                 np.subtract(self.pressure, before, out=self._direction)
-                level.compliance.apply(self._direction, self._soft)
+                self._soften(self._direction)
                 np.add(gap, self._soft, out=self._gap)
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
@@ -119,9 +122,19 @@ class MapContact:
                 return iteration
             kernels.tile_direction(z, energy / last if last > 0.0 else 0.0, t)
             last = energy
-            level.compliance.apply(self._direction, self._soft)
+            self._soften(self._direction)
             kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
         return _ITERATIONS
+
+    def _soften(self, pressure: Reals) -> None:
+        """Displacement that a pressure on the tiles causes there."""
+        if not self._exact:
+            self._level.compliance.apply(pressure, self._soft)
+            return
+        rows, nx = self.transform.rows, self.wall.shape[1]
+        kernels.put_tiles(pressure, self.tiles, rows, nx)
+        self.transform.soften(self._level.stiffness)
+        kernels.take_tiles(rows, self.tiles, nx, self._soft)
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""

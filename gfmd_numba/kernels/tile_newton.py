@@ -35,19 +35,16 @@ def centre(r: Reals, contact: Flags, count: int) -> None:
 
 
 @jit
-def tile_error(r: Reals, z: Reals, uniform: Reals, p: Reals, rounding: float, free_mean: bool) -> tuple[float, float]:
+def tile_error(
+    r: Reals, z: Reals, p: Reals, contact: Flags, count: int, rounding: float, free_mean: bool
+) -> tuple[float, float]:
     """Energy r z of a change z of the pressure, and its size: the largest over the largest, or sum over sum.
 
-    Under a prescribed load z first loses what changes the load, by means of the pressure that a `uniform`
-    displacement takes. The error is zero where r is within `rounding` of zero.
+    Under a prescribed load z first loses its mean, which would change the load. The error is zero where r is within
+    `rounding` of zero.
     """
-    share = 0.0
     if free_mean:
-        total = 0.0
-        for j in range(z.size):
-            share += z[j]
-            total += uniform[j]
-        share /= total
+        centre(z, contact, count)
     energy = 0.0
     largest = 0.0
     peak = 0.0
@@ -55,8 +52,6 @@ def tile_error(r: Reals, z: Reals, uniform: Reals, p: Reals, rounding: float, fr
     carried = 0.0
     open_by = 0.0
     for j in range(z.size):
-        if free_mean:
-            z[j] -= share * uniform[j]
         energy += r[j] * z[j]
         largest = max(largest, abs(z[j]))
         peak = max(peak, abs(p[j]))

@@ -111,13 +111,13 @@ class MapContact:
             for values in (self.pressure, self._gap, self._residual, self._change, self._direction, self._soft)
         )
         contact = _flat(self.contact)
-        uniform = self._prepared()
+        level.inverse.factor(self.contact)
         kernels.closing_residual(gap, contact, r, self.count, self.free_mean)
         t[:] = 0.0
         last = 0.0
         for iteration in range(_ITERATIONS):
             level.inverse.solve(self._residual, self._change)
-            energy, error = kernels.tile_error(r, z, uniform, p, self._rounding, self.free_mean)
+            energy, error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)
             if not error > tolerance:
                 return iteration
             kernels.tile_direction(z, energy / last if last > 0.0 else 0.0, t)
@@ -140,21 +140,13 @@ class MapContact:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
         if self.count == 0:
             return np.inf
-        r, z, p = _flat(self._residual), _flat(self._change), _flat(self.pressure)
-        uniform = self._prepared()
-        kernels.closing_residual(_flat(self._gap), _flat(self.contact), r, self.count, self.free_mean)
+        r, z, p, contact = _flat(self._residual), _flat(self._change), _flat(self.pressure), _flat(self.contact)
+        self._level.inverse.factor(self.contact)
+        kernels.closing_residual(_flat(self._gap), contact, r, self.count, self.free_mean)
         self._level.inverse.solve(self._residual, self._change)
-        error = kernels.tile_error(r, z, uniform, p, self._rounding, self.free_mean)[1]
+        error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)[1]
         overlap = -min(float(self._gap[~self.contact].min(initial=0.0)), 0.0)
         return float(max(error, overlap * self._level.inverse.stiffest / p.max()))
-
-    def _prepared(self) -> Reals:
-        """Pressure that a uniform displacement of the contact takes, if the load is prescribed."""
-        self._level.inverse.factor(self.contact)
-        uniform = np.zeros_like(self.pressure)
-        if self.free_mean:
-            self._level.inverse.solve(self.contact.astype(np.float64), uniform)
-        return _flat(uniform)
 
     def _values(self) -> tuple[Reals, ...]:
         return tuple(np.zeros((self.tiles.size + 1, TILE, TILE)) for _ in range(6))

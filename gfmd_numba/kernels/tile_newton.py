@@ -62,8 +62,16 @@ def tile_error(
 
 
 @jit
-def tile_direction(z: Reals, beta: float, t: Reals) -> None:
-    """Make t the direction z + beta t."""
+def tile_direction(z: Reals, st: Reals, t: Reals, step: float, last: float) -> None:
+    """Make t the direction z, conjugate to the last t whose displacement is st; zero energy `last` if there was none.
+
+    Polak and Ribiere's formula, as the preconditioner is not exactly the same from one iteration to the next.
+    """
+    beta = 0.0
+    if last > 0.0:
+        for j in range(z.size):
+            beta -= z[j] * st[j]
+        beta *= step / last
     for j in range(z.size):
         t[j] = z[j] + beta * t[j]
 
@@ -71,8 +79,8 @@ def tile_direction(z: Reals, beta: float, t: Reals) -> None:
 @jit
 def tile_update(
     p: Reals, gap: Reals, t: Reals, st: Reals, energy: float, contact: Flags, count: int, r: Reals, free_mean: bool
-) -> None:
-    """Line search along t, whose displacement is st."""
+) -> float:
+    """Line search along t, whose displacement is st; the step."""
     curvature = 0.0
     for j in range(t.size):
         curvature += t[j] * st[j]
@@ -83,6 +91,7 @@ def tile_update(
         r[j] -= step * st[j] if contact[j] else 0.0
     if free_mean:
         centre(r, contact, count)
+    return step
 
 
 @jit

@@ -10,8 +10,8 @@ from gfmd_numba.fourier.in_place import InPlaceTransform
 from gfmd_numba.solvers.preconditioners.tile_field import TileField
 from gfmd_numba.solvers.split_compliance import TILE, SplitCompliance
 
-_NEAR = 3.0  # gaps that may close, over the root-mean-square gap to be closed on the contact
-_EXACT = 3e-3  # of the error before is left by the compliance between tiles, which is as inexact
+_NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
+_EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
 _DENSE = 0.4  # share of tiles in contact beyond which the exact compliance costs less than that between tiles
@@ -114,16 +114,16 @@ class MapContact:
         level.inverse.factor(self.contact)
         kernels.closing_residual(gap, contact, r, self.count, self.free_mean)
         t[:] = 0.0
-        last = 0.0
+        last = step = 0.0
         for iteration in range(_ITERATIONS):
             level.inverse.solve(self._residual, self._change)
             energy, error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)
             if not error > tolerance:
                 return iteration
-            kernels.tile_direction(z, energy / last if last > 0.0 else 0.0, t)
+            kernels.tile_direction(z, st, t, step, last)
             last = energy
             self._soften(self._direction)
-            kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
+            step = kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
         return _ITERATIONS
 
     def _soften(self, pressure: Reals) -> None:

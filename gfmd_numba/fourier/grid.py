@@ -36,6 +36,14 @@ def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
     return along_y[:, np.newaxis], along_x[np.newaxis]
 
 
+def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, ...]:
+    """Wave indices of a grid of `shape`, as many as one of `few` nodes has, but spread over all wavelengths.
+
+    They tell what a symbol is to near neighbours, whatever the size of the grid.
+    """
+    return tuple(np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+
+
 def wavenumbers(nx: int) -> Reals:
     """Wave numbers q = 2 pi k / L_x `[nx // 2 + 1]`, in 1/L_x."""
     return 2.0 * np.pi * np.arange(nx // 2 + 1, dtype=np.float64)

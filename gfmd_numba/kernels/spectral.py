@@ -1,5 +1,7 @@
 """Compiled loops over spectra: the stiffness of one or both displacements."""
 
+import numpy as np
+
 from gfmd_numba.arrays import Complexes, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
@@ -24,3 +26,23 @@ def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Indi
             tangential, normal = spectrum[i, k], spectrum[rows + i, k]
             spectrum[i, k] = k11[k] * tangential + 1j * k13[k] * normal
             spectrum[rows + i, k] = k33[k] * normal - 1j * k13[k] * tangential
+
+
+@jit
+def stiffen(spectrum: Complexes, stiffness: Reals, n: int) -> None:
+    """Multiply the transform of a map by a stiffness, and by 1/n; an infinite stiffness counts as none."""
+    rows, columns = stiffness.shape
+    for y in range(rows):
+        for x in range(columns):
+            k = stiffness[y, x]
+            spectrum[y, x] *= (k if k < np.inf else 0.0) / n
+
+
+@jit
+def soften(spectrum: Complexes, stiffness: Reals, n: int) -> None:
+    """Divide the transform of a map by a stiffness, and by n; waves of zero or infinite stiffness vanish."""
+    rows, columns = stiffness.shape
+    for y in range(rows):
+        for x in range(columns):
+            k = stiffness[y, x]
+            spectrum[y, x] *= 1.0 / (k * n) if k > 0.0 else 0.0

@@ -9,21 +9,25 @@ from gfmd_numba.solvers.decay_model import decay_model
 from gfmd_numba.solvers.decay_newton import DecayNewton
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
+from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.split_compliance import fits
 
 Rows = npt.NDArray[np.int64]
 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
 
-def newton(batch: Batch, options: Options) -> ActiveSetNewton | DecayNewton:
-    """Begin the method for as many bounds as the pressure has, with decays where they are close to the compliance."""
+def newton(batch: Batch, options: Options) -> ActiveSetNewton | DecayNewton | MapNewton:
+    """Begin the method for as many bounds as the pressure has: on decays or tiles where they fit the compliance."""
     if batch.interface.hardness is not None:
         return BoundedNewton(batch, options)
     if batch.punch.ndim == 2 and batch.punch.dtype == np.float64:
         model = decay_model(batch.normal_stiffness, batch.punch.shape[1], batch.load is not None)
         if model is not None:
             return DecayNewton(batch, options, model)
+    if fits(batch.punch.shape[1:]):
+        return MapNewton(batch, options)
     return ActiveSetNewton(batch, options)
 
 

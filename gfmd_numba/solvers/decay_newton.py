@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
@@ -125,7 +125,9 @@ class DecayNewton:
             if other.coarser is not None:
                 other.field.apply(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
-            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, _SETTLED)
+            other.solve(
+                other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, _SETTLED
+            )
             pressure = self.pressure[i] if finer is level else finer.pressure
             kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, pressure)
         self._transforms[i] += cost
@@ -157,7 +159,13 @@ class _Level:
         field.inverse(self.wall)
 
     def solve(
-        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float,
+        self,
+        pressure: Reals,
+        wall: Reals,
+        load: float,
+        rounding: float,
+        free_mean: bool,
+        target: float,
         may_change: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""

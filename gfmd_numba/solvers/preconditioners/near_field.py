@@ -11,6 +11,8 @@ Rows = npt.NDArray[np.int64]
 
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
 
+_SAMPLES = 64  # nodes in each direction, of a grid on which the stiffness between neighbours is what it is
+
 
 class NearField:
     """Preconditioner of the compliance on some nodes: the stiffness between those that are near neighbours.
@@ -20,17 +22,7 @@ class NearField:
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
-        symbol = stiffness.copy()
-        if not 0.0 < symbol[0, 0] < np.inf:
-            symbol[0, 0] = symbol[0, 1]
-        near = np.roll(grid.influence(symbol, *shape), (_REACH, _REACH), axis=(0, 1))
-        self._stencil = np.ascontiguousarray(near[: 2 * _REACH + 1, : 2 * _REACH + 1])
-        around = np.abs(self._stencil).sum() - self._stencil[_REACH, _REACH]
-        beside = self._stencil.copy()
-        beside[_REACH, _REACH] = 0.0
-        # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
-        if around >= self._stencil[_REACH, _REACH] or beside.max() > 0.0:
-            self._stencil = np.ascontiguousarray(self._stencil[_REACH:-_REACH, _REACH:-_REACH])
+        self._stencil = near_stencil(stiffness, shape)
         self._shape = shape
         self._map = np.zeros(shape)
         self._nodes, self._count = np.empty(0, dtype=np.int64), 0
@@ -42,3 +34,19 @@ class NearField:
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that about causes the displacement there."""
         kernels.near_field_pressure(displacement, self._nodes, self._count, self._stencil, self._map, pressure)
+
+
+def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
+    """Stiffness between near neighbours `[2 m + 1, 2 m + 1]`, positive definite on any nodes."""
+    few = tuple(min(n, _SAMPLES) for n in shape)
+    symbol = stiffness[grid.some_waves(shape, few)]
+    if not 0.0 < symbol[0, 0] < np.inf:
+        symbol[0, 0] = stiffness[0, 1]
+    near = np.roll(grid.influence(symbol, *few), (_REACH, _REACH), axis=(0, 1))
+    stencil = near[: 2 * _REACH + 1, : 2 * _REACH + 1]
+    beside = stencil.copy()
+    beside[_REACH, _REACH] = 0.0
+    # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
+    if np.abs(beside).sum() >= stencil[_REACH, _REACH] or beside.max() > 0.0:
+        stencil = stencil[_REACH:-_REACH, _REACH:-_REACH]
+    return np.ascontiguousarray(stencil)

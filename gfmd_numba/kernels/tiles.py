@@ -1,0 +1,304 @@
+"""Compiled loops over some square tiles of a map: values there, their convolution with a stencil, and coarser grids.
+
+Values on m tiles are `[m + 1, TILE, TILE]`; the last tile holds zeros and stands for all tiles that are not listed.
+"""
+
+import numpy as np
+
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.kernels.compilation import jit
+
+TILE = 8  # nodes along each side
+
+
+@jit
+def list_tiles(marks: Flags, tiles: Indices, places: Indices) -> int:
+    """List the marked tiles, and write the place of each into `places`; their number stands there for the others."""
+    count = 0
+    for t in range(marks.size):
+        if marks[t]:
+            tiles[count] = t
+            count += 1
+    for t in range(marks.size):
+        places[t] = count
+    for k in range(count):
+        places[tiles[k]] = k
+    return count
+
+
+@jit
+def surround(tiles: Indices, places: Indices, down: int, across: int, around: Indices) -> None:
+    """Places of the 3 x 3 tiles around each listed one `[m, 9]` on a periodic map of down x across tiles."""
+    for k in range(tiles.size):
+        y, x = tiles[k] // across, tiles[k] % across
+        for j in range(3):
+            for i in range(3):
+                around[k, 3 * j + i] = places[(y + j - 1) % down * across + (x + i - 1) % across]
+
+
+@jit
+def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
+    """Convolution of the values with an even stencil `[2 reach + 1, 2 reach + 1]`, reach at most TILE."""
+    reach = stencil.shape[0] // 2
+    width = TILE + 2 * reach
+    patch = np.zeros((width, width))
+    folded = np.zeros((reach + 1, width))  # rows above and below a node have the same weights
+    for k in range(around.shape[0]):
+        for b in range(3):
+            for a in range(3):
+                tile = values[around[k, 3 * b + a]]
+                up, left = reach + (b - 1) * TILE, reach + (a - 1) * TILE
+                first, last = max(left, 0), min(left + TILE, width)
+                for j in range(max(up, 0), min(up + TILE, width)):
+                    for i in range(first, last):
+                        patch[j, i] = tile[j - up, i - left]
+        for y in range(TILE):
+            folded[0] = patch[y + reach]
+            for j in range(1, reach + 1):
+                above, below = patch[y + reach - j], patch[y + reach + j]
+                for i in range(width):
+                    folded[j, i] = above[i] + below[i]
+            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
+            for j in range(reach + 1):
+                row = folded[j]
+                for i in range(2 * reach + 1):
+                    c = stencil[reach + j, i]
+                    s0 += c * row[i]
+                    s1 += c * row[i + 1]
+                    s2 += c * row[i + 2]
+                    s3 += c * row[i + 3]
+                    s4 += c * row[i + 4]
+                    s5 += c * row[i + 5]
+                    s6 += c * row[i + 6]
+                    s7 += c * row[i + 7]
+            out = product[k, y]
+            out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
+
+
+@jit
+def spread(values: Reals, tiles: Indices, weights: Reals, coarse: Reals, down: int, across: int) -> None:
+    """Fill a periodic grid of down x across nodes with the values, each shared among nodes by `weights` `[TILE, w]`.
+
+    The first of the w nodes is one before the tile's first. Rows of `coarse` may be longer than `across`.
+    """
+    wide = weights.shape[1]
+    per_tile = wide - 3
+    tiles_across = across // per_tile
+    half = np.zeros((TILE, wide))
+    coarse[:] = 0.0
+    for k in range(tiles.size):
+        up, left = tiles[k] // tiles_across * per_tile - 1, tiles[k] % tiles_across * per_tile - 1
+        for y in range(TILE):
+            for a in range(wide):
+                half[y, a] = 0.0
+            for x in range(TILE):
+                v = values[k, y, x]
+                for a in range(wide):
+                    half[y, a] += v * weights[x, a]
+        for b in range(wide):
+            row = coarse[(up + b) % down]
+            for a in range(wide):
+                total = 0.0
+                for y in range(TILE):
+                    total += weights[y, b] * half[y, a]
+                row[(left + a) % across] += total
+
+
+@jit
+def gather_back(coarse: Reals, tiles: Indices, weights: Reals, down: int, across: int, values: Reals) -> None:
+    """Add to the values what the nodes of a coarser grid share with them: the transpose of `spread`."""
+    wide = weights.shape[1]
+    per_tile = wide - 3
+    tiles_across = across // per_tile
+    half = np.zeros((wide, TILE))
+    for k in range(tiles.size):
+        up, left = tiles[k] // tiles_across * per_tile - 1, tiles[k] % tiles_across * per_tile - 1
+        for b in range(wide):
+            row = coarse[(up + b) % down]
+            for x in range(TILE):
+                half[b, x] = 0.0
+            for a in range(wide):
+                v = row[(left + a) % across]
+                for x in range(TILE):
+                    half[b, x] += v * weights[x, a]
+        for y in range(TILE):
+            out = values[k, y]
+            for b in range(wide):
+                w = weights[y, b]
+                for x in range(TILE):
+                    out[x] += w * half[b, x]
+
+
+@jit
+def sum_tiles(weights: Reals, values: Reals, tiles: Indices, sums: Reals) -> None:
+    """Weighted sum of the values on each listed tile, into a map of tiles."""
+    across = sums.shape[1]
+    for k in range(tiles.size):
+        total = 0.0
+        for y in range(TILE):
+            for x in range(TILE):
+                total += weights[k, y, x] * values[k, y, x]
+        sums[tiles[k] // across, tiles[k] % across] = total
+
+
+@jit
+def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices, contact: Flags) -> None:
+    """Take the displacement that each tile shares, times the weights, off the pressure, which is none off the contact."""
+    across = shared.shape[1]
+    for k in range(tiles.size):
+        common = shared[tiles[k] // across, tiles[k] % across]
+        for y in range(TILE):
+            for x in range(TILE):
+                p = pressure[k, y, x] - weights[k, y, x] * common
+                pressure[k, y, x] = p if contact[k, y, x] else 0.0
+
+
+@jit
+def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
+    """Fill the first nx columns of the rows of a map with the values on the listed tiles, and zeros elsewhere."""
+    across = nx // TILE
+    rows[:] = 0.0
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                rows[top + y, left + x] = values[k, y, x]
+
+
+@jit
+def take_tiles(rows: Reals, tiles: Indices, nx: int, values: Reals) -> None:
+    """Fill the values on the listed tiles from the rows of a map of nx columns, which may be longer."""
+    across = nx // TILE
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                values[k, y, x] = rows[top + y, left + x]
+
+
+@jit
+def mark_loaded(rows: Reals, nx: int, marks: Flags) -> None:
+    """Mark the tiles on which any value of a map is positive."""
+    across = nx // TILE
+    for y in range(rows.shape[0]):
+        row = rows[y]
+        for t in range(across):
+            largest = 0.0
+            for x in range(t * TILE, (t + 1) * TILE):
+                largest = max(largest, row[x])
+            if largest > 0.0:
+                marks[y // TILE * across + t] = True
+
+
+@jit
+def mark_contact(contact: Flags, tiles: Indices, marks: Flags) -> None:
+    """Mark the listed tiles that hold nodes in contact."""
+    for k in range(tiles.size):
+        for y in range(TILE):
+            for x in range(TILE):
+                if contact[k, y, x]:
+                    marks[tiles[k]] = True
+
+
+@jit
+def move_tiles(old: Reals, places: Indices, tiles: Indices, new: Reals) -> None:
+    """Fill new values on the listed tiles from the old ones, whose places are given."""
+    for k in range(tiles.size):
+        new[k] = old[places[tiles[k]]]
+
+
+@jit
+def level_of_contact(
+    wall: Reals, displacement: Reals, contact: Flags, tiles: Indices, nx: int
+) -> tuple[int, float, float]:
+    """Number of nodes in contact, their mean gap up to the approach, and its root-mean-square about that."""
+    across = nx // TILE
+    count = 0
+    total = 0.0
+    first = 0.0
+    squares = 0.0
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                if contact[k, y, x]:
+                    gap = wall[top + y, left + x] + displacement[top + y, left + x]
+                    if count == 0:
+                        first = gap
+                    count += 1
+                    total += gap - first
+                    squares += (gap - first) ** 2
+    if count == 0:
+        return 0, 0.0, 0.0
+    mean = total / count
+    return count, first + mean, np.sqrt(max(squares / count - mean**2, 0.0))
+
+
+@jit
+def open_map(wall: Reals, displacement: Reals, approach: float, near: float, gap: Reals, marks: Flags) -> None:
+    """Gap of a map `[y, x]`; mark the tiles where it is anywhere below `near`. Rows of `displacement` may be longer."""
+    across = wall.shape[1] // TILE
+    for y in range(wall.shape[0]):
+        punch, pushed, opened = wall[y], displacement[y], gap[y]
+        for x in range(punch.size):
+            opened[x] = punch[x] + pushed[x] - approach
+        for t in range(across):
+            lowest = np.inf
+            for x in range(t * TILE, (t + 1) * TILE):
+                lowest = min(lowest, opened[x])
+            if lowest < near:
+                marks[y // TILE * across + t] = True
+
+
+@jit
+def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Reals) -> None:
+    """Make the gap the displacement that touches wherever there is contact or overlap, and copy it into `rows`."""
+    nx = wall.shape[1]
+    across = nx // TILE
+    for y in range(wall.shape[0]):
+        punch, opened, out = wall[y], gap[y], rows[y]
+        for x in range(nx):
+            u = punch[x] - max(opened[x], 0.0)
+            opened[x] = u
+            out[x] = u
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                if contact[k, y, x]:
+                    gap[top + y, left + x] = wall[top + y, left + x]
+                    rows[top + y, left + x] = wall[top + y, left + x]
+
+
+@jit
+def pack_rows(rows: Reals, nx: int) -> None:
+    """Move the first nx columns of all rows together, to the beginning of the memory of `rows`."""
+    packed = rows.reshape(-1)
+    for y in range(1, rows.shape[0]):
+        row = rows[y]
+        for x in range(nx):
+            packed[y * nx + x] = row[x]
+
+
+@jit
+def refine_pressure(p: Reals, above: Indices, share_y: Reals, left: Indices, share_x: Reals, fine: Reals) -> None:
+    """Interpolate a periodic map of pressures linearly onto the rows of a finer one, whose node y, x lies beyond node
+    above[y], left[x] by a share of the distance to the next.
+
+    Of nodes next to the contact, which interpolation would load too, those nearer to a contact node keep their load.
+    """
+    ny, nx = p.shape
+    for y in range(above.size):
+        first, second = p[above[y]], p[(above[y] + 1) % ny]
+        down = share_y[y]
+        for x in range(left.size):
+            a, b, right = left[x], (left[x] + 1) % nx, share_x[x]
+            w = (1.0 - down) * (1.0 - right), (1.0 - down) * right, down * (1.0 - right), down * right
+            corners = first[a], first[b], second[a], second[b]
+            inside = 0.0
+            value = 0.0
+            for c in range(4):
+                if corners[c] > 0.0:
+                    inside += w[c]
+                    value += w[c] * corners[c]
+            fine[y, x] = value if inside >= 0.5 else 0.0

@@ -1,0 +1,174 @@
+"""One map in contact: the exact gap under its pressure, and the pressure that closes it on the tiles it may reach."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.fourier.in_place import InPlaceTransform
+from gfmd_numba.solvers.preconditioners.tile_field import TileField
+from gfmd_numba.solvers.split_compliance import TILE, SplitCompliance
+
+_NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
+_EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
+_LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
+_TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
+_DENSE = 0.4  # share of tiles in contact beyond which the exact compliance costs less than that between tiles
+_STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
+
+
+@dataclass
+class Level:
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it."""
+
+    shape: tuple[int, ...]
+    stiffness: Reals
+    compliance: SplitCompliance
+    inverse: TileField
+
+    @classmethod
+    def of(cls, stiffness: Reals, shape: tuple[int, ...]) -> "Level":
+        """Prepare a grid."""
+        return cls(shape, stiffness, SplitCompliance(stiffness, shape), TileField(stiffness, shape))
+
+
+class MapContact:
+    """Pressure of one map on the tiles that its contact may reach, and the gap it leaves everywhere.
+
+    `wall` and `gap` are `[y, x]`; the latter is memory to be filled, as is that of the `transform`, which holds the
+    first pressure. `load` is the mean pressure, or None where the position of the punch prescribes the displacement.
+    Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    """
+
+    def __init__(self, level: Level, wall: Reals, gap: Reals, transform: InPlaceTransform, load: float | None) -> None:
+        self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
+        self.free_mean = load is not None
+        self._rounding = float(np.finfo(wall.dtype).eps * np.ptp(wall))
+        down, across = (n // TILE for n in wall.shape)
+        self._marks = np.zeros(down * across, dtype=np.bool_)
+        self._places = np.empty(down * across, dtype=np.int64)
+        kernels.mark_loaded(transform.rows, wall.shape[1], self._marks)
+        self.tiles = self._listed()
+        self.pressure, self._gap, self._residual, self._change, self._direction, self._soft = self._values()
+        kernels.take_tiles(transform.rows, self.tiles, wall.shape[1], self.pressure)
+        self.contact: Flags = self.pressure > 0.0
+        self.count = 0
+        self._fresh = True  # the transform holds the pressure
+
+    def look(self) -> float:
+        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
+        nx, level = self.wall.shape[1], self._level
+        rows = self.transform.rows
+        if not self._fresh:
+            kernels.put_tiles(self.pressure, self.tiles, rows, nx)
+        self._fresh = False
+        self.transform.soften(level.stiffness)
+        self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
+        if not self.free_mean:
+            approach = 0.0
+        self._marks[:] = False
+        kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
+        kernels.mark_contact(self.contact, self.tiles, self._marks)
+        self._retile()
+        kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
+        self._exact = self.tiles.size > _DENSE * self._marks.size
+        if not self._exact:
+            level.compliance.place(self.tiles, self._around)
+        level.inverse.place(self.tiles, self._around)
+        return self._error()
+
+    def settle(self, error: float, target: float) -> None:
+        """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
+
+        `error` is that of the pressure now; below the relative error `target` nothing is gained.
+        """
+        goal = target if self._exact else max(_EXACT * min(error, 1.0), target)
+        tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
+        level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
+        for _ in range(_STEPS):
+            iterations = self._close_gap(tolerance)
+            changed, self.count = kernels.revise_tiles(
+                _flat(self.pressure), _flat(self._gap), _flat(self.contact), self.count,
+                0.0 if self._load is None else self._load * self.wall.size, self._rounding, self.free_mean,
+            )  # fmt: skip
+            if tolerance <= goal and (not changed or not iterations):
+                break
+            if changed:
+                np.subtract(self.pressure, before, out=self._direction)
+                self._soften(self._direction)
+                np.add(gap, self._soft, out=self._gap)
+            tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
+            tolerance = max(tighter, goal)
+
+    def _close_gap(self, tolerance: float) -> int:
+        """Conjugate gradients for the pressure that closes the gap on the nodes in contact; how many."""
+        if self.count == 0:
+            return 0
+        level = self._level
+        p, gap, r, z, t, st = (
+            _flat(values)
+            for values in (self.pressure, self._gap, self._residual, self._change, self._direction, self._soft)
+        )
+        contact = _flat(self.contact)
+        level.inverse.factor(self.contact)
+        kernels.closing_residual(gap, contact, r, self.count, self.free_mean)
+        t[:] = 0.0
+        last = step = 0.0
+        for iteration in range(_ITERATIONS):
+            level.inverse.solve(self._residual, self._change)
+            energy, error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)
+            if not error > tolerance:
+                return iteration
+            kernels.tile_direction(z, st, t, step, last)
+            last = energy
+            self._soften(self._direction)
+            step = kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
+        return _ITERATIONS
+
+    def _soften(self, pressure: Reals) -> None:
+        """Displacement that a pressure on the tiles causes there."""
+        if not self._exact:
+            self._level.compliance.apply(pressure, self._soft)
+            return
+        rows, nx = self.transform.rows, self.wall.shape[1]
+        kernels.put_tiles(pressure, self.tiles, rows, nx)
+        self.transform.soften(self._level.stiffness)
+        kernels.take_tiles(rows, self.tiles, nx, self._soft)
+
+    def _error(self) -> float:
+        """Relative error of the pressure, of nodes that overlap without being in contact too."""
+        if self.count == 0:
+            return np.inf
+        r, z, p, contact = _flat(self._residual), _flat(self._change), _flat(self.pressure), _flat(self.contact)
+        self._level.inverse.factor(self.contact)
+        kernels.closing_residual(_flat(self._gap), contact, r, self.count, self.free_mean)
+        self._level.inverse.solve(self._residual, self._change)
+        error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)[1]
+        overlap = -min(float(self._gap[~self.contact].min(initial=0.0)), 0.0)
+        return float(max(error, overlap * self._level.inverse.stiffest / p.max()))
+
+    def _values(self) -> tuple[Reals, ...]:
+        return tuple(np.zeros((self.tiles.size + 1, TILE, TILE)) for _ in range(6))
+
+    def _listed(self) -> Indices:
+        """Marked tiles, whose places are then known."""
+        tiles = np.empty(int(self._marks.sum()), dtype=np.int64)
+        kernels.list_tiles(self._marks, tiles, self._places)
+        return tiles
+
+    def _retile(self) -> None:
+        """Take pressure and contact to the tiles now marked."""
+        places, pressure, contact = self._places.copy(), self.pressure, self.contact
+        self.tiles = self._listed()
+        self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
+        kernels.surround(self.tiles, self._places, *(n // TILE for n in self.wall.shape), self._around)
+        self.pressure, self._gap, self._residual, self._change, self._direction, self._soft = self._values()
+        self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
+        kernels.move_tiles(pressure, places, self.tiles, self.pressure)
+        kernels.move_tiles(contact, places, self.tiles, self.contact)
+
+
+def _flat(values: Reals) -> Reals:
+    """Values on the listed tiles, without the empty one."""
+    return values[:-1].reshape(-1)

@@ -1,0 +1,110 @@
+"""The compliance between tiles of a map, nearly: a stencil for what is near, a coarser grid for what is far."""
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+
+TILE = 8  # nodes along each side of a tile, as in `kernels/tiles.py`
+_COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
+_REACH = 5  # nodes in each direction that the stencil sees
+_SAMPLES = 64  # waves in each direction on which the stencil is fitted
+_SHARES = TILE // _COARSENING + 3  # coarse nodes in each direction that a tile's values are shared among
+
+
+def fits(shape: tuple[int, ...]) -> bool:
+    """Whether tiles cover a map of this shape, and its coarser grid is wider than a tile's neighbourhood."""
+    return len(shape) == 2 and all(n % TILE == 0 and n >= 8 * TILE for n in shape)
+
+
+class SplitCompliance:
+    """Displacement on some tiles of a map from the pressure on them, to about a hundredth of each wave.
+
+    The stencil is fitted to the compliance of the waves that the coarser grid cannot hold, and the coarser grid has
+    what the stencil leaves of the others. Cubic B-splines share each pressure among the coarse nodes around it, and
+    read the displacement back, as in particle-mesh Ewald sums (Essmann et al., J. Chem. Phys. 103:8577, 1995).
+    `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement.
+    """
+
+    def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
+        self._tiles = self._around = np.empty(0, dtype=np.int64)
+        self._coarse_shape = tuple(n // _COARSENING for n in shape)
+        self._field = InPlaceTransform(self._coarse_shape, storage(1, self._coarse_shape)[0])
+        nodes = np.arange(TILE) / _COARSENING - np.arange(-1, _SHARES - 1)[:, np.newaxis]
+        self._weights = np.ascontiguousarray(_cubic_spline(nodes).T)
+        self.stencil = _fitted(stiffness, shape)
+        waves = grid.wave_indices(self._coarse_shape)
+        left = _soft(stiffness[waves]) - _transform(self.stencil, *_angles(waves, shape))
+        spline = np.arange(-2 * _COARSENING, 2 * _COARSENING + 1)
+        shared = [
+            (np.cos(angle[..., np.newaxis] * spline) * _cubic_spline(spline / _COARSENING)).sum(axis=-1)
+            for angle in _angles(waves, shape)
+        ]
+        self._far = left * (_COARSENING / (shared[0] * shared[1])) ** 2
+
+    @property
+    def transforms(self) -> int:
+        """Transforms of the coarser grid made so far."""
+        return self._field.n_transforms
+
+    def place(self, tiles: Indices, around: Indices) -> None:
+        """Prepare `apply` for some tiles and the places of those around them."""
+        self._tiles, self._around = tiles, around
+
+    def apply(self, pressure: Reals, displacement: Reals) -> None:
+        """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
+        kernels.tile_stencil(pressure, self._around, self.stencil, displacement)
+        coarse = self._field.rows
+        kernels.spread(pressure, self._tiles, self._weights, coarse, *self._coarse_shape)
+        self._field.stiffen(self._far)
+        kernels.gather_back(coarse, self._tiles, self._weights, *self._coarse_shape, displacement)
+
+
+def _cubic_spline(x: Reals) -> Reals:
+    """Cubic B-spline of unit integral, of the distance in nodes."""
+    x = np.abs(x)
+    return np.where(x < 1.0, 2.0 / 3.0 - x**2 + 0.5 * x**3, np.clip(2.0 - x, 0.0, None) ** 3 / 6.0)
+
+
+def _soft(stiffness: Reals) -> Reals:
+    with np.errstate(divide="ignore"):
+        return np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
+
+
+def _angles(waves: tuple[Indices, ...], shape: tuple[int, ...]) -> tuple[Reals, ...]:
+    """Phases of the waves from node to node, along each direction."""
+    return tuple(2.0 * np.pi / n * k for k, n in zip(waves, shape, strict=True))
+
+
+def _transform(stencil: Reals, along_y: Reals, along_x: Reals) -> Reals:
+    """Fourier transform of an even stencil at the phases `[ny, 1]` and `[1, nx]`."""
+    offsets = np.arange(stencil.shape[0]) - stencil.shape[0] // 2
+    rows, columns = np.cos(along_y * offsets), np.cos(along_x.T * offsets)
+    return np.asarray(rows @ stencil @ columns.T)
+
+
+def _fitted(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
+    """Even stencil whose relative error is least where the coarser grid cannot make up for it.
+
+    A wave on the coarser grid is taken for another one, the more so the shorter it is: its error counts as much.
+    """
+    few = tuple(min(n, _SAMPLES) for n in shape)
+    waves = grid.some_waves(shape, few)
+    along_y, along_x = _angles(waves, shape)
+    soft = _soft(stiffness[waves])
+    kept = np.abs(along_y) / (2.0 * np.pi) * _COARSENING, along_x / (2.0 * np.pi) * _COARSENING
+    with np.errstate(divide="ignore"):
+        mistaken = [np.where(x < 0.5, (x / (1.0 - x)) ** 4, 1.0) for x in kept]
+    weight = np.minimum(mistaken[0] + mistaken[1], 1.0)
+    relative = np.divide(weight, soft, out=np.zeros_like(soft), where=soft > 0.0)
+    number = np.arange(_REACH + 1)
+    rows, columns = np.cos(along_y * number), np.cos(along_x.T * number)
+    basis = np.einsum("yj,xi,yx->yxji", rows, columns, relative).reshape(soft.size, -1)
+    quarter = np.linalg.lstsq(basis, (weight * (soft > 0.0)).ravel())[0].reshape(_REACH + 1, _REACH + 1)
+    quarter[1:] /= 2.0
+    quarter[:, 1:] /= 2.0
+    return np.ascontiguousarray(
+        quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
+    )

@@ -1,7 +1,10 @@
 """SIGKILL a campaign in each phase of its life, resume, and compare with the uninterrupted run.
 
+usage: kill_and_resume.py [until]
+
 The phases are start-up (before the first new shard), middle (before the last one; here workers are killed, too),
-collection (before the new netCDF file) and fit (before the end).
+collection (before the new netCDF file) and fit (before the end). With `until` it is a run until an error, in this
+process or with two workers, and the kills come at any time: each run is killed twice, then resumes and ends.
 """
 
 import os
@@ -16,9 +19,12 @@ from pathlib import Path
 import psutil
 
 import gfmd_numba
+from gfmd_numba.campaign import rounds
 from gfmd_numba.campaign.plan import plan
 
 KILLS = 15  # in each phase
+KILLS_UNTIL = 20  # at any time
+UNTIL = "--until=kappa=5%"
 PHASES = {"start-up": 4.0, "middle": 6.0, "collection": 0.3, "fit": 4.0}  # s that a phase may last at most
 CAMPAIGN = """
 name: killed
@@ -32,6 +38,11 @@ scene:
 reference: {eps_c: 1/4, eps_f: 1/128, eps_t: 1/2}
 limits: {eps_c: [1/2, 1/8], eps_f: [1/32, 1/64]}
 grid: {hurst: [0.3, 0.5, 0.8], reduced_pressure: [0.01, 0.05, 0.3]}
+"""
+ROUNDS = """
+limits: {eps_c: [1/2, 1/8], eps_f: [1/32, 1/64], eps_t: [1, 1/4]}
+fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/2, 3/2], eps_t: [1/2, 3/2]}}
+grid: {hurst: [0.3, 0.8]}
 """
 
 
@@ -89,6 +100,58 @@ class Run:
         return self.phase()
 
 
+def digest(out):
+    return gfmd_numba.open_campaign(out).attrs["content_sha256"]
+
+
+def where(out):
+    """What the directory of a killed run tells of how far it was."""
+    n_shards, found = len(list(out.glob("shards/*.shard"))), rounds.read(out)
+    return f"{n_shards} shards, {'no round' if found is None else f'round {len(found.rounds) - 1} {found.ended}'}"
+
+
+def killed_until(campaign, out, seconds, workers, rng):
+    """Kill a run until an error twice at any time of its life, and let it end; the number of kills that met it."""
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(campaign), "-o", str(out), UNTIL, workers]
+    kills = 0
+    for last in (False, False, True):
+        process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+        try:
+            process.wait(None if last else rng.uniform(0.0, seconds))
+            break
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            kills += 1
+            print(f"  killed with {where(out)}", flush=True)
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(command)} exits with {process.returncode}")
+    return kills
+
+
+def until():
+    rng = random.Random(1)
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        campaign = folder / "killed.yaml"
+        campaign.write_text(CAMPAIGN[: CAMPAIGN.index("limits")] + ROUNDS.lstrip())
+        begun = time.perf_counter()
+        killed_until(campaign, folder / "first", 1e6, "--workers=0", rng)  # no kill
+        seconds, expected = time.perf_counter() - begun, digest(folder / "first")
+        n_rounds = gfmd_numba.open_campaign(folder / "first").sizes["round"]
+        print(f"uninterrupted: {seconds:.0f} s, {n_rounds} rounds, digest {expected[:16]}", flush=True)
+        kills = campaigns = wrong = 0
+        while kills < KILLS_UNTIL:
+            out = folder / f"out{campaigns}"
+            kills += killed_until(campaign, out, seconds, f"--workers={2 * (campaigns % 2)}", rng)
+            campaigns += 1
+            wrong += digest(out) != expected
+            print(f"campaign {campaigns}: kills so far {kills}, digest {digest(out)[:16]}", flush=True)
+        print(f"{kills} kills of runs until an error, in {campaigns} campaigns: {wrong} digests differ")
+
+
 def main():
     rng = random.Random(0)
     with tempfile.TemporaryDirectory() as folder:
@@ -96,7 +159,8 @@ def main():
         campaign = folder / "killed.yaml"
         campaign.write_text(CAMPAIGN)
         begun = time.perf_counter()
-        expected = gfmd_numba.run(campaign, folder / "reference").attrs["content_sha256"]
+        gfmd_numba.run(campaign, folder / "reference")
+        expected = digest(folder / "reference")
         print(f"uninterrupted, in one process: {time.perf_counter() - begun:.0f} s, digest {expected[:16]}", flush=True)
         kills, of_workers = dict.fromkeys(PHASES, 0), 0
         campaigns = wrong = 0
@@ -116,7 +180,7 @@ def main():
             if run.process.wait() == 3:  # a worker died twice under one block: it was given up by name
                 Run(campaign, out, "--retry-failed").process.wait()
             campaigns += 1
-            found = gfmd_numba.open_campaign(out).attrs["content_sha256"]
+            found = digest(out)
             wrong += found != expected
             print(f"campaign {campaigns}: kills so far {kills}, digest {found[:16]}", flush=True)
         total = f"{sum(kills.values())} kills, {of_workers} of them of a worker, in {campaigns} campaigns"
@@ -124,4 +188,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    until() if "until" in sys.argv[1:] else main()

@@ -81,10 +81,14 @@ def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
     return Judgement(float(errors[worst]), expected[worst].factor, max(each.error for each in expected))
 
 
-def decide(results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf) -> Decision | None:
+def decide(
+    results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf, after_pilot: bool = True
+) -> Decision | None:
     """Realisations of the next round, for a price of at most `most` in all; None where that allows no more.
 
-    UnusableDataError where no number of realisations reaches the target.
+    A pilot's error is larger than predicted while several laws still fit, which more surfaces mend. Later an error
+    that is larger than predicted may be so again, and the round makes up for that. UnusableDataError where no number
+    of realisations reaches the target.
     """
     held = results["realisations"].values.astype(np.intp)
     price = price_of_realisations(results)
@@ -92,8 +96,9 @@ def decide(results: xr.Dataset, found: Judgement, target: float, fit: Fit, most:
     limit = min(most, _GROWTH * spent)
     if most < _LEAST_GROWTH * spent:
         return None
-    # a prediction that was too good is one again
-    goal = target * min(1.0, found.predicted / found.sure_error) if target < found.sure_error < inf else target
+    goal = target
+    if not after_pilot and target < found.sure_error < inf:
+        goal = target * min(1.0, found.predicted / found.sure_error)
     try:
         wanted, asked = _wanted(results, held, price, goal, fit), goal
     except UnusableDataError:

@@ -14,11 +14,12 @@ import yaml
 
 from gfmd_numba.analysis import Design, best_design, cheapest_design
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, blocks, distinct, expand, groups
+from gfmd_numba.campaign.cases import Case, distinct, expand, groups
 from gfmd_numba.campaign.collection import Measures, in_file_units
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
 from gfmd_numba.campaign.cross_levels import added
+from gfmd_numba.campaign.ensemble import measured
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.limits import CROSS, Realisations
@@ -26,9 +27,7 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values
 from gfmd_numba.contact.dataset import campaign_dataset, units
-from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import solve
 from gfmd_numba.scene import Discretisation, InputError
 
 REALISATIONS = 40  # of the pilot
@@ -63,7 +62,7 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
     for group in members:
         alike.setdefault(_identities(group), group)
     compile_kernels(planned.problems)
-    measured: dict[str, Measures] = {}
+    found: dict[str, Measures] = {}
     seconds: dict[str, float] = {}
     solved: set[tuple[str, ...]] = set()
     for group in _most_scattered_first(list(alike.values()), planned.campaign.fit.variable):
@@ -73,13 +72,13 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
         for problem in (case.problem for case in group):
             if problem.identity not in seconds:
                 begun = time.thread_time()
-                measured[problem.identity] = _measured(problem, REALISATIONS)
+                found[problem.identity] = measured(problem, REALISATIONS)
                 seconds[problem.identity] = (time.thread_time() - begun) / REALISATIONS
         solved.add(_identities(group))
         if told is not None:
             told(max(len(solved) / len(alike), min(1.0, spent / _SECONDS)))
     cases = [case for identities, group in alike.items() if identities in solved for case in group]
-    values = [in_file_units(case, measured[case.problem.identity]) for case in cases]
+    values = [in_file_units(case, found[case.problem.identity]) for case in cases]
     scene = planned.campaign.scene
     results = campaign_dataset(described_coordinates(scene, cases), values, units(scene))
     n_solved = sum(_identities(group) in solved for group in members)
@@ -187,13 +186,7 @@ def _counts(campaign: Campaign, chosen: Design) -> dict[str, tuple[int, ...]]:
 
 def _mean(problem: Problem, residual: float, variable: str) -> float:
     looser = replace(problem, numerics=replace(problem.numerics, residual=residual, precision="double"))
-    return float(np.mean(_measured(looser, REALISATIONS)[variable]))
-
-
-def _measured(problem: Problem, realisations: int) -> Measures:
-    """Measures of some realisations, solved in blocks as a run does it: their memory is bounded."""
-    parts = [measure(solve(problem, range(block.first, block.stop))) for block in blocks(problem, realisations)]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return float(np.mean(measured(looser, REALISATIONS)[variable]))
 
 
 def _most_scattered_first(members: list[list[Case]], variable: str) -> list[list[Case]]:
@@ -203,7 +196,7 @@ def _most_scattered_first(members: list[list[Case]], variable: str) -> list[list
     scatter = []
     for group in members:
         cheapest = min((case.problem for case in group), key=lambda problem: problem.surface.nodes)
-        values = _measured(cheapest, _SCOUTED)[variable]
+        values = measured(cheapest, _SCOUTED)[variable]
         scatter.append(np.nanstd(values) / abs(np.nanmean(values)))
     return [members[i] for i in np.argsort(-np.array(scatter), kind="stable")]
 

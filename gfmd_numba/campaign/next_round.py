@@ -50,7 +50,7 @@ def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found:
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price
     try:
-        decision = decide(results, found, state.goal.target, fit, most)
+        decision = decide(results, found, state.goal.target, fit, most, after_pilot=len(state.rounds) == 1)
     except UnknownExponentsError as error:
         return state.ending(f"not {REACHED}: {error}{_widest(fitted)}")
     except UnusableDataError as error:

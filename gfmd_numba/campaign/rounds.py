@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.cases import distinct, expand, groups
 from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import MOST, Realisations
@@ -17,7 +17,9 @@ from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.storage import atomic_file
 
-PILOT = 40  # realisations of every case
+PILOT = 20  # realisations of every case, the fewest that a design is made from
+_SPARE = 8  # realisations beyond the cases of a group, by which a pilot knows its errors to a factor of 1.5,
+_MOST_OF_A_PILOT = 40  # as far as there are so many
 _FILE = "rounds.json"
 _RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -129,7 +131,10 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
     update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
     campaign = planned.campaign.model_copy(update=update)
     cases = expand(campaign, planned.punches)
-    return with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
+    piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
+    largest = max(map(len, groups(piloted.cases)))
+    number = max(PILOT, min(largest + _SPARE, _MOST_OF_A_PILOT))
+    return with_realisations(piloted, [number] * len(piloted.cases))
 
 
 def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:

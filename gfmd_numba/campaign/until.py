@@ -20,7 +20,7 @@ from gfmd_numba.campaign.next_round import REACHED, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.results import read_results
-from gfmd_numba.campaign.rounds import PILOT, Round, Rounds, with_realisations
+from gfmd_numba.campaign.rounds import Round, Rounds, with_realisations
 from gfmd_numba.campaign.run import (
     ALL,
     Choice,
@@ -163,10 +163,10 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     if all(case.limit == "reference" for case in planned.cases):
         raise InputError("until: given a campaign without a limit; allowed: one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
-        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
+        pilot, number = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5), planned.cases[0].realisations
         if pilot > goal.budget:
             raise InputError(
-                f"budget: given {goal.budget:.3g} s of processor time, where the pilot of {PILOT} realisations of "
+                f"budget: given {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
                 f"every case takes about {pilot:.3g} s; allowed: more, or a campaign with fewer or coarser levels"
             )
 
@@ -178,5 +178,5 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
     same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
     if found is not None and same and found.of_cases(len(planned.cases)):
         return found.ending("")
-    first = Round(realisations=(PILOT,) * len(planned.cases), is_last=False)
+    first = Round(realisations=tuple(case.realisations for case in planned.cases), is_last=False)
     return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))

@@ -11,9 +11,9 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.ensemble import measured
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact.dataset import cf_attributes
-from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem, random_surface
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.solution import solve
@@ -26,10 +26,14 @@ _TIGHT = 1e-10
 _PATIENCE = 50_000  # iterations
 _TIME_STEPS = (0.25, 0.5, 0.95)
 _DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
-_ESTIMATORS = {"counted": "kappa_counted", "corrected on average": "kappa", "each edge located": "kappa_edges"}
+_OF_EACH_PRECISION = ("active_set_newton", "verlet")
 _FINER = 4  # times as fine as the reference, the level that others are compared with
 _SLABS = (1.0, 0.5, 0.2, 0.1)
-_MOST_NODES = 2**17
+_MOST_NODES = {1: 2**17, 2: 2**20}  # of a level, by dimension
+_SURFACES = (4, 16)  # of a study: the most unless they have more nodes than these, which take seconds,
+_NODES = 2**19
+_SAMPLED = 16  # times as many of the study of their number, unless they have more nodes than these
+_SAMPLED_NODES = 2**23
 
 
 @dataclass(frozen=True)
@@ -59,21 +63,25 @@ _NAMES = {
 }
 
 
-def studies(planned: Plan, realisations: int = 16) -> Iterator[Point]:
+def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     """Work-precision studies of the first reference case of a campaign, one thread, in this process.
 
-    Raises InputError for a campaign of maps.
+    Without `realisations` a study has 16, fewer on a large grid but 4 at least. Raises InputError for a campaign of
+    measured surfaces.
     """
     check_where(planned.document, planned.campaign.scene, "accuracy")
     case = next(case for case in planned.cases if case.limit == "reference")
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))
+    nodes = case.problem.surface.nodes
+    if realisations is None:
+        realisations = min(_SURFACES[1], max(_SURFACES[0], _NODES // nodes))
     yield from _solvers(case.problem, realisations)
     seed = planned.campaign.seed
     if case.discretisation is not None and seed is not None:
         for axis in DISCRETISATIONS:
             yield from _discretisation(case, case.discretisation, axis, seed, realisations)
-    yield from _sampling(case.problem, 16 * realisations)
+    yield from _sampling(case.problem, min(_SAMPLED * realisations, max(realisations, _SAMPLED_NODES // nodes)))
     yield from _effects(case.problem, realisations)
 
 
@@ -89,15 +97,15 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
 def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
     """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
     exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
-    solvers = able(("dimension 1", *problem.interface.abilities))
+    solvers = able((f"dimension {len(problem.surface.shape)}", *problem.interface.abilities))
     for solver in solvers:
         for residual in _RESIDUALS:
             values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)
             yield _point("solver residual", solver.replace("_", " "), residual, values, exact)
+    if "active_set_newton" in solvers:  # single precision knows the hard wall only
+        yield from _precision(problem, exact, [name for name in _OF_EACH_PRECISION if name in solvers])
     if "verlet" not in solvers:
         return
-    if "active_set_newton" in solvers:  # single precision knows the hard wall only
-        yield from _precision(problem, exact)
     for damping in _DAMPINGS:
         for step in _TIME_STEPS:
             settings = {"solver": "verlet", "time_step": step, "damping": damping, "max_iterations": _PATIENCE}
@@ -105,9 +113,9 @@ def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
             yield _point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
 
 
-def _precision(problem: Problem, exact: Reals) -> Iterator[Point]:
+def _precision(problem: Problem, exact: Reals, solvers: Iterable[str]) -> Iterator[Point]:
     """Single precision beside double, as far down as its certificate goes."""
-    for solver in ("active_set_newton", "verlet"):
+    for solver in solvers:
         for precision in ("double", "single"):
             for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
                 settings = {"solver": solver, "residual": residual, "precision": precision, "max_iterations": _PATIENCE}
@@ -118,18 +126,23 @@ def _precision(problem: Problem, exact: Reals) -> Iterator[Point]:
 def _discretisation(case: Case, at: Discretisation, axis: str, seed: int, realisations: int) -> Iterator[Point]:
     """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""
     reference = getattr(at, axis)
+    dimension = len(case.problem.surface.shape)
     levels = []
     for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
-        discretisation = at.model_copy(update={axis: reference * factor})
-        if reference * factor <= 1.0 and discretisation.misfit is None and discretisation.nx <= _MOST_NODES:
-            surface = random_surface(case.scene, discretisation, seed)[0]
+        level = at.model_copy(update={axis: reference * factor})
+        small = factor >= 1.0 or level.nx**dimension <= _MOST_NODES[dimension]
+        if reference * factor <= 1.0 and level.misfit is None and small:
+            surface = random_surface(case.scene, level, seed)[0]
             levels.append((reference * factor, _run(replace(case.problem, surface=surface), realisations)))
-    estimators = _ESTIMATORS if axis == "eps_c" else {"corrected on average": "kappa"}
-    best = "kappa_edges" if axis == "eps_c" else "kappa"
+    estimators, best = {"corrected on average": "kappa"}, "kappa"
+    if axis == "eps_c":
+        estimators |= {"counted": "kappa_counted"}
+        if dimension == 1:  # the edges of a map's contact are not located
+            estimators, best = estimators | {"each edge located": "kappa_edges"}, "kappa_edges"
     finest = levels[-1][1][best]
     for label, variable in estimators.items():
-        for level, values in levels if variable != best else levels[:-1]:
-            yield _point(axis, label, level, values, finest, variable=variable, of_means=True)
+        for eps, values in levels if variable != best else levels[:-1]:
+            yield _point(axis, label, eps, values, finest, variable=variable, of_means=True)
 
 
 def _sampling(problem: Problem, most: int) -> Iterator[Point]:
@@ -169,7 +182,7 @@ def _run(problem: Problem, realisations: int, **settings: Any) -> dict[str, Real
     changed = replace(problem, numerics=replace(problem.numerics, **settings))
     solve(changed, range(1))  # kernels compiled, plans made
     begun = time.thread_time()
-    values = measure(solve(changed, range(realisations)))
+    values = measured(changed, realisations)
     return values | {"seconds": np.asarray((time.thread_time() - begun) / realisations)}
 
 

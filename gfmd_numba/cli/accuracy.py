@@ -24,8 +24,8 @@ from gfmd_numba.text.printable import printable
 @main.command()
 @file_argument
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file [NAME-accuracy.nc]")
-@click.option("--realisations", default=16, show_default=True, type=click.IntRange(2), help="Surfaces in each study")
-def accuracy(file: Path, output: Path | None, realisations: int) -> None:
+@click.option("--realisations", type=click.IntRange(2), help="Surfaces in each study [16, 4 to 15 on large grids]")
+def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     """Measure error against seconds around the reference case of the campaign in FILE, on this machine.
 
     Solver and residual, precision, time step and damping, each discretisation, number of surfaces, slab against

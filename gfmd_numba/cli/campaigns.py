@@ -57,8 +57,8 @@ def run(
 ) -> None:
     """Run the campaign in FILE, or what is left of it, and fit its results.
 
-    With --until the campaign runs in rounds: first 40 realisations of every case, then as many of each as the results
-    so far ask for, until the fit says that the limit has the error you want.
+    With --until the campaign runs in rounds: first a pilot of 20 to 40 realisations of every case, then as many of each
+    as the results so far ask for, until the fit says that the limit has the error you want.
     """
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import Choice, StoppedError

@@ -159,7 +159,6 @@ REFUSALS = (
         for feature in ("rough body", "counter_body", "prescribed tractions", "path")
     ),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
-    Refusal("accuracy", "dimension 2", "dimension 1 for `gfmd accuracy`", "not built yet"),
     Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
     Refusal(
         "fields inside",

@@ -76,7 +76,7 @@ def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, 
 
 def test_a_budget_that_the_pilot_exceeds_is_refused(tmp_path):
     goal = GOAL.model_copy(update={"budget": 1e-6})
-    with pytest.raises(InputError, match=r"budget: given 1e-06 s of processor time, where the pilot of 40"):
+    with pytest.raises(InputError, match=r"budget: given 1e-06 s of processor time, where the pilot of 20"):
         run_until(campaign(tmp_path, **ONE), goal, tmp_path / "out", HERE)
     assert not (tmp_path / "out").exists()
 
@@ -152,7 +152,7 @@ def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
     partial_ = opened(stopped.value.outcome)
     asked = np.array(whole.rounds.rounds[1].realisations)
     assert partial_.attrs["ended"] == "not reached: the run was interrupted"
-    assert (partial_["realisations"].values >= 40).all()
+    assert (partial_["realisations"].values >= rounds.PILOT).all()
     assert 40 * len(asked) < partial_["realisations"].values.sum() < asked.sum()
     assert not (partial_["status"] == 6).any()
     assert fit_tfc(partial_, fixed={"eps_c": 1.5, "eps_f": 0.7})["fit_status"].item() == "ok"

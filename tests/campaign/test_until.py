@@ -49,11 +49,11 @@ def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     np.testing.assert_array_equal(results["realisations"], last.realisations)
 
 
-def test_the_pilot_has_forty_realisations_and_every_level(reached, tmp_path):
+def test_the_pilot_has_twenty_realisations_and_every_level(reached, tmp_path):
     """Whatever the file asks for: levels without realisations are solved, too."""
     file = {"realisations: 6": "realisations: {reference: 3, eps_f: [0, 2, 2]}"}
     again = run_until(campaign(tmp_path, **ONE | file), GOAL, tmp_path / "out", HERE)
-    assert set(realisations(again)[0]) == {40}
+    assert set(realisations(again)[0]) == {rounds.PILOT} == {20}
     assert realisations(again) == realisations(reached)
     xr.testing.assert_identical(
         numbers(opened(again)).drop_vars("round_cpu_seconds"), numbers(opened(reached)).drop_vars("round_cpu_seconds")

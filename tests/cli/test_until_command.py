@@ -105,7 +105,7 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
         (("--until=area=1%",), "allowed: one of kappa, kappa_counted, kappa_r and a relative error"),
         (("--until=kappa_r=1%",), "allowed: kappa, as the campaign fits that"),
         (("--until=1%", "--budget=soon"), "allowed: a time like 20min, 2h or 90 s"),
-        (("--until=1%", "--budget=1e-9"), "where the pilot of 40 realisations of every case takes about"),
+        (("--until=1%", "--budget=1e-9"), "where the pilot of 20 realisations of every case takes about"),
         (("--budget=20min",), "given without --until"),
         (("--until=1%", "--only=limit=eps_c"), "--only: given with --until"),
         (("--until=1%", "--limit=3"), "--limit: given with --until"),

@@ -48,7 +48,7 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
     problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(rounded(sliding / period) / surfaces.rms_gradient for _, sliding in steps)
+    sliding = tuple(rounded(rounded(sliding / period) / surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
 
 

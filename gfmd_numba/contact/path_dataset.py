@@ -7,7 +7,7 @@ import xarray as xr
 from gfmd_numba.contact import law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed, load_attributes
+from gfmd_numba.contact.dataset import cf_attributes, contact_dataset, dropped_effects, indexed, load_attributes
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
@@ -26,6 +26,9 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     file = given.file
     steps = [step_dataset(given, problem, each) for problem, each in zip(path.problems, solved, strict=True)]
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
+    if file.scene.interface.reaches_across:
+        resolution = law_resolution.resolution(path.problems[-1])
+        dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
     dataset.attrs |= {
         "scene": file.model_dump_json(),
         "solver": path.problems[-1].numerics.solver,

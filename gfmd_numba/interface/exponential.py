@@ -9,6 +9,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.interface_records import Exponential
+from gfmd_numba.scene.reduced_units import rounded
 
 Rows = npt.NDArray[np.int64]
 
@@ -26,7 +27,7 @@ class ExponentialLaw:
     @classmethod
     def scaled(cls, asked: Exponential, length: float, energy: float) -> Self:
         """Law of a scene, its lengths and its energies per area over these."""
-        return cls(asked.work_of_adhesion / energy, asked.range / length)
+        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length))
 
     @property
     def strength(self) -> float:

@@ -51,6 +51,10 @@ class ExponentialLaw:
         """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
         return -self.traction(gap) / self.length
 
+    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
+        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
+        return np.asarray(self.length * self.traction(gap) * -np.expm1(closing / self.length))
+
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
         strongest = min(pressure, -self.strength) if hard_wall else pressure

@@ -28,6 +28,14 @@ class NormalLaw(Protocol):
         """Traction that pulls the body towards the punch."""
         ...
 
+    def stiffness(self, gap: Reals) -> Reals:
+        """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
+        ...
+
+    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
+        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
+        ...
+
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
         ...

@@ -11,6 +11,15 @@ from gfmd_numba.kernels.active_sets import (
 )
 from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.energy_descent import (
+    descent_curvature,
+    descent_direction,
+    descent_norm,
+    descent_start,
+    descent_trial,
+    descent_update,
+    descent_work,
+)
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
@@ -30,6 +39,13 @@ __all__ = [
     "couple",
     "coupled_step",
     "damp",
+    "descent_curvature",
+    "descent_direction",
+    "descent_norm",
+    "descent_start",
+    "descent_trial",
+    "descent_update",
+    "descent_work",
     "exponential_pull",
     "exponential_sum_factor",
     "exponential_sum_solve",

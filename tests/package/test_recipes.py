@@ -37,6 +37,12 @@ class QuadraticLaw:
     def traction(self, gap):
         return self.strength * np.clip(1.0 - gap / self.length, 0.0, None)
 
+    def stiffness(self, gap):
+        return np.where(gap < self.length, -self.softening, 0.0)
+
+    def energy_change(self, gap, closing):
+        return 0.5 * (self.traction(gap) ** 2 - self.traction(gap - closing) ** 2) / self.softening
+
     def stiffest(self, pressure, hard_wall):
         return 0.0
 

@@ -24,6 +24,10 @@ class NormalLaw(Protocol):
         """Largest -d2(energy)/d(gap)2 where no gap is negative; 0 for repulsion."""
         ...
 
+    def energy(self, gap: Reals) -> Reals:
+        """Energy per area of the surfaces at a gap."""
+        ...
+
     def traction(self, gap: Reals) -> Reals:
         """Traction that pulls the body towards the punch."""
         ...

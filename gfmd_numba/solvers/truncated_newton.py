@@ -142,29 +142,23 @@ class TruncatedNewton:
     def _descend(self, row: Rows, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
         i, step = row[0], 1.0
-        change = self._trial(row, step)
-        if bends_down and change <= 0.0:
-            while step < _LONGEST:
-                farther = self._trial(row, 2.0 * step)
-                if not farther < change:
-                    break
-                change, step = farther, 2.0 * step
-            else:
-                return self._accept(i)
-            self._trial(row, step)
-        while not change <= 0.0:
-            step *= 0.5
+        change, slope = self._trial(row, step)
+        while not _decreases(change, slope):
+            step *= _shorter(change, slope)
             if step < _SHORTEST:
                 self._direction[:] = (self.load[i] - self.restoring[i, : self.field.n]) / self._stiffest
-                step = 1.0
-                if not self._trial(row, step) <= 0.0:
-                    return None
-                break
-            change = self._trial(row, step)
-        return self._accept(i)
+                change, slope = self._trial(row, 1.0)
+                if _decreases(change, slope):
+                    self._accept(i)
+                return
+            change, slope = self._trial(row, step)
+        self._accept(i)
+        while bends_down and 1.0 <= step < _LONGEST and _decreases(*self._trial(row, step)):
+            self._accept(i)
+            step *= 2.0
 
-    def _trial(self, row: Rows, step: float) -> float:
-        """Change of a row's energy by a step, infinite unless it is a sufficient decrease; two transforms."""
+    def _trial(self, row: Rows, step: float) -> tuple[float, float]:
+        """Change of a row's energy by a step, and what its slope promises; two transforms."""
         i, n = row[0], self.field.n
         u, trial = self.displacement[i], self._source[i]
         kernels.descent_trial(u, self.wall[i], self._direction, step, n, trial)
@@ -174,9 +168,7 @@ class TruncatedNewton:
         )
         with np.errstate(over="ignore"):
             law = float(self._law.energy_change(self._punch[i, :n] - u[:n], self._closing).sum())
-        change = work + law
-        enough = change <= _SUFFICIENT * min(slope, 0.0) + _ROUNDING * size
-        return float(change) if enough else math.inf
+        return work + law - _ROUNDING * size, min(slope, 0.0)
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
@@ -186,3 +178,15 @@ class TruncatedNewton:
         traction = self._law.traction(self._punch[i, :n] - self.displacement[i, :n])
         self.restoring[i, :n] = self._elastic[i, :n] - traction
         self._strongest[i] = np.abs(traction).max()
+
+
+def _decreases(change: float, slope: float) -> bool:
+    """Whether an energy changes by a sufficient part of what its slope promises."""
+    return change <= _SUFFICIENT * slope
+
+
+def _shorter(change: float, slope: float) -> float:
+    """Part of a step after which a parabola of that slope and change is least, from a tenth to half."""
+    if not (slope < 0.0 and math.isfinite(change)):
+        return 0.25
+    return min(max(-0.5 * slope / (change - slope), 0.1), 0.5)

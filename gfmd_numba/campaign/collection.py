@@ -18,6 +18,7 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
 from gfmd_numba.campaign.results import sealed
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.dataset import (
     campaign_dataset,
     cf_attributes,
@@ -89,6 +90,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         [float(measured[case.problem.identity][SECONDS].sum()) for case in planned.cases],
         cf_attributes("processor time of the case, shared by all cases of one problem", "s"),
     )
+    if scene.interface.reaches_across:
+        resolutions = [law_resolution.resolution(case.problem) for case in planned.cases]
+        dataset[law_resolution.NAME] = ("case", resolutions, cf_attributes(law_resolution.LONG_NAME))
     made_in = rounds.read(directory)
     if made_in is not None and made_in.of_cases(len(planned.cases)):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())

@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
+from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of
 from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
@@ -19,7 +19,6 @@ from gfmd_numba.scene.checks import (
     check_anisotropy_fits,
     check_discretisation,
     check_memory,
-    check_range,
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location
@@ -202,7 +201,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
         )
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
-    anisotropies, with_ranges = list(_anisotropies(campaign)), ranges(campaign, campaign.scene)
+    anisotropies = list(_anisotropies(campaign))
     check_surfaces(document, campaign.scene)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
@@ -215,11 +214,6 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
             check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension)
-        own = min(points, default=campaign.scene.roughness.points)
-        nx = own if discretisation is None else discretisation.nx
-        assert nx is not None  # the records' promise
-        for scene, place in with_ranges:
-            check_range(document, scene, nx, place)
     return campaign, document
 
 
@@ -269,12 +263,3 @@ def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
         yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
     elif own is not None:
         yield own, ("scene", "roughness", "anisotropy")
-
-
-def ranges(campaign: Campaign, scene: Scene) -> list[tuple[Scene, Location | None]]:
-    """The scene with each interaction range of a campaign, and where that stands in the file if not in the scene."""
-    varied = varied_scenes(scene, campaign.grid)
-    found: list[tuple[Scene, Location | None]] = [
-        (each, location) for axis, location, each in varied if axis.name == "interaction_range"
-    ]
-    return found or [(scene, None)]

@@ -6,14 +6,13 @@ from functools import lru_cache
 from typing import Literal
 
 from gfmd_numba.campaign.axes import with_values
-from gfmd_numba.campaign.file import Campaign, check_scene, ranges
+from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.campaign.grid import surfaces_of_grid
 from gfmd_numba.contact.contact_input import with_measured
 from gfmd_numba.contact.problem import GivenSurface, given_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
-from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.source import existing_file
 
 _FILE = ("roughness", "file")
@@ -66,8 +65,6 @@ def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | N
         except ValueError as error:
             raise _refused(placed, f"{record.shown} ({error})", "heights that are not all equal") from None
         check_scene(document, campaign, scene)
-        for each, place in ranges(campaign, scene):
-            check_range(document, each, surface.nx, place)
         found[record] = MeasuredPunch(
             name=", ".join(value if place == _FILE else f"{place[-1]} {value:.10g}" for place, value in values.items()),
             surface=surface,

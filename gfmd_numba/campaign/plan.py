@@ -14,9 +14,9 @@ from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
@@ -69,22 +69,12 @@ class Plan:
     @property
     def validity(self) -> str:
         """What speaks against the results: an implausible surface, and laws that a grid does not resolve."""
-        return "\n".join(filter(None, (*said_of(self.punches, "doubts"), self._unresolved)))
+        return "\n".join(filter(None, (*said_of(self.punches, "doubts"), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:
         """What was done to measured surfaces."""
         return "\n".join(said_of(self.punches, "done"))
-
-    @property
-    def _unresolved(self) -> str:
-        """What is to be said of interaction laws that the grids do not resolve, of the worst case; else nothing."""
-        doubtful = [case for case in self.cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
-        if not doubtful:
-            return ""
-        worst = max(doubtful, key=lambda case: law_resolution.resolution(case.problem))
-        sentence = law_resolution.doubt(worst.problem, worst.discretisation)
-        return f"in {len(doubtful)} of {len(self.cases)} cases {sentence}"
 
     @property
     def file_bytes(self) -> int:
@@ -136,6 +126,7 @@ def plan(source: Source | Campaign) -> Plan:
     if len(scenes) == 1:
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
     cases = expand(campaign, punches)
+    check_resolved(document, campaign, cases)
     return Plan(campaign, document, cases, distinct(cases), punches)
 
 

@@ -7,7 +7,9 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
+from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
@@ -15,7 +17,6 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, Scene, SceneFile
-from gfmd_numba.scene.checks import check_range
 from gfmd_numba.scene.document import Location
 
 
@@ -37,9 +38,11 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics, file.path)
     surfaces = pressed_surfaces(file, measured, document)
-    check_range(document, file.scene, surfaces.surface.nx)
     _check_loads(file, surfaces, document)
     prescribed = _tractions(file, surfaces, document)
+    if file.scene.interface.reaches_across:
+        problem, _ = reduce(file.scene, surfaces.surface, surfaces.rms_gradient, file.numerics, prescribed)
+        check_resolved(document, file.scene.interface, problem, file.discretisation)
     loading = ("scene", "loading", "displacement")
     steps = [("path", i, "displacement") for i in range(len(file.path))]
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]

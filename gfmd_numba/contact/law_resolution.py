@@ -1,14 +1,19 @@
 """Whether a grid resolves an interaction law: how fast the law softens over how fast the shortest wave stiffens."""
 
-from math import ceil
+from collections.abc import Callable
+from math import ceil, sqrt
 
 import numpy as np
 
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import condensed_stiffness
-from gfmd_numba.scene import Discretisation
+from gfmd_numba.scene import Discretisation, Document, Interface
+from gfmd_numba.scene.document import Location
 
+NAME = "law_resolution"
+LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
 COARSEST = 0.3  # up to it, pull-off of Johnson's adhesive wave is right to 1 %
+REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
 
@@ -26,18 +31,48 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
     x = resolution(problem)
     if x <= COARSEST:
         return ""
-    needed = _needed(problem)
-    if discretisation is None:
-        remedy = f"at least {needed} points"
-    else:
-        waves = 2 * discretisation.cut_off_index
-        finer = ceil(needed / waves)
-        remedy = f"eps_c = 1/{finer} (nx = {finer * waves})"
     return (
         f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
-        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, over 20 % too large at 0.9 and 80 % at 1.9. "
-        f"Take {remedy}, or a longer range"
+        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over 20 % too large at 0.9. "
+        f"Take {_grid(problem, discretisation)}, or a longer range"
     )
+
+
+def check_resolved(
+    document: Document,
+    asked: Interface,
+    problem: Problem,
+    discretisation: Discretisation | None,
+    locate: Callable[[Location], Location] = lambda location: location,
+) -> None:
+    """Raise InputError for a law that softens faster than the shortest wave of the grid stiffens.
+
+    `asked` is what acts in the scene, and `locate` tells where one of its values stands in the file.
+    """
+    x = resolution(problem)
+    if x <= REFUSED:
+        return
+    name, law = next((name, law) for name, law in asked.laws.items() if law.across_open_gap)
+    key = next(key for key in type(law).model_fields if key != "work_of_adhesion")
+    at = locate(("scene", "interface", name, key))
+    shortest = getattr(law, key) * sqrt(x / REFUSED)
+    raise document.error(
+        at,
+        document.value(at),
+        f"at least {shortest:.3g} on this grid, whose shortest wave stiffens {1 / x:.3g} times as fast as the law "
+        f"softens: each node would snap into contact on its own. A grid of {_grid(problem, discretisation)} "
+        "resolves the law",
+    )
+
+
+def _grid(problem: Problem, discretisation: Discretisation | None) -> str:
+    """The grid that resolves the law of a problem."""
+    needed = _needed(problem)
+    if discretisation is None:
+        return f"at least {needed} points"
+    waves = 2 * discretisation.cut_off_index
+    finer = ceil(needed / waves)
+    return f"eps_c = 1/{finer} (nx = {finer * waves})"
 
 
 def _on(problem: Problem, nodes: int) -> float:

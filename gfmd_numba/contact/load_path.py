@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from gfmd_numba.contact import solution, two_step
+from gfmd_numba.contact import branch, solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.prescribed_load import steps_of
 from gfmd_numba.contact.problem import Effect, Problem
@@ -48,16 +48,20 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
     problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(rounded(sliding / period) / surfaces.rms_gradient for _, sliding in steps)
+    sliding = tuple(rounded(rounded(sliding / period) / surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
 
 
 def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
     """Equilibrium of each step, begun where the last one ended."""
-    before = None
+    one = range(path.realisation, path.realisation + 1)
+    before, last = None, None
     for problem, sliding in zip(path.problems, path.sliding, strict=True):
-        if path.rough is None:
-            one = range(path.realisation, path.realisation + 1)
+        if path.rough is None and len(path.problems) > 1 and branch.is_followed(problem):
+            contact = branch.follow(problem, one, last)
+            last = problem, contact
+            yield contact
+        elif path.rough is None:
             contact = solution.solve(problem, one, before, sliding)
             yield contact
         else:

@@ -7,11 +7,19 @@ import xarray as xr
 from gfmd_numba.contact import law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.dataset import contact_dataset, dropped_effects, indexed, load_attributes
+from gfmd_numba.contact.dataset import (
+    cf_attributes,
+    contact_dataset,
+    dropped_effects,
+    indexed,
+    load_attributes,
+    scales,
+    units,
+)
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
 
@@ -26,6 +34,9 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     file = given.file
     steps = [step_dataset(given, problem, each) for problem, each in zip(path.problems, solved, strict=True)]
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
+    if file.scene.interface.reaches_across:
+        resolution = law_resolution.resolution(path.problems[-1])
+        dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
     dataset.attrs |= {
         "scene": file.model_dump_json(),
         "solver": path.problems[-1].numerics.solver,
@@ -41,9 +52,23 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
     scene, surfaces = given.file.scene, given.surfaces
     contact = solved if isinstance(solved, Contact) else solved.contact
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
+    if contact.followed is not None:
+        _add_followed(step, scene, problem, surfaces.rms_gradient, contact.followed)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
         rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, solved)
     return step
+
+
+def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient: float, followed: Followed) -> None:
+    """Add the energy that a step of a path lost, and the load at its largest jump."""
+    scale, unit = scales(scene, rms_gradient), units(scene)
+    name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
+    found = {
+        "energy_lost": ("energy", "energy per nominal area lost in jumps since the last step", followed.lost),
+        f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
+    }
+    for key, (of, long_name, value) in found.items():
+        step[key] = ((), value * scale[of], cf_attributes(long_name, unit[of]))
 
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:

@@ -43,7 +43,7 @@ def reduce(
     period, modulus = scene.length or 1.0, contact_modulus(scene)
     displacement = None
     if loading.displacement is not None:
-        displacement = rounded(loading.displacement / period) / rms_gradient
+        displacement = rounded(rounded(loading.displacement / period) / rms_gradient)
     given = elastic_body(scene.body, scene.length)
     interface, interactions = _interface(scene.interface, given, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference

@@ -13,18 +13,34 @@ from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 
 
 @dataclass(frozen=True)
+class Followed:
+    """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
+
+    The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
+    """
+
+    lost: float
+    jump_at: float
+
+
+NOTHING_LOST = Followed(0.0, np.nan)
+
+
+@dataclass(frozen=True)
 class Contact:
     """Heights `[realisation, (y,) x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes.
+    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `followed` tells of the
+    step of a path that led here, None where steps are not divided.
     """
 
     heights: Reals
     punch: Reals
     equilibrium: Equilibrium
     deflected: tuple[Reals, Reals] | None = None
+    followed: Followed | None = None
 
 
 def solve(

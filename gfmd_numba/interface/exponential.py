@@ -9,6 +9,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.interface_records import Exponential
+from gfmd_numba.scene.reduced_units import rounded
 
 Rows = npt.NDArray[np.int64]
 
@@ -26,7 +27,7 @@ class ExponentialLaw:
     @classmethod
     def scaled(cls, asked: Exponential, length: float, energy: float) -> Self:
         """Law of a scene, its lengths and its energies per area over these."""
-        return cls(asked.work_of_adhesion / energy, asked.range / length)
+        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length))
 
     @property
     def strength(self) -> float:
@@ -49,6 +50,10 @@ class ExponentialLaw:
     def stiffness(self, gap: Reals) -> Reals:
         """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
         return -self.traction(gap) / self.length
+
+    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
+        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
+        return np.asarray(self.length * self.traction(gap) * -np.expm1(closing / self.length))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""

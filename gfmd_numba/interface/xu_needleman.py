@@ -11,6 +11,7 @@ from scipy.special import lambertw
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.interface_records import Cohesive
+from gfmd_numba.scene.reduced_units import rounded
 
 Rows = npt.NDArray[np.int64]
 
@@ -30,7 +31,8 @@ class XuNeedlemanLaw:
     @classmethod
     def scaled(cls, asked: Cohesive, length: float, energy: float) -> Self:
         """Law of a scene, its lengths and its energies per area over these."""
-        return cls(asked.work_of_adhesion / energy, asked.normal_length / length, asked.tangential_length / length)
+        lengths = (rounded(each / length) for each in (asked.normal_length, asked.tangential_length))
+        return cls(rounded(asked.work_of_adhesion / energy), *lengths)
 
     @property
     def strength(self) -> float:

@@ -13,6 +13,15 @@ from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step
 from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.decay_contacts import decay_contact, refined_pressure, touching_displacement
 from gfmd_numba.kernels.decay_sums import decay_product
+from gfmd_numba.kernels.energy_descent import (
+    descent_curvature,
+    descent_direction,
+    descent_norm,
+    descent_start,
+    descent_trial,
+    descent_update,
+    descent_work,
+)
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
@@ -63,6 +72,13 @@ __all__ = [
     "damp",
     "decay_contact",
     "decay_product",
+    "descent_curvature",
+    "descent_direction",
+    "descent_norm",
+    "descent_start",
+    "descent_trial",
+    "descent_update",
+    "descent_work",
     "exponential_pull",
     "exponential_sum_factor",
     "exponential_sum_solve",

@@ -79,21 +79,3 @@ def check_anisotropy_fits(
             f"at most 1/eps_t = {most:.6g}, so that the longest wavelength along y fits the period; "
             "a smaller eps_t allows more",
         )
-
-
-def check_range(document: Document, scene: Scene, nx: int, location: Location | None = None) -> None:
-    """Raise InputError if an interaction length is below the grid spacing, which would not resolve its effect.
-
-    `location` is where the length stands in the file, if not in the scene.
-    """
-    spacing = (scene.length or 1.0) / nx
-    reaching = {name: law for name, law in scene.interface.laws.items() if law.across_open_gap}
-    for law, record in reaching.items():
-        for name, value in record:
-            if name != "work_of_adhesion" and value < spacing:
-                at = location or ("scene", "interface", law, name)
-                raise document.error(
-                    at,
-                    document.value(at),
-                    f"at least the grid spacing {spacing:.3g}: a longer range or a finer grid",
-                )

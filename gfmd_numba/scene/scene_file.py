@@ -8,7 +8,7 @@ from typing import Any
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_file import BoundaryFile
 from gfmd_numba.scene.boundary_records import Boundary
-from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_range, check_surfaces
+from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
@@ -81,15 +81,10 @@ def _check_grid(file: SceneFile, document: Document) -> None:
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
         check_discretisation(document, file.discretisation, locations, dimension=scene.dimension)
-        if not scene.awaits_period:
-            check_range(document, scene, file.discretisation.nx)
         anisotropy = getattr(scene.roughness, "anisotropy", None)
         if anisotropy is not None and scene.dimension == 2:
             check_anisotropy_fits(document, anisotropy, ("scene", "roughness", "anisotropy"), file.discretisation)
     check_surfaces(document, scene)
-    for surface in scene.surfaces.values():
-        if surface.points is not None and not scene.awaits_period:
-            check_range(document, scene, surface.points)
 
 
 def _located(document: Document, scene: Scene) -> Scene:

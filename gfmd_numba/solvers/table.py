@@ -62,6 +62,12 @@ SOLVERS = {
         can=_PRESSURE,
         condensed="gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",
     ),
+    "truncated_newton": Solver(
+        "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap",
+        can=frozenset({"dimension 1", "hard wall", "normal law"}),
+        condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
+        block_samples=2**18,
+    ),
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",
         can=_DISPLACEMENT | {"cohesive law", "friction", "prescribed"},

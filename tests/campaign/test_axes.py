@@ -105,7 +105,6 @@ def test_a_grid_over_what_the_scene_does_not_have_says_what_to_add(tmp_path, nam
     [
         ("work_of_adhesion", "[1e-5, 0]", (), "[1]: given 0; allowed: a number other than 0"),
         ("work_of_adhesion", "[-1, 1]", ("{hard_wall: {}, exp", "{exp"), "[1]: given 1; allowed: hard_wall, cohesive"),
-        ("interaction_range", "[0.1, 1e-5]", (), "[1]: given 1e-05; allowed: at least the grid spacing"),
         ("interaction_range", "[0.1, 0]", (), "[1]: given 0; allowed: a number from 1e-30 to 1e+30"),
         ("friction_coefficient", "[0]", (), "[0]: given 0; allowed: a number above 0, or .inf for sticking contact"),
         ("displacement", "[0.1, -0.1]", (), "[1]: given -0.1; allowed: a finite number of at least 0, as nothing acts"),

@@ -47,11 +47,6 @@ ADHESIVE = {"interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1
         (campaign(POWER_LAW | {"cut_on": 0.30, "roll_off": 0.31}), "scene.roughness.cut_on: given 0.3"),
         (campaign(MODEL | {"points": 2**38}), "scene.roughness.points: given 274877906944; allowed: a grid that fits"),
         (campaign(POWER_LAW, {"anisotropy": [1, 50]}, dimension=2), "grid.anisotropy[1]: given 50"),
-        (campaign(MODEL, {"interaction_range": [0.1, 1e-9]}, **ADHESIVE), "grid.interaction_range[1]: given 1e-09"),
-        (
-            campaign(MODEL, {"interaction_range": [0.1, 1 / 32], "points": [64, 16]}, **ADHESIVE),
-            "grid.interaction_range[1]: given 0.03125; allowed: at least the grid spacing 0.0625",
-        ),
         (campaign(POWER_LAW, {"points": [32, 8]}), "grid.points[1]: given 8; allowed: a value for which cut_on is at"),
         (campaign(MODEL, {"points": [8, 2**38]}), "grid.points[1]: given 274877906944; allowed: a grid that fits"),
         (campaign(MODEL) | {"realisations": {"reference": 2, "eps_c": 5}}, "realisations.eps_c: given 5"),
@@ -61,6 +56,12 @@ def test_what_does_not_fit_the_points_is_refused(file, said):
     with pytest.raises(InputError) as refused:
         load_campaign(file)
     assert said in str(refused.value)
+
+
+def test_a_range_that_the_fewest_points_do_not_resolve_is_refused():
+    with pytest.raises(InputError, match=r"grid.interaction_range\[1\]: given 0.0003; allowed: at least 0.00063"):
+        plan(campaign(MODEL, {"interaction_range": [0.1, 3e-4], "points": [64, 16]}, **ADHESIVE))
+    plan(campaign(MODEL, {"interaction_range": [0.1, 3e-4], "points": [128]}, **ADHESIVE))
 
 
 @pytest.mark.parametrize("command", ["run", "plan"])

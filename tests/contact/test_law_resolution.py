@@ -7,7 +7,9 @@ import pytest
 import yaml
 
 import gfmd_numba
-from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.law_resolution import COARSEST, NAME, doubt, resolution
+from gfmd_numba.contact.load_path import load_path
 from gfmd_numba.contact.problem import CounterBody, Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -17,6 +19,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 from support.command_line import gfmd, unfolded
@@ -118,8 +121,8 @@ def scene(points, tmp_path, **interface):
 
 @pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")  # of a wave for Johnson's closed form
 def test_an_unresolved_law_is_told_by_check_solve_and_file(tmp_path):
-    path = scene(512, tmp_path, exponential=ADHESIVE)
-    expected = "the grid does not resolve the interaction law: it softens 1.87 times as fast as the shortest wave"
+    path = scene(1024, tmp_path, exponential=ADHESIVE)
+    expected = "the grid does not resolve the interaction law: it softens 0.933 times as fast as the shortest wave"
     checked = gfmd("check", path)
     assert checked.exit_code == 0
     assert expected in unfolded(checked.stderr)
@@ -130,6 +133,19 @@ def test_an_unresolved_law_is_told_by_check_solve_and_file(tmp_path):
     with pytest.warns(UserWarning, match=expected):
         dataset = gfmd_numba.solve(path)
     assert expected in dataset.validity
+    assert float(dataset[NAME]) == pytest.approx(WORK / RANGE**2 / (np.pi * 1024 / 2), rel=1e-4)
+    assert dataset[NAME].units == "1"
+
+
+def test_a_law_that_softens_faster_than_any_wave_stiffens_is_refused_with_the_shortest_range(tmp_path):
+    path = scene(512, tmp_path, exponential=ADHESIVE)
+    for command in (["check"], ["solve", "-o", tmp_path / "out.nc"]):
+        refused = gfmd(command[0], path, *command[1:])
+        assert refused.exit_code == 2
+        assert "scene.interface.exponential.range: given 0.002; allowed: at least 0.00273" in unfolded(refused.stderr)
+        assert "at least 3184 points" in unfolded(refused.stderr)
+    with warnings.catch_warnings(action="ignore"):
+        gfmd_numba.solve(scene(512, tmp_path, exponential=ADHESIVE | {"range": 0.00274}))
 
 
 def test_a_resolved_law_is_solved_without_a_word(tmp_path):
@@ -141,14 +157,14 @@ def test_a_resolved_law_is_solved_without_a_word(tmp_path):
 
 
 def test_a_random_surface_is_told_its_eps_c(tmp_path):
-    path = scene(512, tmp_path, cohesive={"work_of_adhesion": 0.05, "normal_length": RANGE, "tangential_length": RANGE})
+    path = scene(512, tmp_path, cohesive={"work_of_adhesion": 0.01, "normal_length": RANGE, "tangential_length": RANGE})
     file = yaml.safe_load(path.read_text())
     file["scene"]["roughness"] = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}
     file["discretisation"] = {"eps_c": "1/4", "eps_f": "1/64", "eps_t": 1}
     path.write_text(yaml.safe_dump(file).replace("'", ""))
     told = unfolded(gfmd("check", path).stderr)
-    assert "it softens 2.1 times as fast" in told
-    assert "eps_c = 1/29 (nx = 3712)" in told
+    assert "it softens 0.421 times as fast" in told
+    assert "eps_c = 1/6 (nx = 768)" in told
 
 
 CAMPAIGN = """
@@ -173,4 +189,61 @@ def test_a_campaign_says_how_many_of_its_cases_do_not_resolve_the_law(tmp_path):
     assert expected in unfolded(gfmd("check", path).stderr)
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert expected in unfolded(done.stderr)
-    assert expected in gfmd_numba.open_campaign(tmp_path / "out").validity
+    collected = gfmd_numba.open_campaign(tmp_path / "out")
+    assert expected in collected.validity
+    np.testing.assert_allclose(collected[NAME], [0.06366, 0.5093], rtol=1e-3)
+
+
+def test_a_campaign_refuses_the_range_that_no_case_may_have(tmp_path):
+    path = tmp_path / "adhesive.yaml"
+    path.write_text(CAMPAIGN.replace("reference:", "grid: {interaction_range: [0.0625, 0.01]}\nreference:"))
+    for command in ("check", "plan", "run"):
+        refused = gfmd(command, path)
+        assert refused.exit_code == 2
+        assert "grid.interaction_range[1]: given 0.01; allowed: at least 0.0446" in unfolded(refused.stderr)
+
+
+def in_units(length, modulus, gradient, range_, random):
+    """One dimensionless adhesive scene in units of its own: file, and heights where they are not random."""
+    roughness = {"method": "psd", "hurst": 0.8, "rms_gradient": gradient}
+    if not random:
+        heights = gradient * length * np.cos(2 * np.pi * np.arange(128) / 128) / (np.sqrt(2) * np.pi)
+        roughness = {"method": "measured", "heights": heights, "units": {"z": "m"}}
+    scale = gradient * length
+    law = {"work_of_adhesion": 1e-2 * gradient * scale * modulus / (1 - 0.3**2), "range": range_ * scale}
+    file = {
+        "scene": {
+            "length": length,
+            "body": {"youngs_modulus": modulus, "poissons_ratio": 0.3, "aspect_ratio": 0.5},
+            "roughness": roughness,
+            "interface": {"hard_wall": {}, "exponential": law},
+            "loading": {"displacement": 0.1 * scale},
+        }
+    }
+    return file | ({"discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1}} if random else {})
+
+
+UNITS = [(1.0, 1.0, 0.1), (1.0, 1.0, 0.01), (1e-4, 2.1e11, 0.1), (1e-4, 2.1e11, 0.01), (37.0, 3e-3, 0.1)]
+
+
+def read(*scene):
+    return read_contact(*load_scene(in_units(*scene)))
+
+
+@pytest.mark.parametrize("random", [True, False], ids=["random", "array"])
+@pytest.mark.parametrize(("range_", "x"), [(0.02, 0.1243), (0.01, 0.4974)])
+def test_a_verdict_knows_no_units_and_no_gradient(range_, x, random):
+    given = [read(*units, range_, random) for units in UNITS]
+    problems = [load_path(each).problems[0] for each in given]
+    np.testing.assert_allclose([resolution(each) for each in problems], x, rtol=1e-3)
+    (said,) = {doubt(problem, each.file.discretisation) for problem, each in zip(problems, given, strict=True)}
+    assert (said == "") == (x < COARSEST)
+    if random:  # heights of an array that is multiplied by a number are rounded anew
+        assert len({each.identity for each in problems}) == 1
+
+
+@pytest.mark.parametrize("random", [True, False], ids=["random", "array"])
+@pytest.mark.parametrize("units", UNITS)
+def test_a_refusal_knows_no_units_and_no_gradient(units, random):
+    with pytest.raises(InputError, match="each node would snap into contact on its own"):
+        read(*units, 0.005, random)

@@ -132,8 +132,8 @@ path: []
     [
         (
             "{hard_wall: {}}",
-            "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 1e-8}}",
-            "5:74: scene.interface.exponential.range: given 1e-08; allowed: at least the grid spacing 3.91e-07",
+            "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 1e-9}}",
+            "5:74: scene.interface.exponential.range: given 1e-09; allowed: at least 4.76e-09 on this grid",
         ),
         (
             "{hard_wall: {}}",

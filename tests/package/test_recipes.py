@@ -34,8 +34,17 @@ class QuadraticLaw:
     def softening(self):
         return self.strength / self.length
 
+    def energy(self, gap):
+        return -0.5 * self.traction(gap) ** 2 / self.softening
+
     def traction(self, gap):
         return self.strength * np.clip(1.0 - gap / self.length, 0.0, None)
+
+    def stiffness(self, gap):
+        return np.where(gap < self.length, -self.softening, 0.0)
+
+    def energy_change(self, gap, closing):
+        return self.energy(gap - closing) - self.energy(gap)
 
     def stiffest(self, pressure, hard_wall):
         return 0.0

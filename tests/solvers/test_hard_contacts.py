@@ -158,16 +158,16 @@ def test_adhesion_knows_no_unit(scale, modulus):
 
 
 def test_a_shorter_range_of_the_same_work_pulls_in_more():
-    """From a range far beyond the roughness, with no effect but a load, down to the grid spacing."""
-    found = [gfmd_numba.solve(adhesive(1e-4, length)) for length in (10.0, 0.1, 0.02, 1 / 256)]
+    """From a range far beyond the roughness, with no effect but a load, down to far below a node spacing."""
+    found = [gfmd_numba.solve(adhesive(1e-4, length)) for length in (10.0, 0.1, 0.02, 1 / 256, 1 / 1024)]
     assert all(int(each["status"]) == Status.ok for each in found)
     area = [float(each["contact_area_fraction_counted"]) for each in found]
     assert area == sorted(area)
     assert area[0] < 0.2 < area[-1]
     for each in found:
         assert float(each["mean_pressure"]) == pytest.approx(0.05 * 0.02, rel=1e-6)
-    with pytest.raises(InputError, match=r"range: given .*at least the grid spacing"):
-        gfmd_numba.solve(adhesive(1e-4, 0.9 / 256))
+    with pytest.raises(InputError, match=r"range: given .*at least"):
+        gfmd_numba.solve(adhesive(1e-4, 2e-4))
 
 
 @pytest.mark.parametrize("damping", [0.0, 100.0])

@@ -1,0 +1,104 @@
+"""Steps of a load path along a branch of equilibria, divided until each jump between branches is located."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.solution import NOTHING_LOST, Contact, Followed
+from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.status import Status
+
+_LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
+_DIVISIONS = 10  # halvings of a step, after which a jump is known to a thousandth of it
+_MOST_SOLUTIONS = 200  # in one step, which may hold a jump of each asperity
+
+
+@dataclass(frozen=True)
+class _Point:
+    problem: Problem
+    contact: Contact
+
+    @property
+    def load(self) -> float:
+        return load_of(self.problem)
+
+    @property
+    def force(self) -> float:
+        """What the load is conjugate to: the mean pressure, or minus the mean displacement."""
+        equilibrium = self.contact.equilibrium
+        if self.problem.displacement is not None:
+            return float(equilibrium.pressure[0].mean())
+        return -float(equilibrium.displacement[0].mean())
+
+    @property
+    def energy(self) -> float:
+        """Energy per nominal area of body and law, less the work of a prescribed pressure."""
+        punch, u = self.contact.punch[0], self.contact.equilibrium.displacement[0]
+        q = grid.wavenumbers(len(u))
+        stiffness = solution.condensed_stiffness(self.problem, q)
+        waves = np.abs(grid.coefficients(u)) ** 2 * grid.multiplicity(len(u))
+        if self.problem.mean_pressure is not None:
+            stiffness[0] = 0.0
+        law = self.problem.interface.normal_law
+        own = 0.0 if law is None else float(law.energy(punch - u).mean())
+        return 0.5 * float(stiffness @ waves) + own - (self.problem.mean_pressure or 0.0) * float(u.mean())
+
+
+def load_of(problem: Problem) -> float:
+    """What a problem prescribes, displacement or mean pressure."""
+    found = problem.displacement if problem.mean_pressure is None else problem.mean_pressure
+    assert found is not None  # one of both is given
+    return found
+
+
+def is_followed(problem: Problem) -> bool:
+    """Whether the steps of a path are divided: where a law of the gap attracts and the solver keeps to a branch."""
+    law = problem.interface.normal_law
+    return law is not None and law.softening > 0.0 and problem.numerics.solver == "truncated_newton"
+
+
+def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact] | None) -> Contact:
+    """Equilibrium of a problem, reached from that of the one before it if any, with what happened on the way."""
+    if before is None:
+        return replace(solution.solve(problem, realisations), followed=NOTHING_LOST)
+    spent: list[Contact] = []
+    point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, spent)
+    jumps = [step for step in steps if not np.isnan(step.jump_at)]
+    largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
+    counted = {
+        name: sum(getattr(each.equilibrium, name) for each in spent)
+        for name in ("n_iterations", "n_transforms", "wall_time")
+    }
+    equilibrium = replace(point.contact.equilibrium, **counted)
+    return replace(
+        point.contact, equilibrium=equilibrium, followed=Followed(sum(step.lost for step in steps), largest.jump_at)
+    )
+
+
+def _advance(
+    start: _Point, problem: Problem, realisations: range, divisions: int, spent: list[Contact]
+) -> tuple[_Point, list[Followed]]:
+    contact = solution.solve(problem, realisations, start.contact.equilibrium)
+    spent.append(contact)
+    end = _Point(problem, contact)
+    lost = 0.5 * (start.force + end.force) * (end.load - start.load) - (end.energy - start.energy)
+    law = problem.interface.normal_law
+    assert law is not None  # as is_followed says
+    touching = max(float(each.contact.equilibrium.touching.mean()) for each in (start, end))
+    work = abs(float(law.energy(np.zeros(1))[0])) * touching
+    is_smooth = touching == 0.0 or abs(lost) <= _LOST * work
+    halfway = 0.5 * (start.load + end.load)
+    if contact.equilibrium.status[0] != Status.ok or is_smooth or halfway in (start.load, end.load):
+        return end, [Followed(lost, np.nan)]
+    if divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
+        return end, [Followed(lost, halfway)]
+    between = (
+        replace(problem, mean_pressure=halfway)
+        if problem.displacement is None
+        else replace(problem, displacement=halfway)
+    )
+    middle, first = _advance(start, between, realisations, divisions - 1, spent)
+    end, second = _advance(middle, problem, realisations, divisions - 1, spent)
+    return end, first + second

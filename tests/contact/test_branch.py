@@ -1,0 +1,85 @@
+"""Load paths keep to their branch: jumps are located by division, and the energy they lose is that of the loop."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.elasticity import stiffness
+from support.laws import nearly_flat
+
+WORK, LENGTH = 0.2, 0.05
+LAW = {"work_of_adhesion": WORK, "range": LENGTH}
+
+
+def flat_energy(u, position, body):
+    """Energy per area of a flat punch at a height above a slab that it moves by u."""
+    return 0.5 * body * u * u - WORK * np.exp(-(position - u) / LENGTH)
+
+
+@pytest.mark.parametrize("step", [0.08, 0.02])
+def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_whatever_the_step(tmp_path, step):
+    """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
+    body = stiffness.uniform(0.3, 0.1)
+    gap = LENGTH * np.log(WORK / (LENGTH**2 * body))
+    jump_in, pull_off = -(gap + LENGTH), -WORK / (LENGTH * body)
+    path = np.concatenate([np.arange(jump_in - 2.5 * step, 0.0, step), np.arange(0.0, pull_off - 2.5 * step, -step)])
+    found = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=LAW)
+    assert (found["status"] == 0).all()
+    at = found["jump_displacement"].values
+    jumped = np.flatnonzero(~np.isnan(at))
+    assert len(jumped) == 2
+    np.testing.assert_allclose(at[jumped], [jump_in, pull_off], atol=step / 1000)
+    # the slab jumps from where its stiffness equals the law's gradient to the wall, and back to where tractions balance
+    apart = _apart(-pull_off, body)
+    lost = [
+        flat_energy(-jump_in - gap, -jump_in, body) - flat_energy(-jump_in, -jump_in, body),
+        flat_energy(-pull_off, -pull_off, body) - flat_energy(apart, -pull_off, body),
+    ]
+    np.testing.assert_allclose(found["energy_lost"].values[jumped], lost, rtol=0.02)
+    assert found["energy_lost"].units == "1"
+
+
+def _apart(position, body):
+    """Displacement of the slab at which it balances the law, off the punch at a height above it."""
+    u = 0.0
+    for _ in range(500):
+        u = WORK / LENGTH * np.exp(-(position - u) / LENGTH) / body
+    return u
+
+
+def wave(step, solver="auto"):
+    x = np.arange(256) / 256
+    down = np.linspace(-0.06, 0.02, round(0.08 / step) + 1)
+    path = np.concatenate([down, np.arange(0.02 - step, -0.09, -step)])
+    scene = {
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
+        "roughness": {"method": "measured", "heights": 0.1 * np.cos(2 * np.pi * x)},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 6e-3, "range": 8.6e-3}},
+        "loading": {"displacement": path[0]},
+    }
+    steps = [{"displacement": value} for value in path[1:].tolist()]
+    return path, gfmd_numba.solve({"scene": scene, "path": steps, "numerics": {"solver": solver}})
+
+
+@pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")  # of a wave for Johnson's closed form
+def test_the_area_of_a_loop_is_the_energy_lost_and_knows_no_step():
+    found = {step: wave(step) for step in (8e-3, 2e-3, 5e-4)}
+    lost = {step: float(each["energy_lost"].sum()) for step, (_, each) in found.items()}
+    path, finest = found[5e-4]
+    assert all((each["status"] == 0).all() for _, each in found.values())
+    # the loop is open where the surfaces are apart, and closed by next to no force
+    area = -np.trapezoid(finest["mean_pressure"].values, path)
+    assert lost[5e-4] == pytest.approx(-area, rel=0.01)
+    np.testing.assert_allclose(list(lost.values()), lost[5e-4], rtol=0.01)
+    located = [each["jump_displacement"].values for _, each in found.values()]
+    np.testing.assert_allclose(*[each[~np.isnan(each)] for each in located[:2]], atol=2e-5)
+
+
+@pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")
+def test_steps_of_the_reference_solver_are_not_divided():
+    assert "energy_lost" not in wave(8e-3, "verlet")[1]
+
+
+def test_paths_without_attraction_are_not_divided(tmp_path):
+    repulsion = {"work_of_adhesion": -1e-3, "range": LENGTH}
+    assert "energy_lost" not in nearly_flat(tmp_path, [0.02], 0.01, exponential=repulsion)

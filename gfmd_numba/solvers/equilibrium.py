@@ -76,9 +76,9 @@ def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
     displacement = np.where(before.touching, punch, before.displacement)
     if before.tangential is None:
         return replace(Start.at_rest(punch), displacement=displacement)
-    moved = before.tangential.displacement + sliding - before.tangential.sliding
-    anchor = np.where(before.touching, moved, np.nan)
-    return Start(displacement, before.tangential.displacement, anchor)
+    dragged = sliding - before.tangential.sliding
+    anchor = np.where(before.touching, before.tangential.displacement + dragged, np.nan)
+    return Start(displacement, before.tangential.displacement, anchor, dragged)
 
 
 def begin(batch: Batch, options: Options) -> Iteration:

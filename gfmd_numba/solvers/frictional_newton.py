@@ -1,0 +1,178 @@
+"""Semismooth Newton method for a hard wall with Coulomb friction: both displacements of a profile together."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
+from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.coupled_products import CoupledProducts
+from gfmd_numba.solvers.friction_sets import middle_slip, revised
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch
+from gfmd_numba.solvers.minimal_residual import minimal_residual
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
+from gfmd_numba.solvers.stick_slip import StickSlip
+
+_GUESS_STEPS, _GUESS_SETTLED = 6, 0.02  # of the frictionless contact; share of it that may still change
+_INNER = 0.1  # error left by the linear solution of one step over that before it
+_TARGET = 0.3  # and at last, over the residual asked for: the certificate's measure is a slightly different one
+_DIRECTIONS = 40  # of the linear solution, at most
+
+
+class FrictionalNewton:
+    """Tractions of a batch, found by guessing which nodes touch, stick and slip which way (Alart & Curnier 1991).
+
+    The linear problem of a guess is solved by generalised minimal residuals, preconditioned by the inverses of both
+    compliances on its nodes; coupling is left to the iteration. Then nodes under tension leave and overlapping
+    ones join, sticking nodes whose traction is above friction slip, and slipping ones that go against their traction
+    stick. The first guess is the frictionless contact, all of it sticking.
+
+    A node slips by its distance from the anchor: where the punch held it before this load or, for a node that did not
+    touch, where it would be had it moved with the punch since.
+    """
+
+    check_every = 1
+
+    def __init__(self, batch: Batch, options: Options) -> None:
+        punch, stiffness, start = batch.punch, batch.coupled_stiffness, batch.start
+        rows, n = punch.shape
+        if batch.interface.friction is None or not np.isfinite(batch.interface.friction):
+            raise ValueError("this solver knows finite friction alone")
+        self._friction = batch.interface.friction
+        self._products = CoupledProducts(stiffness, rows, n)
+        self.field = self._products.field
+        self.displacement, self.restoring = self._products.displacement, self._products.restoring
+        self.load = batch.loads
+        self.wall = aligned_rows(rows, n)
+        self.wall[:, :n] = punch
+        self.certificate = Certificate(rows)
+        self._free_mean = batch.load is not None
+        self._rigid_mean = not np.isfinite(stiffness.k33[0])
+        self._impossible = punch.mean(axis=1) < 0.0  # a rigid mean leaves no room below that of the punch
+        self._stiffest = float(stiffness.k33[1:].max())
+        self._drifts = stiffness.k11[0] == 0.0
+        compliance = stiffness.compliance()
+        self._inverses = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
+        self._anchor = aligned_rows(rows, n)
+        self._anchor[:, :n] = np.where(np.isnan(start.anchor), start.tangential + start.dragged, start.anchor)
+        self._rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
+        self._target = _TARGET * options.residual
+        self._settled = np.zeros(rows, dtype=np.bool_)
+        self._shear = np.zeros((rows, n))
+        self._guess(batch, options)
+        self._contact = self._pressure > 0.0
+        self._slip = np.zeros((rows, n), dtype=np.int64)
+
+    @property
+    def tangential(self) -> tuple[Reals, Reals]:
+        """Tangential displacement of the body and the traction that restores it."""
+        return self._products.tangential, self._products.tangential_restoring
+
+    @property
+    def n_transforms(self) -> Indices:
+        """Transforms made so far for each realisation."""
+        return self._products.n_transforms + self._other_transforms
+
+    def advance(self, active: Indices) -> None:
+        """Solve the linear problem of the guess of each active row, and revise the guess."""
+        for i in active:
+            self._step(int(i))
+
+    def residual(self, active: Indices) -> Reals:
+        """Relative violation of the normal and tangential conditions `[active]`; costs four transforms a row."""
+        n, products, certificate = self.field.n, self._products, self.certificate
+        products.restore(active)
+        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+            self.load[active] = self._pressure[active].mean(axis=1)
+        certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        kernels.friction_violation(
+            products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
+            self.wall, self.load, self._friction, active, n, certificate.worst,
+        )  # fmt: skip
+        if self._rigid_mean:
+            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            certificate.worst[active] = np.maximum(certificate.worst[active], drift)
+            certificate.worst[self._impossible] = np.inf
+        return certificate.residual(self.load, active)
+
+    def _step(self, i: int) -> None:
+        n, products = self.field.n, self._products
+        wall, anchor = self.wall[i, :n], self._anchor[i, :n]
+        total = self.load[i] * n if self._free_mean else None
+        spent = self._spent
+        guess = StickSlip(self._contact[i], self._slip[i], self._friction, total, self._drifts, self._inverses)
+        asked = guess.restricted(anchor, wall)
+        x = guess.unknowns(self._pressure[i], self._shear[i])
+        u = products.deflect(i, *guess.tractions(x))
+        change, _ = guess.correction(asked - guess.restricted(*u))
+        aim = self._target * np.abs(x).max(initial=0.0)
+        if not self._settled[i]:
+            aim = max(aim, _INNER * float(np.linalg.norm(change)))
+        found: list[Reals] = []
+
+        def product(direction: Reals) -> Reals:
+            found.append(products.deflect(i, *guess.tractions(direction)))
+            return guess.correction(guess.restricted(*found[-1]))[0]
+
+        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS, change.size))
+        x += shares @ basis
+        for share, moved in zip(shares, found, strict=False):
+            u += share * moved
+        self._level(u, guess, guess.correction(asked - guess.restricted(*u))[1])
+        self._other_transforms[i] += self._spent - spent
+        self._revise(i, u, *guess.tractions(x))
+
+    def _level(self, u: Reals, guess: StickSlip, uniform: Reals) -> None:
+        """Move displacements uniformly where no traction tells how far."""
+        if guess.normal_is_free:
+            u[1] -= uniform[0]
+        if guess.drifts:
+            u[0] += uniform[-1]
+
+    def _revise(self, i: int, u: Reals, shear: Reals, pressure: Reals) -> None:
+        """Revise the guess of a row, and store the displacement that is nearest to the conditions."""
+        n = self.field.n
+        wall, anchor = self.wall[i, :n], self._anchor[i, :n]
+        contact, slip = self._contact[i], self._slip[i]
+        slid = u[0] - anchor
+        sticks = contact & (slip == 0)
+        middle = -1
+        if self._drifts and contact.any() and not sticks.any():
+            middle = middle_slip(slid, pressure, contact)
+            u[0] -= slid[middle]
+            slid = u[0] - anchor
+        bears = contact & (pressure > 0.0)
+        self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
+        held = bears & (slip * slid <= 0.0)
+        self._products.tangential[i, :n] = np.where(held, anchor, u[0])
+        new_contact, new_slip = revised(
+            contact, slip, shear, pressure, wall - u[1], slid, self._friction, self._rounding[i]
+        )
+        if middle >= 0:
+            new_slip[middle] = 0
+        changed = int(((new_contact != contact) | (new_slip != slip)).sum())
+        self._settled[i] = changed == 0
+        self._contact[i], self._slip[i] = new_contact, new_slip
+        self._pressure[i] = np.maximum(pressure, 0.0)
+        self._shear[i] = np.clip(shear, -self._friction * self._pressure[i], self._friction * self._pressure[i])
+
+    @property
+    def _spent(self) -> int:
+        return round(sum(inverse.transforms for inverse in self._inverses))
+
+    def _guess(self, batch: Batch, options: Options) -> None:
+        """Begin with the pressure of the frictionless contact, roughly."""
+        normal = batch.coupled_stiffness.condensed()
+        frictionless = replace(batch, stiffness=normal, interface=HARD_WALL)
+        solver = ActiveSetNewton(frictionless, replace(options, solver="active_set_newton"))
+        active = np.arange(len(batch.punch))
+        for _ in range(_GUESS_STEPS):
+            solver.advance(active)
+            active = active[solver.changed[active] > _GUESS_SETTLED * solver.touching[active]]
+        self._pressure = solver.pressure[:, : self.field.n].copy()
+        self._other_transforms = solver.n_transforms.copy()
+

@@ -18,8 +18,13 @@ from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 from gfmd_numba.solvers.stick_slip import StickSlip
 
 _GUESS_STEPS, _GUESS_SETTLED = 6, 0.02  # of the frictionless contact; share of it that may still change
-_INNER = 0.1  # error left by the linear solution of one step over that before it
+_INNER = 0.02  # error left by the linear solution of one step over that before it: with 0.1 guesses may cycle
+_FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
+_EXACT = 1e-4  # the most exact of these
+_PATIENCE = 4  # steps that may change no fewer nodes than any before; then one node alone is changed
+_CLOSE = 1e3  # change of the tractions over the residual asked for below which a changing guess may hold too
 _TARGET = 0.3  # and at last, over the residual asked for: the certificate's measure is a slightly different one
+_TIGHTEN = 0.1  # factor on either error where it was not enough
 _DIRECTIONS = 40  # of the linear solution, at most
 
 
@@ -60,8 +65,13 @@ class FrictionalNewton:
         self._anchor = aligned_rows(rows, n)
         self._anchor[:, :n] = np.where(np.isnan(start.anchor), start.tangential + start.dragged, start.anchor)
         self._rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
-        self._target = _TARGET * options.residual
-        self._settled = np.zeros(rows, dtype=np.bool_)
+        self._asked = options.residual
+        self._target = np.full(rows, _TARGET * options.residual)
+        self._inner = np.full(rows, _INNER)
+        self._changed = np.full(rows, n)  # nodes whose guess the last step changed
+        self._fewest = np.full(rows, n)  # and the fewest that any step did
+        self._patience = np.full(rows, _PATIENCE)
+        self._moved = np.full(rows, np.inf)  # change of the tractions in it over the largest pressure
         self._shear = np.zeros((rows, n))
         self._guess(batch, options)
         self._contact = self._pressure > 0.0
@@ -83,11 +93,18 @@ class FrictionalNewton:
             self._step(int(i))
 
     def residual(self, active: Indices) -> Reals:
-        """Relative violation of the normal and tangential conditions `[active]`; costs four transforms a row."""
+        """Relative violation of the normal and tangential conditions `[active]`.
+
+        Costs four transforms for each row whose guess no longer changes. Others are measured by their last change.
+        """
         n, products, certificate = self.field.n, self._products, self.certificate
-        products.restore(active)
         if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
             self.load[active] = self._pressure[active].mean(axis=1)
+        settled = (self._changed[active] == 0) | (self._moved[active] < _CLOSE * self._asked)
+        products.restore(active[settled])
+        changing = active[~settled]
+        products.tangential_restoring[changing, :n] = self._shear[changing]
+        self.restoring[changing, :n] = self.load[changing, np.newaxis] - self._pressure[changing]
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         kernels.friction_violation(
             products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
@@ -97,7 +114,10 @@ class FrictionalNewton:
             drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
             certificate.worst[active] = np.maximum(certificate.worst[active], drift)
             certificate.worst[self._impossible] = np.inf
-        return certificate.residual(self.load, active)
+        residual = certificate.residual(self.load, active)
+        self._target[active[settled & (residual > self._asked)]] *= _TIGHTEN
+        unsure = np.maximum(self._moved[active], 10.0 * self._asked)
+        return np.where(settled, residual, np.maximum(residual, unsure))
 
     def _step(self, i: int) -> None:
         n, products = self.field.n, self._products
@@ -109,9 +129,11 @@ class FrictionalNewton:
         x = guess.unknowns(self._pressure[i], self._shear[i])
         u = products.deflect(i, *guess.tractions(x))
         change, _ = guess.correction(asked - guess.restricted(*u))
-        aim = self._target * np.abs(x).max(initial=0.0)
-        if not self._settled[i]:
-            aim = max(aim, _INNER * float(np.linalg.norm(change)))
+        aim = self._target[i] * np.abs(x).max(initial=0.0)
+        moved = float(np.linalg.norm(change))
+        if self._changed[i]:
+            aim = max(aim, self._inner[i] * moved)
+        self._moved[i] = moved / np.abs(x).max(initial=np.finfo(float).tiny)
         found: list[Reals] = []
 
         def product(direction: Reals) -> Reals:
@@ -154,9 +176,17 @@ class FrictionalNewton:
         )
         if middle >= 0:
             new_slip[middle] = 0
-        changed = int(((new_contact != contact) | (new_slip != slip)).sum())
-        self._settled[i] = changed == 0
-        self._contact[i], self._slip[i] = new_contact, new_slip
+        other = np.flatnonzero((new_contact != contact) | (new_slip != slip))
+        if other.size > _FALLS * self._changed[i]:
+            self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
+        if other.size < self._fewest[i]:
+            self._fewest[i], self._patience[i] = other.size, _PATIENCE
+        else:
+            self._patience[i] -= 1
+        self._changed[i] = other.size
+        if self._patience[i] < 0:
+            other = other[-1:]
+        contact[other], slip[other] = new_contact[other], new_slip[other]
         self._pressure[i] = np.maximum(pressure, 0.0)
         self._shear[i] = np.clip(shear, -self._friction * self._pressure[i], self._friction * self._pressure[i])
 

@@ -43,8 +43,9 @@ class StickSlip:
             rows.append((self._join(0.0, 1.0), self._join(self.drag, 1.0)))
             sums.append(0.0)
         self.normal_is_free, self.drifts = total is not None, drifts and self._sticks > 0
-        self._sums = np.array([row[1] for row in rows]).reshape(len(rows), -1)
-        self._uniform = np.array([self._inverse(row[0]) for row in rows]).reshape(len(rows), -1)
+        shape = len(rows), self._touches + self._sticks
+        self._sums = np.array([row[1] for row in rows]).reshape(shape)
+        self._uniform = np.array([self._inverse(row[0]) for row in rows]).reshape(shape)
         self._prescribed = np.array(sums)
         self._response = self._sums @ self._uniform.T  # of the sums to uniform displacements
 

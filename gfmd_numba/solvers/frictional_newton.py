@@ -6,18 +6,21 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_sets import middle_slip, revised
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 from gfmd_numba.solvers.stick_slip import StickSlip
 
-_GUESS_STEPS, _GUESS_SETTLED = 6, 0.02  # of the frictionless contact; share of it that may still change
+_COARSENING, _COARSEST = 4, 256  # nodes over those of the grid the guess is made on; where that is frictionless
+_GUESS_STEPS, _SETTLED = 8, 0.02  # there, at most; share of the contact that may still change
 _INNER = 0.02  # error left by the linear solution of one step over that before it: with 0.1 guesses may cycle
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
@@ -63,7 +66,7 @@ class FrictionalNewton:
         compliance = stiffness.compliance()
         self._inverses = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
         self._anchor = aligned_rows(rows, n)
-        self._anchor[:, :n] = np.where(np.isnan(start.anchor), start.tangential + start.dragged, start.anchor)
+        self._anchor[:, :n] = start.tangential + start.dragged
         self._rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
         self._asked = options.residual
         self._target = np.full(rows, _TARGET * options.residual)
@@ -72,10 +75,7 @@ class FrictionalNewton:
         self._fewest = np.full(rows, n)  # and the fewest that any step did
         self._patience = np.full(rows, _PATIENCE)
         self._moved = np.full(rows, np.inf)  # change of the tractions in it over the largest pressure
-        self._shear = np.zeros((rows, n))
         self._guess(batch, options)
-        self._contact = self._pressure > 0.0
-        self._slip = np.zeros((rows, n), dtype=np.int64)
 
     @property
     def tangential(self) -> tuple[Reals, Reals]:
@@ -195,14 +195,47 @@ class FrictionalNewton:
         return round(sum(inverse.transforms for inverse in self._inverses))
 
     def _guess(self, batch: Batch, options: Options) -> None:
-        """Begin with the pressure of the frictionless contact, roughly."""
-        normal = batch.coupled_stiffness.condensed()
-        frictionless = replace(batch, stiffness=normal, interface=HARD_WALL)
-        solver = ActiveSetNewton(frictionless, replace(options, solver="active_set_newton"))
-        active = np.arange(len(batch.punch))
+        """Begin with the waves that a coarser grid holds, on the coarsest with the frictionless contact, all sticking."""
+        rows, n = batch.punch.shape
+        self._shear, self._slip = np.zeros((rows, n)), np.zeros((rows, n), dtype=np.int64)
+        active = np.arange(rows)
+        if n <= _COARSEST:
+            normal = batch.coupled_stiffness.condensed()
+            solver = ActiveSetNewton(
+                replace(batch, stiffness=normal, interface=HARD_WALL), replace(options, solver="active_set_newton")
+            )
+            for _ in range(_GUESS_STEPS):
+                solver.advance(active)
+            self._pressure = solver.pressure[:, :n].copy()
+            self._contact = self._pressure > 0.0
+            self._other_transforms = solver.n_transforms.copy()
+            return
+        m = -(-n // _COARSENING)
+        coarse = FrictionalNewton(_coarser(batch, self._anchor[:, :n], m), options)
         for _ in range(_GUESS_STEPS):
-            solver.advance(active)
-            active = active[solver.changed[active] > _GUESS_SETTLED * solver.touching[active]]
-        self._pressure = solver.pressure[:, : self.field.n].copy()
-        self._other_transforms = solver.n_transforms.copy()
+            coarse.advance(active)
+            active = active[coarse._changed[active] > _SETTLED * coarse._contact[active].sum(axis=1)]
+        nearest = np.round(np.arange(n) * (m / n)).astype(np.int64) % m
+        self._contact, self._slip = coarse._contact[:, nearest], coarse._slip[:, nearest]
+        self._pressure = np.where(self._contact, _between(coarse._pressure, n), 0.0)
+        self._contact &= self._pressure > 0.0
+        self._slip *= self._contact
+        limit = self._friction * self._pressure
+        self._shear = np.clip(_between(coarse._shear, n), -limit, limit)
+        cost = m * np.log(m) / (n * np.log(n))
+        self._other_transforms = np.ceil(coarse.n_transforms * cost).astype(np.int64)
 
+
+def _coarser(batch: Batch, anchor: Reals, m: int) -> Batch:
+    """The same problem of the waves that a grid of m nodes holds."""
+    fine = batch.coupled_stiffness
+    stiffness = CoupledStiffness.on_grid(m, *(k[: m // 2 + 1].copy() for k in (fine.k11, fine.k13, fine.k33)))
+    punch, anchor = (np.concatenate([resample(row[np.newaxis], (m,)) for row in rows]) for rows in (batch.punch, anchor))
+    return replace(batch, punch=punch, stiffness=stiffness, start=replace(Start.at_rest(punch), tangential=anchor))
+
+
+def _between(rows: Reals, n: int) -> Reals:
+    """Periodic values `[row, m]` on n nodes, linearly between those of m."""
+    m = rows.shape[1]
+    x = np.arange(n) * (m / n)
+    return np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in rows])

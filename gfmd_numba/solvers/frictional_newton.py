@@ -26,8 +26,7 @@ _FALLS = 0.7  # share of the nodes changed by the last step beyond which the nex
 _EXACT = 1e-4  # the most exact of these
 _PATIENCE = 4  # steps that may change no fewer nodes than any before; then one node alone is changed
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which a changing guess may hold too
-_TARGET = 0.3  # and at last, over the residual asked for: the certificate's measure is a slightly different one
-_TIGHTEN = 0.1  # factor on either error where it was not enough
+_TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
 _DIRECTIONS = 40  # of the linear solution, at most
 
 
@@ -59,7 +58,7 @@ class FrictionalNewton:
         self.wall[:, :n] = punch
         self.certificate = Certificate(rows)
         self._free_mean = batch.load is not None
-        self._rigid_mean = not np.isfinite(stiffness.k33[0])
+        self._rigid_mean = batch.has_rigid_mean
         self._impossible = punch.mean(axis=1) < 0.0  # a rigid mean leaves no room below that of the punch
         self._stiffest = float(stiffness.k33[1:].max())
         self._drifts = stiffness.k11[0] == 0.0
@@ -69,7 +68,7 @@ class FrictionalNewton:
         self._anchor[:, :n] = start.tangential + start.dragged
         self._rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
         self._asked = options.residual
-        self._target = np.full(rows, _TARGET * options.residual)
+        self._target = np.full(rows, options.residual)
         self._inner = np.full(rows, _INNER)
         self._changed = np.full(rows, n)  # nodes whose guess the last step changed
         self._fewest = np.full(rows, n)  # and the fewest that any step did

@@ -63,6 +63,12 @@ class Batch:
         return np.zeros(len(self.punch)) if self.load is None else self.load
 
     @property
+    def has_rigid_mean(self) -> bool:
+        """Whether the displacement is prescribed of bodies that do not change their volume."""
+        normal = self.stiffness.k33 if isinstance(self.stiffness, CoupledStiffness) else self.stiffness
+        return not np.isfinite(normal.flat[0])
+
+    @property
     def normal_stiffness(self) -> Reals:
         """Stiffness of the normal displacement where the tangential one is not followed; raises TypeError otherwise."""
         if isinstance(self.stiffness, CoupledStiffness):

@@ -14,7 +14,7 @@ ABILITIES = {
     "rigid mean": " under loading.displacement at poissons_ratio 0.5, where the mean displacement is rigid",
     "dimension 1": " with dimension 1",
     "dimension 2": " with dimension 2",
-    "friction": ", the solver of both displacements",
+    "friction": ", which follow both displacements",
     "sticking": " with an infinite coefficient of friction",
     "cohesive law": ", the solver of both displacements",
     "prescribed": ", the solver of both displacements",
@@ -70,7 +70,7 @@ SOLVERS = {
         condensed="gfmd_numba.solvers.bounded_newton:newton",
         coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
         block_samples=2**18,
-        gives_up_after=50,  # usually below 12
+        gives_up_after=100,  # usually below 12
         successor="verlet",
     ),
     "verlet": Solver(

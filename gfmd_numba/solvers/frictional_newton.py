@@ -128,11 +128,12 @@ class FrictionalNewton:
         x = guess.unknowns(self._pressure[i], self._shear[i])
         u = products.deflect(i, *guess.tractions(x))
         change, _ = guess.correction(asked - guess.restricted(*u))
-        aim = self._target[i] * np.abs(x).max(initial=0.0)
+        peak = float(np.abs(x).max(initial=0.0))
+        aim = self._target[i] * peak
         moved = float(np.linalg.norm(change))
         if self._changed[i]:
             aim = max(aim, self._inner[i] * moved)
-        self._moved[i] = moved / np.abs(x).max(initial=np.finfo(float).tiny)
+        self._moved[i] = moved / peak if peak > 0.0 else moved and np.inf
         found: list[Reals] = []
 
         def product(direction: Reals) -> Reals:

@@ -16,7 +16,8 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
     size = float(np.linalg.norm(residual))
     basis = np.empty((most + 1, residual.size))
     hessenberg = np.zeros((most + 1, most))
-    shares, target = np.zeros(0), np.zeros(most + 1)
+    shares: Reals = np.zeros(0)
+    target = np.zeros(most + 1)
     target[0] = size
     if not size > aim:
         return basis[:0], shares
@@ -31,7 +32,7 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
         part = hessenberg[: k + 2, : k + 1]
         if not np.isfinite(part).all():
             return basis[: k + 1], np.full(k + 1, np.nan)
-        shares = np.linalg.lstsq(part, target[: k + 2], rcond=None)[0]
+        shares = np.linalg.lstsq(part, target[: k + 2], rcond=None)[0].astype(np.float64)
         if np.linalg.norm(part @ shares - target[: k + 2]) <= aim or norm == 0.0:
             break
         basis[k + 1] = new / norm

@@ -5,6 +5,7 @@ the friction coefficient times its pressure, against the way it slips.
 """
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
@@ -42,7 +43,7 @@ class StickSlip:
         if drifts and self._sticks:
             rows.append((self._join(0.0, 1.0), self._join(self.drag, 1.0)))
             sums.append(0.0)
-        self.normal_is_free, self.drifts = total is not None, drifts and self._sticks > 0
+        self._normal_is_free, self._drifts = total is not None, drifts and self._sticks > 0
         shape = len(rows), self._touches + self._sticks
         self._sums = np.array([row[1] for row in rows]).reshape(shape)
         self._uniform = np.array([self._inverse(row[0]) for row in rows]).reshape(shape)
@@ -52,7 +53,7 @@ class StickSlip:
     def unknowns(self, pressure: Reals, tangential: Reals) -> Reals:
         """Unknowns `[unknown]` nearest to tractions `[n]` that have the prescribed sums."""
         x = np.concatenate((pressure[self.touching], tangential[self.stuck]))
-        return x + self._solved(self._prescribed - self._sums @ x) @ self._uniform
+        return np.asarray(x + self._solved(self._prescribed - self._sums @ x) @ self._uniform)
 
     def tractions(self, x: Reals) -> tuple[Reals, Reals]:
         """Tangential traction and pressure `[n]` of the unknowns."""
@@ -75,8 +76,15 @@ class StickSlip:
         uniform = self._solved(self._sums @ x)
         return x - uniform @ self._uniform, uniform
 
+    def level(self, u: Reals, uniform: Reals) -> None:
+        """Take uniform displacements left over off the displacements (tangential, normal) `[2, n]`."""
+        if self._normal_is_free:
+            u[1] -= uniform[0]
+        if self._drifts:
+            u[0] += uniform[-1]
+
     def _solved(self, sums: Reals) -> Reals:
-        return np.linalg.solve(self._response, sums) if sums.size else sums
+        return np.asarray(np.linalg.solve(self._response, sums)) if sums.size else sums
 
     def _inverse(self, displacement: Reals) -> Reals:
         x = np.empty_like(displacement)
@@ -85,7 +93,7 @@ class StickSlip:
             self._tangential.solve(displacement[self._touches :], x[self._touches :])
         return x
 
-    def _join(self, pressure: Reals | float, tangential: float) -> Reals:
+    def _join(self, pressure: npt.ArrayLike, tangential: float) -> Reals:
         return np.concatenate((np.broadcast_to(pressure, self._touches), np.broadcast_to(tangential, self._sticks)))
 
 

@@ -56,7 +56,8 @@ def test_a_scene_is_refused_by_check_and_by_solve_alike(tmp_path, name):
 
 
 def test_the_options_of_the_solver_that_is_named_are_accepted(tmp_path):
-    text = changed(changed(SCENE, *FRICTION), "{solver: auto}", "{solver: verlet, time_step: 0.5, damping: 1, residual: 1e-3}")
+    named = "{solver: verlet, time_step: 0.5, damping: 1, residual: 1e-3}"
+    text = changed(changed(SCENE, *FRICTION), "{solver: auto}", named)
     (tmp_path / "good.yaml").write_text(changed(text, "1/64", "1/4"))
     assert int(gfmd_numba.solve(tmp_path / "good.yaml")["status"]) == 0
 

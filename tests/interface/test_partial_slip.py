@@ -44,40 +44,34 @@ def checked(found, x, exact, stuck, width):
 
 
 def slid_and_back(nx):
-    """Largest error of the traction as the punch is dragged, up to nearly sliding, and back, and the shares Q/(mu P)."""
+    """Largest error of the traction as the punch is dragged until it nearly slides, and back, and all Q/(mu P)."""
     _, before, _ = step(nx, FRICTION, LOAD, 0.0, None)
     stiffness = ElasticBody(0.5, 4.0).coupled_stiffness(nx).k11[0]
-    far = 1.3 * FRICTION * LOAD / stiffness
+    far = 1.02 * FRICTION * LOAD / stiffness  # the body as a whole gives way more than its surface
     shares, errors = [], []
-    for sliding in far * np.linspace(0.04, 0.98, 15):
+    for sliding in far * np.linspace(0.03, 0.985, 15):
         x, before, stuck = step(nx, FRICTION, LOAD, sliding, before)
-        share = before.tangential.traction[0].mean() / (FRICTION * LOAD)
-        if share > 0.99:
-            break
-        left = LOAD * (1.0 - share)
+        shares.append(before.tangential.traction[0].mean() / (FRICTION * LOAD))
+        left = LOAD * (1.0 - shares[-1])
         exact = FRICTION * (pressure(x, LOAD) - pressure(x, left))
         errors.append(checked(before, x, exact, stuck, half_width(left)))
-        shares.append(share)
-    first, turned = shares[-1], sliding if share <= 0.99 else None
-    dragged = FRICTION * (pressure(x, LOAD) - pressure(x, LOAD * (1.0 - first)))
-    assert turned is not None
-    for sliding in turned - far * np.linspace(0.1, 1.4, 10):
-        x, before, stuck = step(nx, FRICTION, LOAD, sliding, before)
-        share = before.tangential.traction[0].mean() / (FRICTION * LOAD)
-        left = LOAD * (1.0 - (first - share) / 2.0)
-        exact = dragged - 2.0 * FRICTION * (pressure(x, LOAD) - pressure(x, left))
-        errors.append(checked(before, x, exact, stuck, half_width(left)))
-        shares.append(share)
+    first = shares[-1]
+    for back in far * np.linspace(0.1, 1.6, 10):
+        x, before, stuck = step(nx, FRICTION, LOAD, sliding - back, before)
+        shares.append(before.tangential.traction[0].mean() / (FRICTION * LOAD))
+        left = LOAD * (1.0 - (first - shares[-1]) / 2.0)
+        turned = exact - 2.0 * FRICTION * (pressure(x, LOAD) - pressure(x, left))
+        errors.append(checked(before, x, turned, stuck, half_width(left)))
     return max(errors), shares
 
 
 def test_partial_slip_and_its_reversal_have_their_closed_form():
-    errors, shares = zip(*(slid_and_back(nx) for nx in (256, 1024)), strict=True)
+    errors, shares = zip(*(slid_and_back(nx) for nx in (256, 2048)), strict=True)
     assert min(np.abs(shares[1])) < 0.05
     assert max(shares[1]) > 0.95
     assert min(shares[1]) < -0.5
-    assert errors[1] < 0.02
-    assert errors[1] < 0.65 * errors[0]  # order 1/2 or better, as at a moving edge
+    assert errors[1] < 0.013
+    assert errors[1] < 0.4 * errors[0]  # order 1/2 or better: edges lie between nodes
 
 
 def test_less_load_makes_a_sticking_contact_slip_from_its_edge():

@@ -32,9 +32,7 @@ _DRAGS = (
     "map the roughness to a rigid punch"
 )
 _RANDOM_MAP = "a rough surface with dimension 2, like method 'psd', not a flat punch"
-_COMPRESSIBLE = (
-    "a number below 0.5, as no solver combines a rigid mean displacement with friction or an interaction law"
-)
+_COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double' but for a frictionless hard wall of a punch on a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
 _RANDOM = "a rough surface in a campaign, like method 'psd'"
@@ -145,10 +143,11 @@ REFUSALS = (
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
     *(
-        Refusal(law, "rigid mean", _COMPRESSIBLE, "not built yet")
+        Refusal(law, "rigid mean", _COMPRESSIBLE.format("an interaction law"), "not built yet")
         for law in LAWS
         if not able(("rigid mean", LAWS[law].ability))
     ),
+    Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")

@@ -73,6 +73,7 @@ PHRASES = {
     "single": "single precision",
     "sliding": "sliding",
     "smooth bodies": "a rigid punch on a smooth body",
+    "sticking": "an infinite coefficient of friction",
     "stiffness_scale": "`stiffness_scale`",
     "topography": "a rough body or two elastic bodies",
     "topography_order": "`topography_order`",

@@ -107,6 +107,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
             yield feature, ("scene", "interface", name)
     if _has_hardness(scene, grid):
         yield "hardness", ("scene", "interface", "hard_wall", "hardness")
+    yield from (("sticking", location) for location in _infinite_friction(scene, grid))
     if not scene.interface.couples:
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
@@ -121,6 +122,15 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:
+    """Where the file says that touching nodes stick."""
+    if "friction_coefficient" in grid:
+        values = enumerate(grid["friction_coefficient"])
+        yield from (("grid", "friction_coefficient", i) for i, value in values if isinf(value))
+    elif scene.interface.friction is not None and isinf(scene.interface.friction.coefficient):
+        yield "scene", "interface", "friction", "coefficient"
 
 
 def _has_hardness(scene: Scene, grid: Grid) -> bool:
@@ -206,7 +216,10 @@ def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Loca
         return
     lacks = [need for need in needs if need not in SOLVERS[solver].can]
     if lacks and found[lacks[0]][0][0] == "grid":
-        allowed = f"a number below 0.5 with solver {solver}, as the mean displacement is rigid at 0.5"
+        allowed = {
+            "rigid mean": f"a number below 0.5 with solver {solver}, as the mean displacement is rigid at 0.5",
+            "sticking": f"a finite number with solver {solver}",
+        }[lacks[0]]
         yield found[lacks[0]][0], Refusal(solver, lacks[0], allowed, "not built yet")
     elif lacks and others:
         named = ", ".join(f"'{other}'" for other in others)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.fourier import grid
 
 
@@ -32,6 +33,15 @@ class CoupledStiffness:
         """Stiffness of the normal displacement where no tangential traction acts (Schur complement, 6.75)."""
         softening = np.divide(self.k13**2, self.k11, out=np.zeros_like(self.k13), where=self.k13 != 0.0)
         return np.asarray(self.k33 - softening)
+
+    def compliance(self) -> Compliance:
+        """Inverse of the stiffness; zero for a mean displacement that nothing restores, or that is rigid."""
+        determinant = self.k11[1:] * self.k33[1:] - self.k13[1:] ** 2
+        s11, s13, s33 = np.zeros((3, len(self.k11)))
+        s11[1:], s13[1:], s33[1:] = self.k33[1:] / determinant, self.k13[1:] / determinant, self.k11[1:] / determinant
+        for s, k in ((s11, self.k11), (s33, self.k33)):
+            s[0] = 1.0 / k[0] if k[0] > 0.0 else 0.0
+        return Compliance(s11, s13, s33)
 
     def deflection(self, tangential: Reals, normal: Reals) -> tuple[Reals, Reals]:
         """Displacements `[nx]` (tangential, normal) under tractions `[nx]` in E*; 0 in a mean that nothing restores."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import isinf
 from pkgutil import resolve_name
 from typing import Any, Protocol, Self
 
@@ -91,7 +92,8 @@ class Interactions:
     @cached_property
     def abilities(self) -> tuple[str, ...]:
         """What the laws ask of a solver."""
-        return tuple(LAWS[name].ability for name in self.laws) + (() if self.hardness is None else ("hardness",))
+        more = {"hardness": self.hardness is not None, "sticking": self.friction is not None and isinf(self.friction)}
+        return tuple(LAWS[name].ability for name in self.laws) + tuple(name for name, is_so in more.items() if is_so)
 
     @property
     def softening(self) -> float:

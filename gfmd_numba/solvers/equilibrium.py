@@ -76,9 +76,9 @@ def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
     displacement = np.where(before.touching, punch, before.displacement)
     if before.tangential is None:
         return replace(Start.at_rest(punch), displacement=displacement)
-    moved = before.tangential.displacement + sliding - before.tangential.sliding
-    anchor = np.where(before.touching, moved, np.nan)
-    return Start(displacement, before.tangential.displacement, anchor)
+    dragged = sliding - before.tangential.sliding
+    anchor = np.where(before.touching, before.tangential.displacement + dragged, np.nan)
+    return Start(displacement, before.tangential.displacement, anchor, dragged)
 
 
 def begin(batch: Batch, options: Options) -> Iteration:
@@ -181,8 +181,10 @@ def _solve(
 
     An elastic run stops once its peak pressure is far above the hardness: that contact surely yields.
     """
-    solver = SOLVERS[options.solver]
-    _iterate(begin(batch(rows, laws), options), rows, blown_up, options, result, hardness)
+    solver, whole = SOLVERS[options.solver], batch(rows, laws)
+    _iterate(begin(whole, options), rows, blown_up, options, result, hardness)
+    if whole.has_rigid_mean and solver.successor is not None and "rigid mean" not in SOLVERS[solver.successor].can:
+        return
     stuck = rows[(result.status[rows] != Status.ok) & ~_above(_SURELY_YIELDS * hardness, result, rows)]
     if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
         other = replace(options, solver=solver.successor)

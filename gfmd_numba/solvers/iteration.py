@@ -21,12 +21,14 @@ HARD_WALL = Interactions(hard_wall=True)
 class Start:
     """What a batch begins with `[realisation, (y,) x]`: displacements, and where the punch holds nodes it touched.
 
-    The `anchor` is tangential, and not-a-number for nodes that did not touch.
+    The `anchor` is tangential, and not-a-number for nodes that did not touch. `dragged` is how far the punch has moved
+    sideways since.
     """
 
     displacement: Reals
     tangential: Reals
     anchor: Reals
+    dragged: float = 0.0
 
     @classmethod
     def at_rest(cls, punch: Reals) -> Self:
@@ -35,7 +37,7 @@ class Start:
 
     def rows(self, some: slice | Rows) -> "Start":
         """Start of some rows alone."""
-        return Start(self.displacement[some], self.tangential[some], self.anchor[some])
+        return Start(self.displacement[some], self.tangential[some], self.anchor[some], self.dragged)
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,12 @@ class Batch:
     def loads(self) -> Reals:
         """Mean pressure `[realisation]` that pushes the body, 0 where the displacement is prescribed."""
         return np.zeros(len(self.punch)) if self.load is None else self.load
+
+    @property
+    def has_rigid_mean(self) -> bool:
+        """Whether the displacement is prescribed of bodies that do not change their volume."""
+        normal = self.stiffness.k33 if isinstance(self.stiffness, CoupledStiffness) else self.stiffness
+        return not np.isfinite(normal.flat[0])
 
     @property
     def normal_stiffness(self) -> Reals:

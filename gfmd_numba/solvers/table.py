@@ -14,7 +14,8 @@ ABILITIES = {
     "rigid mean": " under loading.displacement at poissons_ratio 0.5, where the mean displacement is rigid",
     "dimension 1": " with dimension 1",
     "dimension 2": " with dimension 2",
-    "friction": ", the solver of both displacements",
+    "friction": ", which follow both displacements",
+    "sticking": " with an infinite coefficient of friction",
     "cohesive law": ", the solver of both displacements",
     "prescribed": ", the solver of both displacements",
     "normal law": ", as the others know the hard wall only",
@@ -68,9 +69,19 @@ SOLVERS = {
         condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
         block_samples=2**18,
     ),
+    "frictional_newton": Solver(
+        "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
+        "same as active_set_newton",
+        can=frozenset({"dimension 1", "hard wall", "friction", "rigid mean"}),
+        condensed="gfmd_numba.solvers.bounded_newton:newton",
+        coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
+        block_samples=2**18,
+        gives_up_after=100,  # usually below 12
+        successor="verlet",
+    ),
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",
-        can=_DISPLACEMENT | {"cohesive law", "friction", "prescribed"},
+        can=_DISPLACEMENT | {"cohesive law", "friction", "sticking", "prescribed"},
         condensed="gfmd_numba.solvers.damped_dynamics:verlet_dynamics",
         coupled="gfmd_numba.solvers.coupled_dynamics:CoupledDynamics",
         options=_TIME_STEP | _DAMPING,

@@ -35,7 +35,8 @@ SCENES = {
             FRICTION[0] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: auto",
             FRICTION[1] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: fire",
         ),
-        "bad.yaml:10:20: numerics.solver: given 'fire'; allowed: 'verlet' or 'auto', the solver of both displacements",
+        "bad.yaml:10:20: numerics.solver: given 'fire'; allowed: 'frictional_newton', 'verlet' or 'auto', "
+        "which follow both displacements",
     ),
     "anisotropy of a profile": (
         ("rms_gradient: 0.01", "rms_gradient: 0.01\n    anisotropy: 2"),
@@ -54,8 +55,9 @@ def test_a_scene_is_refused_by_check_and_by_solve_alike(tmp_path, name):
     assert said in done.stderr.replace(f"{tmp_path}/", "")
 
 
-def test_the_options_of_the_solver_that_is_chosen_are_accepted(tmp_path):
-    text = changed(changed(SCENE, *FRICTION), "{solver: auto}", "{time_step: 0.5, damping: 1, residual: 1e-3}")
+def test_the_options_of_the_solver_that_is_named_are_accepted(tmp_path):
+    named = "{solver: verlet, time_step: 0.5, damping: 1, residual: 1e-3}"
+    text = changed(changed(SCENE, *FRICTION), "{solver: auto}", named)
     (tmp_path / "good.yaml").write_text(changed(text, "1/64", "1/4"))
     assert int(gfmd_numba.solve(tmp_path / "good.yaml")["status"]) == 0
 

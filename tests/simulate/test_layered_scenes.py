@@ -190,19 +190,20 @@ def test_incompressible_layers_on_a_rigid_base_keep_their_volume():
     said = refused(
         INCOMPRESSIBLE,
         loading={"displacement": 2e-4},
-        interface={"hard_wall": {}, "friction": {"coefficient": 0.3}},
+        interface={"hard_wall": {}, "friction": {"coefficient": float("inf")}},
     )
     assert said.startswith("scene.body.layers[0].poissons_ratio: given 0.5; allowed: a number below 0.5")
 
 
 def test_friction_on_layers_converges_and_keeps_coulombs_law():
     contact = gfmd_numba.solve(
-        scene(HARD_ON_SOFT, interface={"hard_wall": {}, "friction": {"coefficient": 0.2}}, path=[{"sliding": 1e-3}])
+        scene(HARD_ON_SOFT, interface={"hard_wall": {}, "friction": {"coefficient": 0.2}}, path=[{"sliding": 1e-2}])
     )
     assert (contact["status"] == 0).all()
     pressure, traction = contact["pressure"].values, abs(contact["tangential_traction"].values)
     assert (traction <= 0.2 * pressure + 1e-6 * pressure.max()).all()
-    assert traction[1].sum() > 0.15 * pressure[1].sum()
+    assert traction[0].sum() < 0.195 * pressure[0].sum()
+    np.testing.assert_allclose(traction[1], 0.2 * pressure[1], atol=1e-6 * pressure.max())  # it slides everywhere
 
 
 def test_adhesion_on_layers_converges():

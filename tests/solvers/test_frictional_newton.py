@@ -1,0 +1,175 @@
+"""Newton's method for friction: every result holds the conditions, and is what damped dynamics finds."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
+from gfmd_numba.solvers.iteration import Batch, Start
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+from support.contact_conditions import largest_violation, sticking
+
+NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it
+
+
+def rough(nx, seed, hurst=0.8, waves=32, rows=1):
+    heights = self_affine.profiles(hurst, 2, waves, nx, seed, range(rows))
+    return heights.max(axis=1, keepdims=True) - heights
+
+
+def press(punch, stiffness, load, friction, start=None, sliding=0.0, options=NEWTON):
+    return equilibrate(punch, stiffness, load, options, Interactions(True, friction=friction), start, sliding)
+
+
+def random_path(seed):
+    """Stiffness, friction and steps (punch, load, sliding) of a random scene."""
+    rng = np.random.default_rng(seed)
+    nx = int(rng.choice([128, 255, 512, 1000]))
+    nu = float(rng.choice([rng.uniform(-0.5, 0.5), 0.0, 0.3, 0.5]))
+    aspect_ratio = rng.choice([None, 10 ** rng.uniform(-2.0, 0.5)])
+    friction, load = 10 ** rng.uniform(-2.0, 0.0), 10 ** rng.uniform(-3.0, 0.0)
+    punch = rough(nx, seed, rng.uniform(0.1, 1.0), int(rng.integers(4, nx // 2)))
+    deep = rng.uniform(0.1, 0.6) * punch.mean()
+    controls_load = aspect_ratio is None or rng.random() < 0.5
+    sliding, steps = 0.0, []
+    for _ in range(4):
+        steps.append((punch, load, sliding) if controls_load else (punch - deep, None, sliding))
+        factor = 10 ** rng.uniform(-0.5, 0.2)
+        load, deep = load * factor, min(deep * factor, 0.7 * punch.mean())
+        if aspect_ratio is not None:
+            sliding += rng.normal() * friction * min(aspect_ratio, 1.0) * 10 ** rng.uniform(-3.0, 0.0)
+    return ElasticBody(nu, aspect_ratio).coupled_stiffness(nx), friction, steps
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_every_step_of_a_random_path_holds_the_conditions_of_signorini_and_coulomb(seed):
+    stiffness, friction, steps = random_path(seed)
+    before = None
+    for punch, load, sliding in steps:
+        start = None if before is None else following(before, punch, sliding)
+        result = press(punch, stiffness, load, friction, start, sliding)
+        assert result.status[0] == Status.ok
+        assert largest_violation(stiffness, punch, load, friction, result, start) < 2e-8
+        before = result
+
+
+def test_a_wrong_traction_is_told_from_a_right_one():
+    """The conditions above can fail: of the friction, the way, the pressure and the penetration."""
+    punch, stiffness = rough(256, 1), ElasticBody(0.2, 0.5).coupled_stiffness(256)
+    result = press(punch, stiffness, 0.1, 0.2)
+    assert largest_violation(stiffness, punch, 0.1, 0.2, result) < 2e-8
+    assert largest_violation(stiffness, punch, 0.1, 0.19, result) > 1e-3
+    assert largest_violation(stiffness, punch, 0.101, 0.2, result) > 1e-3
+    assert largest_violation(stiffness, punch - 1e-3, 0.1, 0.2, result) > 1e-4
+    moved = Start(punch, np.full_like(punch, 1.0), punch)  # so that all nodes slid the other way
+    assert largest_violation(stiffness, punch, 0.1, 0.2, result, moved) > 1e-3
+
+
+@pytest.mark.parametrize("nu", [-0.4, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize(("friction", "load", "aspect_ratio"), [(0.15, 0.15, None), (0.4, 0.02, 1.0), (0.9, 0.1, 0.1)])
+def test_the_dynamics_has_the_same_nodes_sticking_and_slipping(nu, friction, load, aspect_ratio):
+    """Damped dynamics anchors a node where its own motion touched down, so its anchors are given to Newton's method."""
+    nx = 256
+    punch, stiffness = rough(nx, 3), ElasticBody(nu, aspect_ratio).coupled_stiffness(nx)
+    at_rest, row = Start.at_rest(punch), np.arange(1)
+    batch = Batch(
+        punch, stiffness.with_free_mean(), np.array([load]), Interactions(True, friction=friction), at_rest, 0.0, 10.0
+    )
+    dynamics = begin(batch, Options("verlet"))
+    while dynamics.residual(row)[0] > 1e-10:
+        for _ in range(20):
+            dynamics.advance(row)
+    tangential, anchor = dynamics.tangential[0][:, :nx], dynamics._anchor[:, :nx]
+    start = Start(at_rest.displacement, np.where(np.isnan(anchor), tangential, anchor), at_rest.anchor)
+    found = press(punch, stiffness, load, friction, start, options=Options("frictional_newton", residual=1e-10))
+    assert found.status[0] == Status.ok
+    touching = (dynamics.displacement[0, :nx] >= punch[0]) & (dynamics.restoring[0, :nx] < load)
+    np.testing.assert_array_equal(found.touching[0], touching)
+    np.testing.assert_array_equal(sticking(found, start), touching & (tangential[0] == anchor[0]))
+    peak = found.pressure.max()
+    np.testing.assert_allclose(found.tangential.traction[0], dynamics.tangential[1][0, :nx], atol=3e-9 * peak)
+    pressure = load - dynamics.restoring[0, :nx]
+    np.testing.assert_allclose(found.pressure[0][touching], pressure[touching], atol=3e-9 * peak)
+
+
+@pytest.mark.parametrize("aspect_ratio", [0.1, 1.0])
+def test_a_rigid_mean_is_the_limit_of_one_that_is_nearly_rigid(aspect_ratio):
+    punch, friction = rough(256, 2), 0.3
+    punch -= 0.4 * punch.mean()
+    found = []
+    for nu in (0.5, 0.5 - 1e-9):
+        stiffness, before = ElasticBody(nu, aspect_ratio).coupled_stiffness(256), None
+        for sliding in (0.0, 0.02 * aspect_ratio, 0.0):
+            start = None if before is None else following(before, punch, sliding)
+            before = press(punch, stiffness, None, friction, start, sliding)
+            assert before.status[0] == Status.ok
+            assert largest_violation(stiffness, punch, None, friction, before, start) < 2e-8
+        found.append(before)
+    rigid, nearly = found
+    assert abs(rigid.tangential.traction).max() > 0.01 * rigid.pressure.max()
+    np.testing.assert_allclose(rigid.pressure, nearly.pressure, atol=1e-5 * rigid.pressure.max())
+    np.testing.assert_allclose(rigid.tangential.traction, nearly.tangential.traction, atol=1e-5 * rigid.pressure.max())
+
+
+def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch():
+    punch = rough(128, 2)
+    stiffness = ElasticBody(0.5, 0.5).coupled_stiffness(128)
+    assert press(punch - 1.01 * punch.mean(), stiffness, None, 0.3).status[0] == Status.unstable
+
+
+def test_layers_whose_compliance_is_no_sum_of_decays_are_solved_too():
+    nx, friction, load = 256, 0.3, 0.3
+    body = ElasticBody.layered((0.02,), (Material(1.0, 0.2),), Material(0.01, 0.4))
+    stiffness, punch = body.coupled_stiffness(nx), 0.1 * rough(nx, 5)
+    result = press(punch, stiffness, load, friction)
+    assert result.status[0] == Status.ok
+    assert largest_violation(stiffness, punch, load, friction, result) < 2e-8
+
+
+def test_transforms_of_rough_contacts_stay_below_three_hundred():
+    """Damped dynamics takes some thousands of the same contacts."""
+    nx, rows = 2048, 5
+    for nu, friction in ((0.3, 0.1), (0.3, 1.0), (0.0, 0.3)):
+        punch, stiffness = rough(nx, 7, 0.8, 256, rows), ElasticBody(nu, None).coupled_stiffness(nx)
+        result = press(punch, stiffness, 0.05, friction)
+        assert (result.status == Status.ok).all()
+        assert np.median(result.n_transforms) < 300
+    damped = press(punch, stiffness, 0.05, friction, options=Options("verlet"))
+    assert np.median(damped.n_transforms) > 8 * np.median(result.n_transforms)
+
+
+def test_a_row_does_not_depend_on_the_others():
+    punch, stiffness = rough(300, 9, 0.5, rows=3), ElasticBody(0.2, 0.4).coupled_stiffness(300)
+    together = press(punch, stiffness, 0.1, 0.25)
+    for row in range(3):
+        alone = press(punch[row : row + 1], stiffness, 0.1, 0.25)
+        np.testing.assert_array_equal(alone.pressure[0], together.pressure[row])
+        np.testing.assert_array_equal(alone.tangential.displacement[0], together.tangential.displacement[row])
+        assert alone.n_transforms[0] == together.n_transforms[row]
+
+
+def test_a_punch_that_touches_nothing_is_carried_by_nothing():
+    punch, stiffness = rough(128, 4) + 0.1, ElasticBody(0.3, 0.5).coupled_stiffness(128)
+    result = press(punch, stiffness, None, 0.3)
+    assert result.status[0] == Status.ok
+    assert not result.pressure.any()
+    assert not result.tangential.traction.any()
+
+
+def test_a_run_that_is_cut_short_says_so():
+    punch, stiffness = rough(512, 6), ElasticBody(0.0, None).coupled_stiffness(512)
+    result = press(punch, stiffness, 0.2, 0.1, options=Options("frictional_newton", max_iterations=1))
+    assert result.status[0] == Status.not_converged
+    assert 1e-8 < result.residual[0] < np.inf
+    assert result.pressure.mean() == pytest.approx(0.2, rel=0.2)
+
+
+def test_an_infinite_friction_is_left_to_the_dynamics():
+    """A node that touches sticks at once: where its traction pulls it off again, only its way there decides."""
+    punch, stiffness = rough(256, 1), ElasticBody(0.0, None).coupled_stiffness(256)
+    with pytest.raises(ValueError, match="the solver frictional_newton knows no sticking"):
+        press(punch, stiffness, 0.1, np.inf)

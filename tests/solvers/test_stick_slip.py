@@ -1,0 +1,155 @@
+"""The linear problem of a guess, its solution and the revision of the guess, against dense matrices and loops."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.solvers.coupled_products import CoupledProducts
+from gfmd_numba.solvers.friction_sets import middle_slip, revised
+from gfmd_numba.solvers.minimal_residual import minimal_residual
+from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
+from gfmd_numba.solvers.stick_slip import StickSlip
+
+N, FRICTION = 64, 0.3
+BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]
+
+
+def compliance_matrix(stiffness):
+    """Dense displacements (tangential, normal) of nodal tractions (tangential, pressure), by inverses wave by wave."""
+    matrix = np.zeros((2 * N, 2 * N))
+    for node in range(2 * N):
+        load = np.zeros(2 * N)
+        load[node] = 1.0 if node < N else -1.0
+        t1, t3 = np.fft.rfft(load[:N]), np.fft.rfft(load[N:])
+        u1, u3 = np.zeros_like(t1), np.zeros_like(t3)
+        for k in range(1, N // 2 + 1):
+            a, b, c = stiffness.k11[k], 1j * stiffness.k13[k], stiffness.k33[k]
+            u1[k], u3[k] = np.linalg.solve([[a, b], [-b, c]], [t1[k], t3[k]])
+        u1[0] = t1[0] / stiffness.k11[0] if stiffness.k11[0] > 0.0 else 0.0
+        u3[0] = t3[0] / stiffness.k33[0] if stiffness.k33[0] > 0.0 else 0.0
+        matrix[:, node] = np.concatenate((np.fft.irfft(u1, N), np.fft.irfft(u3, N)))
+    return matrix
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("free", [True, False])
+def test_products_are_those_of_the_dense_compliance_and_of_its_inverse(body, free):
+    stiffness = body.coupled_stiffness(N)
+    stiffness = stiffness.with_free_mean() if free else stiffness
+    products, rng = CoupledProducts(stiffness, 2, N), np.random.default_rng(0)
+    shear, pressure = rng.normal(size=(2, N))
+    shear -= shear.mean() if stiffness.k11[0] == 0.0 else 0.0
+    pressure -= pressure.mean()
+    u = products.deflect(1, shear, pressure)
+    exact = compliance_matrix(stiffness) @ np.concatenate((shear, pressure))
+    np.testing.assert_allclose(u.ravel(), exact, atol=1e-13 * abs(exact).max())
+    products.tangential[1, :N], products.displacement[1, :N] = u
+    products.restore(np.array([1]))
+    np.testing.assert_allclose(products.tangential_restoring[1, :N], shear, atol=1e-12)
+    np.testing.assert_allclose(products.restoring[1, :N], -pressure, atol=1e-12)
+    np.testing.assert_array_equal(products.n_transforms, [0, 8])
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("loaded", [True, False])
+def test_a_guess_is_solved_like_its_dense_problem(body, loaded):
+    """Gap and slip are zero up to uniform displacements where these are free, and both loads are as prescribed."""
+    stiffness = body.coupled_stiffness(N)
+    stiffness = stiffness.with_free_mean() if loaded else stiffness
+    drifts, load = stiffness.k11[0] == 0.0, 0.2 * N
+    rng = np.random.default_rng(1)
+    contact, slip = np.zeros(N, dtype=bool), np.zeros(N, dtype=np.int64)
+    contact[[3, 4, 5, 6, 20, 21, 22, 40, 60, 61]] = True
+    slip[[3, 6, 20, 60]] = [-1, 1, 1, -1]
+    wall, anchor = rng.normal(size=(2, N)) * 1e-2
+    compliance, products = stiffness.compliance(), CoupledProducts(stiffness, 1, N)
+    inverses = ProfileInverse(compliance.s11, N), ProfileInverse(compliance.s33, N)
+    guess = StickSlip(contact, slip, FRICTION, load if loaded else None, drifts, inverses)
+
+    def product(x):
+        return guess.correction(guess.restricted(*products.deflect(0, *guess.tractions(x))))[0]
+
+    x = guess.unknowns(np.ones(N), np.zeros(N))
+    asked = guess.restricted(anchor, wall)
+    misfit = guess.correction(asked - guess.restricted(*products.deflect(0, *guess.tractions(x))))[0]
+    basis, shares = minimal_residual(product, misfit, 1e-13, 40)
+    shear, pressure = guess.tractions(x + shares @ basis)
+
+    touching, stuck, slipping = np.flatnonzero(contact), np.flatnonzero(contact & (slip == 0)), np.flatnonzero(slip)
+    unknowns, matrix = len(touching) + len(stuck), compliance_matrix(stiffness)
+    to_tractions = np.zeros((2 * N, unknowns))
+    to_tractions[N + touching, np.arange(len(touching))] = 1.0
+    to_tractions[stuck, len(touching) + np.arange(len(stuck))] = 1.0
+    for node in slipping:
+        to_tractions[node, np.searchsorted(touching, node)] = -FRICTION * slip[node]
+    rows = np.concatenate((N + touching, stuck))
+    system, right = matrix[rows] @ to_tractions, np.concatenate((wall[touching], anchor[stuck]))
+    constraints = []
+    if loaded:
+        constraints.append((np.arange(unknowns) < len(touching), to_tractions[N:].sum(axis=0), load))
+    if drifts:
+        constraints.append((np.arange(unknowns) >= len(touching), to_tractions[:N].sum(axis=0), 0.0))
+    columns, sums, prescribed = zip(*constraints, strict=True) if constraints else ([], [], [])
+    k = len(constraints)
+    bordered = np.zeros((unknowns + k, unknowns + k))
+    bordered[:unknowns, :unknowns] = system
+    bordered[:unknowns, unknowns:] = np.reshape(columns, (k, unknowns)).T
+    bordered[unknowns:, :unknowns] = np.reshape(sums, (k, unknowns))
+    exact = to_tractions @ np.linalg.solve(bordered, np.concatenate((right, prescribed)))[:unknowns]
+    np.testing.assert_allclose(np.concatenate((shear, pressure)), exact, atol=1e-9 * abs(exact).max())
+
+
+@pytest.mark.parametrize("aim", [1e-2, 1e-10])
+def test_minimal_residuals_stop_at_their_aim_and_solve(aim):
+    rng = np.random.default_rng(2)
+    matrix, right = np.eye(30) + 0.05 * rng.normal(size=(30, 30)), rng.normal(size=30)
+    calls = []
+
+    def product(x):
+        calls.append(x)
+        return matrix @ x
+
+    basis, shares = minimal_residual(product, right, aim, 30)
+    assert len(calls) == len(shares) == len(basis)
+    assert np.linalg.norm(right - matrix @ (shares @ basis)) <= 1.01 * aim
+    assert np.linalg.norm(right - matrix @ (shares[:-1] @ basis[:-1])) > aim
+    if aim < 1e-9:
+        np.testing.assert_allclose(shares @ basis, np.linalg.solve(matrix, right), atol=1e-9)
+
+
+def test_minimal_residuals_do_nothing_below_their_aim_and_pass_on_what_is_no_number():
+    basis, shares = minimal_residual(lambda x: x, np.full(3, 1e-9), 1e-8, 5)
+    assert len(basis) == len(shares) == 0
+    assert np.isnan(minimal_residual(lambda x: x * np.nan, np.ones(3), 1e-8, 5)[1]).all()
+
+
+def test_a_guess_is_revised_as_node_by_node():
+    rng = np.random.default_rng(3)
+    contact, slip = rng.random(N) < 0.6, rng.integers(-1, 2, N)
+    slip *= contact
+    shear, pressure, gap, slid = rng.normal(size=(4, N))
+    pressure = np.where(contact, pressure + 0.5, 0.0)
+    new_contact, new_slip = revised(contact, slip, shear, pressure, gap, slid, FRICTION, 0.05)
+    for j in range(N):
+        if contact[j] and pressure[j] <= 0.0:
+            expected = False, 0
+        elif contact[j] and slip[j] == 0:
+            gives_way = abs(shear[j]) > FRICTION * pressure[j]
+            expected = True, -int(np.sign(shear[j])) if gives_way else 0
+        elif contact[j]:
+            expected = True, 0 if slip[j] * slid[j] < 0.0 else slip[j]
+        elif gap[j] < -0.05:
+            expected = True, int(np.sign(slid[j])) if abs(slid[j]) > FRICTION * -gap[j] else 0
+        else:
+            expected = False, 0
+        assert (new_contact[j], new_slip[j]) == expected
+    assert (new_contact != contact).any()
+
+
+def test_friction_on_both_sides_of_the_middle_slip_balances():
+    rng = np.random.default_rng(4)
+    slid, pressure, contact = rng.normal(size=N), rng.random(N), rng.random(N) < 0.5
+    middle = middle_slip(slid, pressure, contact)
+    assert contact[middle]
+    pull = (pressure * np.sign(slid - slid[middle]))[contact].sum()
+    assert abs(pull) <= pressure[middle]

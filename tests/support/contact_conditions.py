@@ -1,0 +1,48 @@
+"""The conditions of Signorini and Coulomb, node by node, by NumPy's transforms: independent of solvers and kernels."""
+
+import numpy as np
+
+
+def tractions(stiffness, tangential, normal, load=None):
+    """Tangential traction and pressure that two displacements `[x]` call up; the load is None where K33(0) counts."""
+    n = len(normal)
+    k33 = stiffness.k33.copy()
+    if load is not None or np.isinf(k33[0]):
+        k33[0] = 0.0
+    c1, c3 = np.fft.rfft(tangential), np.fft.rfft(normal)
+    shear = np.fft.irfft(stiffness.k11 * c1 + 1j * stiffness.k13 * c3, n)
+    restoring = np.fft.irfft(k33 * c3 - 1j * stiffness.k13 * c1, n)
+    return shear, (load or 0.0) - restoring
+
+
+def largest_violation(stiffness, punch, load, friction, result, start=None, row=0):
+    """Largest violation of any condition in one row: of lengths over the height of the punch, else over the pressure.
+
+    `start` is what the step began with: nodes slip by their way from where they were then, moved with the punch.
+    """
+    punch, u1, u3 = punch[row], result.tangential.displacement[row], result.displacement[row]
+    shear, pressure = tractions(stiffness, u1, u3, load)
+    peak = result.pressure[row].max()
+    volume = 0.0
+    if load is None and np.isinf(stiffness.k33[0]):
+        pressure = pressure + result.pressure[row].mean()
+        volume = abs(u3.mean()) / np.ptp(punch)
+    gap = punch - u3
+    touching = gap <= 0.0
+    slid = u1 - (0.0 if start is None else start.tangential[row] + start.dragged)  # exactly 0 where it sticks
+    bound = friction * np.where(touching, np.maximum(pressure, 0.0), 0.0)
+    slips = touching & (slid != 0.0)
+    violations = [
+        abs(pressure[~touching]).max(initial=0.0),
+        -pressure[touching].min(initial=0.0),
+        (abs(shear) - bound).max(),
+        abs(shear + np.sign(slid) * bound)[slips].max(initial=0.0),
+    ]
+    balance = 0.0 if load is None else abs(pressure[touching].sum() / len(punch) / load - 1.0)
+    return max(max(violations) / peak if peak > 0.0 else max(violations), -gap.min() / np.ptp(punch), balance, volume)
+
+
+def sticking(result, start, row=0):
+    """Nodes `[x]` that touch and have not slid since the start of the step."""
+    held = start.tangential[row] + start.dragged
+    return result.touching[row] & (result.tangential.displacement[row] == held)

@@ -84,7 +84,7 @@ def test_options_of_a_fit_are_checked(tmp_path):
     ("function", "said"),
     [
         (gfmd_numba.fit_tfc, "given no campaign's results; allowed: what a finished `gfmd run` leaves"),
-        (gfmd_numba.contact_statistics, "given no results of a line contact; allowed: what `gfmd solve` leaves"),
+        (gfmd_numba.contact_statistics, "given no results of a contact; allowed: what `gfmd solve` leaves"),
         (contact_stiffness, "given no results of several loads; allowed: a campaign's, or those of a path"),
         (plot_curve, "given no load curve; allowed: what `gfmd curve` leaves"),
     ],

@@ -27,6 +27,7 @@ __all__ = [
     "body_fields",
     "contact_statistics",
     "fit_tfc",
+    "gap_percolation",
     "load_curve",
     "make_surface",
     "open_campaign",
@@ -165,13 +166,23 @@ def fit_tfc(
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory.
+    """Distributions of pressure, gap and sizes of contacts of what `solve` returns, beside Persson's theory.
 
     Takes the dataset or the path of its netCDF file; raises InputError for anything else.
     """
     from gfmd_numba.analysis import contact_statistics as statistics
 
     return statistics(_dataset("dataset", dataset, "solve"))
+
+
+def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+    """Channels through the gap of a map that `solve` returns, from side to side, and the largest connected gap.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.analysis import gap_percolation as percolation
+
+    return percolation(_dataset("dataset", dataset, "solve"))
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

@@ -3,6 +3,7 @@
 from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
+from gfmd_numba.analysis.gap_percolation import gap_percolation
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
@@ -25,6 +26,7 @@ __all__ = [
     "contact_stiffness",
     "ensemble_mean",
     "fit_tfc",
+    "gap_percolation",
     "plot_accuracy",
     "plot_body",
     "plot_campaign",

@@ -25,9 +25,11 @@ __all__ = [
     "InputError",
     "__version__",
     "body_fields",
+    "contact_conductance",
     "contact_statistics",
     "fit_tfc",
     "gap_percolation",
+    "leakage",
     "load_curve",
     "make_surface",
     "open_campaign",
@@ -183,6 +185,26 @@ def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     from gfmd_numba.analysis import gap_percolation as percolation
 
     return percolation(_dataset("dataset", dataset, "solve"))
+
+
+def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+    """Leakage through the gap of a map that `solve` returns, along x and y, by the Reynolds equation.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.analysis import leakage as leakage_of
+
+    return leakage_of(_dataset("dataset", dataset, "solve"))
+
+
+def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
+    """Electrical or thermal conductance of the contact that `solve` returns, over the conductivity of the bodies.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
+
+    return conductance_of(_dataset("contact", contact, "solve"))
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

@@ -4,6 +4,7 @@ from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.gap_percolation import gap_percolation
+from gfmd_numba.analysis.leakage import leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
@@ -27,6 +28,7 @@ __all__ = [
     "ensemble_mean",
     "fit_tfc",
     "gap_percolation",
+    "leakage",
     "plot_accuracy",
     "plot_body",
     "plot_campaign",

@@ -39,7 +39,7 @@ def gap_percolation(dataset: xr.Dataset) -> xr.Dataset:
         result[f"largest_{name}_fraction"] = xr.apply_ufunc(_largest, flags, input_core_dims=[nodes], vectorize=True)
     result["n_gaps"] = xr.apply_ufunc(_count, ~touching, input_core_dims=[nodes], vectorize=True)
     for name, long_name in _LONG_NAMES.items():
-        unit = dataset["gap"].attrs.get("units", "1") if name == "critical_gap" else "1"
+        unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}
     result["direction"].attrs = {"long_name": "direction from one side to the other", "units": "1"}
     return result

@@ -35,7 +35,7 @@ def leakage(dataset: xr.Dataset) -> xr.Dataset:
     result["flow_factor"] = (hydraulic / dataset["gap"].mean(nodes).where(hydraulic > 0.0, 1.0)) ** 3
     result["flow_residual"] = residual
     described = {
-        "hydraulic_gap": ("gap of parallel walls that leak as much", dataset["gap"].attrs.get("units", "1")),
+        "hydraulic_gap": ("gap of parallel walls that leak as much", str(dataset["gap"].attrs.get("units", "1"))),
         "flow_factor": ("leakage over that of parallel walls at the mean gap", "1"),
         "flow_residual": ("relative difference of the flow by outlet and by dissipation", "1"),
         "direction": ("direction in which the pressure of the fluid falls", "1"),

@@ -76,7 +76,7 @@ def _show(dataset: xr.Dataset) -> None:
         print_table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
         return
     for words, (value,) in cells.items():
-        click.echo(f"{words:28}{value}")
+        click.echo(printable(f"{words:28}{value}"))
 
 
 def _cells(dataset: xr.Dataset, name: str) -> list[tuple[str, list[str]]]:

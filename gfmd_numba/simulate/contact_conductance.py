@@ -31,7 +31,7 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     spacing = float(contact["x"][1] - contact["x"][0])
     result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
     result["conductance"] = reduced / (spacing * contact.sizes["x"])
-    unit = contact["x"].attrs.get("units", "1")
+    unit = str(contact["x"].attrs.get("units", "1"))
     described = {
         "long_name": "contact conductance per nominal area over the harmonic mean of the conductivities",
         "units": "1" if unit == "1" else f"{unit}-1",

@@ -1,5 +1,6 @@
 """`gfmd statistics`: what it writes, prints and draws of a solved contact, and only what was asked for."""
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -33,7 +34,7 @@ def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(fold
     written = xr.load_dataset(tmp_path / "statistics.nc")
     xr.testing.assert_allclose(written, gfmd_numba.contact_statistics(folder / "map.nc"))
     assert not BEYOND & set(written.variables)
-    printed = [line.split("  ")[0] for line in done.output.splitlines()[2:]]
+    printed = [line.split("  ")[0] for line in done.stdout.splitlines()[2:]]
     assert printed == ["Persson's contact area", "mean gap over rms height", "perimeter"]
 
 
@@ -83,3 +84,14 @@ def test_the_results_themselves_are_not_overwritten(folder):
     done = gfmd("statistics", folder / "map.nc", "-o", folder / "map.nc")
     assert done.exit_code == 2
     assert "which is an input" in unfolded(done.stderr)
+
+
+def test_a_unit_that_somebody_wrote_is_escaped(folder, tmp_path):
+    altered = xr.load_dataset(folder / "map.nc")
+    altered["gap"].attrs["units"] = "\x1b[2J"
+    altered["x"].attrs["units"] = np.array([1, 2])
+    altered.to_netcdf(tmp_path / "altered.nc", engine="netcdf4")
+    done = gfmd("statistics", tmp_path / "altered.nc", "-o", tmp_path / "statistics.nc", *ASKED)
+    assert done.exit_code == 0, done.output
+    assert "\x1b" not in done.output
+    assert r"\x1b[2J" in done.output

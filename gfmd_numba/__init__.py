@@ -25,8 +25,11 @@ __all__ = [
     "InputError",
     "__version__",
     "body_fields",
+    "contact_conductance",
     "contact_statistics",
     "fit_tfc",
+    "gap_percolation",
+    "leakage",
     "load_curve",
     "make_surface",
     "open_campaign",
@@ -165,13 +168,43 @@ def fit_tfc(
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Distributions of pressure, gap and segment length of what `solve` returns, beside Persson's theory.
+    """Distributions of pressure, gap and sizes of contacts of what `solve` returns, beside Persson's theory.
 
     Takes the dataset or the path of its netCDF file; raises InputError for anything else.
     """
     from gfmd_numba.analysis import contact_statistics as statistics
 
     return statistics(_dataset("dataset", dataset, "solve"))
+
+
+def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+    """Channels through the gap of a map that `solve` returns, from side to side, and the largest connected gap.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.analysis import gap_percolation as percolation
+
+    return percolation(_dataset("dataset", dataset, "solve"))
+
+
+def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+    """Leakage through the gap of a map that `solve` returns, along x and y, by the Reynolds equation.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.analysis import leakage as leakage_of
+
+    return leakage_of(_dataset("dataset", dataset, "solve"))
+
+
+def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
+    """Electrical or thermal conductance of the contact that `solve` returns, over the conductivity of the bodies.
+
+    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    """
+    from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
+
+    return conductance_of(_dataset("contact", contact, "solve"))
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

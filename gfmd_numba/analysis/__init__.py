@@ -1,14 +1,17 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
 from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
-from gfmd_numba.analysis.contact_statistics import contact_statistics, plot_statistics
+from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
+from gfmd_numba.analysis.gap_percolation import gap_percolation
+from gfmd_numba.analysis.leakage import leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.rounds import plot_rounds
+from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
@@ -24,6 +27,8 @@ __all__ = [
     "contact_stiffness",
     "ensemble_mean",
     "fit_tfc",
+    "gap_percolation",
+    "leakage",
     "plot_accuracy",
     "plot_body",
     "plot_campaign",

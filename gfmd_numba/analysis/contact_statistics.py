@@ -1,84 +1,94 @@
-"""Distributions of pressure, gap and segment length of single contacts, Persson's theory beside them, and a picture."""
+"""Distributions of pressure and gap, sizes of contacts and Persson's theory beside them, of solved contacts."""
 
 from collections.abc import Callable
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE
-from gfmd_numba.analysis.selection import UnusableDataError
-from gfmd_numba.arrays import Reals
+from gfmd_numba.analysis.connected_regions import regions, sizes
+from gfmd_numba.analysis.solved_fields import check_fields
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.theory import persson
 
 _BINS = 60
 
 
 def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
-    """Distributions over the nodes of line contacts as `gfmd solve` leaves them, `[..., pressure | gap | length]`.
+    """Distributions over the nodes of contacts as `gfmd solve` leaves them, `[..., pressure | gap | length or area]`.
 
     Pressures are in units of their rms fluctuation in full contact (g E*/2 for a half-space), gaps in rms heights of
     the punch, lengths in L_x. `pressure_density` integrates to the fraction of nodes that touch, `gap_density` to
-    the rest; `pressure_density_persson` is (4.9); `segments` counts the stretches of contact whose number of nodes
-    lies between two powers of 2, at their geometric mean. Dims other than `x` (`step`, or one along which results
-    were concatenated) stay. Raises UnusableDataError for a dataset without these fields or a run that is not ok.
+    the rest; `pressure_density_persson` is (4.9). On profiles, `segments` counts the stretches of contact whose number
+    of nodes lies between two powers of 2, at their geometric mean. On maps, `clusters` does so for nodes that share
+    sides, over their `area`, and `perimeter` is the length of the edges of all clusters (Crofton's formula in four
+    directions, within 5 % for edges of one direction and exact on average over all). `mean_gap` is in rms heights,
+    `contact_area_fraction_persson` is (4.16). Dims other than `y` and `x` (`step`, or one along which results were
+    concatenated) stay. Raises UnusableDataError for a dataset without these fields or a run that is not ok.
     """
-    needed = {"x", "height", "pressure", "gap", "mean_pressure", "full_contact_pressure", "status"}
-    if not needed <= dataset.variables.keys() or "y" in dataset.dims:
-        raise UnusableDataError("given no results of a line contact; allowed: what `gfmd solve` leaves of one")
-    fields = [dataset[name] for name in ("height", "pressure", "gap")]
-    numbers = all(dataset[name].dtype.kind in "fiu" for name in needed)
-    over_x = dataset.sizes.get("x", 0) >= 4 and all(field.size and "x" in field.dims for field in fields)
-    if not numbers or not over_x or any(set(dataset[name].dims) - set(fields[1].dims) for name in needed):
-        raise UnusableDataError("given altered results; allowed: what `gfmd solve` leaves of a line contact")
-    if (dataset["status"] != 0).any():
-        raise UnusableDataError("given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
+    nodes = check_fields(dataset, _NEEDED)
     touching = dataset["gap"] == 0.0
-    pressure = dataset["pressure"] / dataset["full_contact_pressure"]
-    gap = dataset["gap"] / dataset["height"].std("x")
+    rms_height = dataset["height"].std(nodes)
+    pressure, gap = dataset["pressure"] / dataset["full_contact_pressure"], dataset["gap"] / rms_height
     lowest = min(0.0, float(pressure.where(touching).min()))  # an adhesive law may pull on touching nodes
     pressures = np.linspace(lowest, float(pressure.max()) or 1.0, _BINS + 1)
     gaps = np.linspace(0.0, float(gap.max()) or 1.0, _BINS + 1)
-    octaves = 2.0 ** np.arange(np.log2(dataset.sizes["x"]) + 1)
     result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
-    result["pressure_density"] = _histogram(pressure.where(touching), "pressure", pressures, _density)
-    result["gap_density"] = _histogram(gap.where(~touching), "gap", gaps, _density)
-    result["segments"] = _histogram(touching, "length", octaves, _segments)
+    result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
+    result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)
+    counted, size, function = _CONTACTS[len(nodes)]
+    total = np.prod([dataset.sizes[dim] for dim in nodes])
+    octaves = 2.0 ** np.arange(np.log2(total) + 1)
+    result[counted] = _histogram(touching, nodes, size, octaves, function)
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
-    result["length"] = ("length", np.sqrt(octaves[1:] * octaves[:-1]) / dataset.sizes["x"])
+    result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
+    reduced = dataset["mean_pressure"] / dataset["full_contact_pressure"]
     result["pressure_density_persson"] = xr.apply_ufunc(
-        persson.pressure_density, result["pressure"], dataset["mean_pressure"] / dataset["full_contact_pressure"], 1.0
+        persson.pressure_density, result["pressure"], reduced, 1.0
     ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
-    for name, long_name in _LONG_NAMES.items():
-        result[name].attrs = {"long_name": long_name, "units": "1"}
+    result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
+    result["mean_gap"] = gap.mean(nodes)
+    if len(nodes) == 2:
+        result["perimeter"] = xr.apply_ufunc(_perimeter, touching, input_core_dims=[nodes], vectorize=True)
+    for name in map(str, result.variables):
+        if name in _LONG_NAMES:
+            result[name].attrs = {"long_name": _LONG_NAMES[name], "units": "1"}
     return result
 
 
+_NEEDED = ("height", "pressure", "gap", "mean_pressure", "full_contact_pressure")
 _LONG_NAMES = {
     "pressure": "pressure over its rms fluctuation in full contact",
     "gap": "gap over the rms height of the punch",
     "length": "length of a stretch of contact over L_x",
+    "area": "area of a contact cluster over L_x^2",
     "pressure_density": "density of the pressures of touching nodes, per node of the interface",
     "pressure_density_persson": "density of the pressures in contact by Persson's theory",
     "gap_density": "density of the gaps beside the contact, per node of the interface",
     "segments": "number of stretches of contact of about that length",
+    "clusters": "number of contact clusters of about that area",
+    "perimeter": "length of the edges of all contact clusters over L_x",
+    "mean_gap": "mean gap over the rms height of the punch",
+    "contact_area_fraction_persson": "contact area fraction by Persson's theory",
 }
 
 
 def _histogram(
-    nodes: xr.DataArray, dim: str, edges: Reals, function: Callable[[npt.NDArray[np.generic], Reals], Reals]
+    values: xr.DataArray,
+    nodes: list[str],
+    dim: str,
+    edges: Reals,
+    function: Callable[[npt.NDArray[np.generic], Reals], Reals],
 ) -> xr.DataArray:
     result: xr.DataArray = xr.apply_ufunc(
-        function, nodes, kwargs={"edges": edges}, input_core_dims=[["x"]], output_core_dims=[[dim]], vectorize=True
+        function, values, kwargs={"edges": edges}, input_core_dims=[nodes], output_core_dims=[[dim]], vectorize=True
     )
     return result
 
 
-def _density(row: npt.NDArray[np.generic], edges: Reals) -> Reals:
-    return np.asarray(np.histogram(row, edges)[0] / (row.size * np.diff(edges)))
+def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
+    return np.asarray(np.histogram(values, edges)[0] / (values.size * np.diff(edges)))
 
 
 def _segments(row: npt.NDArray[np.generic], edges: Reals) -> Reals:
@@ -90,30 +100,21 @@ def _segments(row: npt.NDArray[np.generic], edges: Reals) -> Reals:
     return np.asarray(np.histogram(changes[1::2] - changes[::2], edges)[0])
 
 
-def plot_statistics(statistics: xr.Dataset) -> Figure:
-    """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
-    others = set(map(str, statistics.dims)) - {"step", "pressure", "gap", "length"}
-    mean = statistics.mean(others)
-    steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
-    with mpl.rc_context(STYLE):
-        figure = Figure((12.0, 4.0), dpi=150, layout="constrained")
-        pressure, gap, length = figure.subplots(1, 3)
-        for i, step in enumerate(steps):
-            colour = COLOURS[i % len(COLOURS)]
-            label = rf"$\bar{{p}}^* = {float(step.reduced_pressure):g}$" if "reduced_pressure" in step else f"step {i}"
-            pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
-            pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)
-            gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)
-            length.plot(step["length"], step["segments"].where(step["segments"] > 0), "o-", ms=4, color=colour)
-        pressure.plot([], [], "--", color="0.4", label="Persson")
-        pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, None))
-        gap.set(xlabel="Gap over rms height", ylabel="Density", yscale="log")
-        length.set(xlabel=r"Segment length over $L_x$", ylabel="Segments", xscale="log", yscale="log")
-        figure.legend(loc="outside upper center", ncols=len(steps) + 1)
-    return figure
+def _clusters(touching: Flags, edges: Reals) -> Reals:
+    """Number of clusters by their number of nodes; full contact is one of them."""
+    return np.asarray(np.histogram(sizes(regions(touching)), edges)[0])
 
 
-def _edges(centres: xr.DataArray) -> Reals:
-    values = centres.values
-    half = 0.5 * (values[1] - values[0])
-    return np.append(values - half, values[-1] + half)
+def _perimeter(touching: Flags) -> float:
+    """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense."""
+    along_y = np.roll(touching, 1, axis=0)
+    crossed = [np.count_nonzero(touching != other) for other in (along_y, np.roll(touching, 1, axis=1))]
+    diagonal = [np.count_nonzero(touching != np.roll(along_y, side, axis=1)) for side in (1, -1)]
+    return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / touching.shape[1])
+
+
+# of profiles and of maps: how contacts are counted, over what, and by which function
+_CONTACTS: dict[int, tuple[str, str, Callable[..., Reals]]] = {
+    1: ("segments", "length", _segments),
+    2: ("clusters", "area", _clusters),
+}

@@ -23,6 +23,13 @@ SCENES = [
     {"body": _BODY, "roughness": _PSD, "dimension": 2, **_PRESSED},
     {"scene": {"body": _BODY, "boundary": {"normal_traction": 0.1}}, "points": 16},
 ]
+FUNCTIONS = (
+    gfmd_numba.body_fields,
+    gfmd_numba.contact_statistics,
+    gfmd_numba.gap_percolation,
+    gfmd_numba.leakage,
+    gfmd_numba.contact_conductance,
+)
 
 
 @cache
@@ -63,7 +70,7 @@ def altered(seed):
 @pytest.mark.parametrize("seed", [*range(60), 74, 102, 252, 269, 351, 1072])
 def test_altered_results_are_used_or_refused_with_a_reason(seed):
     dataset = altered(seed)
-    for function in (gfmd_numba.body_fields, gfmd_numba.contact_statistics):
+    for function in FUNCTIONS:
         try:
             function(dataset)
         except (InputError, UnusableDataError) as error:

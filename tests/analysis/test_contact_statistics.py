@@ -138,12 +138,12 @@ def test_picture_has_a_colour_for_each_step(path):
 
 
 def test_no_contact_no_statistics():
-    with pytest.raises(UnusableDataError, match="no results of a line contact"):
+    with pytest.raises(UnusableDataError, match="no results of a contact"):
         gfmd_numba.contact_statistics(xr.Dataset({"x": [0.0]}))
 
 
-def test_a_map_is_no_line_contact(path):
-    with pytest.raises(UnusableDataError, match="no results of a line contact"):
+def test_steps_are_no_rows_of_a_map(path):
+    with pytest.raises(UnusableDataError, match="altered results"):
         gfmd_numba.contact_statistics(path.rename(step="y"))
 
 

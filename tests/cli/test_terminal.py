@@ -39,6 +39,9 @@ run means.yaml --workers=0
 solve broken-scene.yaml -o contact.nc
 solve path.yaml -o path.nc
 solve scene.yaml -o contact.nc
+statistics contact.nc -o statistics.nc --conductance
+statistics map.nc -o statistics.nc --percolation --leakage --conductance
+statistics steps.nc -o statistics.nc --percolation --leakage --conductance
 status broken
 status small
 surface surface.yaml -o surface.nc
@@ -63,12 +66,17 @@ def folder(tmp_path_factory):
     (folder / "one.yaml").write_text(SCENE)
     (folder / "broken-one.yaml").write_text(SCENE + "numerics: {max_iterations: 1}\n")
     (folder / "surface.yaml").write_text(SURFACE)
+    a_map = SCENE.replace("scene:", "scene:\n  dimension: 2")
+    (folder / "map.yaml").write_text(a_map)
+    (folder / "steps.yaml").write_text(a_map + "path: [{reduced_pressure: 0.12345678}, {reduced_pressure: 0.7}]\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for command in (
             "run campaign.yaml --workers=0",
             "run broken.yaml --workers=0",
             "solve scene.yaml -o contact.nc",
+            "solve map.yaml -o map.nc",
+            "solve steps.yaml -o steps.nc",
         ):
             assert gfmd(*command.split()).exit_code in (0, 3)
     return folder

@@ -34,7 +34,9 @@ def odd(folder, kind, name):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("command", ["check", "run", "plan", "accuracy", "solve", "surface", "fields", "fit", "plot"])
+@pytest.mark.parametrize(
+    "command", ["check", "run", "plan", "accuracy", "solve", "surface", "fields", "statistics", "fit", "plot"]
+)
 def test_a_command_refuses_what_is_no_regular_file(tmp_path, command, kind):
     output = ["-o", tmp_path / ("p.png" if command == "plot" else "p.nc")] if command not in ("check", "plan") else []
     done = gfmd(command, odd(tmp_path, kind, "odd.yaml"), *output)

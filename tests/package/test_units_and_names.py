@@ -70,6 +70,10 @@ KINDS = {
     "fields of a path": lambda: gfmd_numba.body_fields(a_path()),
     "statistics": lambda: gfmd_numba.contact_statistics(gfmd_numba.solve(scene())),
     "statistics of a path": lambda: gfmd_numba.contact_statistics(a_path()),
+    "statistics of a map": lambda: gfmd_numba.contact_statistics(gfmd_numba.solve(scene(dimension=2))),
+    "percolation": lambda: gfmd_numba.gap_percolation(gfmd_numba.solve(scene(dimension=2))),
+    "leakage": lambda: gfmd_numba.leakage(gfmd_numba.solve(scene(dimension=2))),
+    "conductance": lambda: gfmd_numba.contact_conductance(a_path()),
     "stiffness": lambda: contact_stiffness(a_path()),
     "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0)]),
 }

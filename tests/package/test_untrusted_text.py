@@ -48,7 +48,8 @@ def test_what_a_file_says_is_escaped(tmp_path, name, load):
 
 
 @pytest.mark.parametrize(
-    "command", ["check", "run", "plan", "solve", "curve --loads=0.1", "surface", "fit", "plot", "fields", "status"]
+    "command",
+    ["check", "run", "plan", "solve", "curve --loads=0.1", "surface", "fit", "plot", "fields", "statistics", "status"],
 )
 @pytest.mark.parametrize("there", [True, False])
 def test_a_name_is_escaped_in_what_a_command_says(tmp_path, command, there):
@@ -56,7 +57,7 @@ def test_a_name_is_escaped_in_what_a_command_says(tmp_path, command, there):
     if there:
         path.write_text("scene: 1", encoding="utf-8")
     command, *options = command.split()
-    output = ["-o", tmp_path / "out.nc"] if command in ("solve", "curve", "surface", "fields") else []
+    output = ["-o", tmp_path / "out.nc"] if command in ("solve", "curve", "surface", "fields", "statistics") else []
     done = gfmd(command, path, *options, *output)
     assert done.exit_code == 2
     assert_harmless(done.output, done.output.rstrip("\n").count("\n") + 1)

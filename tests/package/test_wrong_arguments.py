@@ -19,6 +19,13 @@ SCENE = {
     "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 1},
 }
 WRONG = [np.zeros(64), None, 3, 0.5, [], ["scene.yaml"], b"scene.yaml", object(), {1, 2}, lambda: None]
+OF_A_CONTACT = (
+    gfmd_numba.contact_statistics,
+    gfmd_numba.gap_percolation,
+    gfmd_numba.leakage,
+    gfmd_numba.contact_conductance,
+    gfmd_numba.body_fields,
+)
 
 
 @pytest.mark.parametrize("given", WRONG, ids=lambda given: type(given).__name__)
@@ -37,7 +44,7 @@ def test_a_mapping_of_something_else_is_no_scene(given):
 
 
 @pytest.mark.parametrize("given", [*WRONG, {}], ids=lambda given: type(given).__name__)
-@pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
+@pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, *OF_A_CONTACT])
 def test_what_is_no_dataset_is_told_who_makes_one(function, given):
     with pytest.raises(InputError, match=r"given .*; allowed: an xarray.Dataset, as gfmd_numba\.(open_campaign|solve)"):
         function(given)
@@ -84,7 +91,10 @@ def test_options_of_a_fit_are_checked(tmp_path):
     ("function", "said"),
     [
         (gfmd_numba.fit_tfc, "given no campaign's results; allowed: what a finished `gfmd run` leaves"),
-        (gfmd_numba.contact_statistics, "given no results of a line contact; allowed: what `gfmd solve` leaves"),
+        (gfmd_numba.contact_statistics, "given no results of a contact; allowed: what `gfmd solve` leaves"),
+        (gfmd_numba.gap_percolation, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
+        (gfmd_numba.leakage, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
+        (gfmd_numba.contact_conductance, "contact: given no results of a contact; allowed: what gfmd_numba.solve"),
         (contact_stiffness, "given no results of several loads; allowed: a campaign's, or those of a path"),
         (plot_curve, "given no load curve; allowed: what `gfmd curve` leaves"),
     ],

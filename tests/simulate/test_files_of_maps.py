@@ -41,7 +41,7 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
         figure = plot_contact(dataset)
         with pytest.raises(InputError, match=r"scene\.dimension: given 2; allowed: a contact of dimension 1"):
             body_fields(dataset)
-    assert len(figure.axes) == 4  # two maps and their colour bars
+    assert len(figure.axes) == 9  # three maps, their colour bars and three distributions
 
 
 @pytest.mark.parametrize(

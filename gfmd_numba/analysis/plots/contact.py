@@ -5,12 +5,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.plots.contact_map import plot_map
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
 
 
 def plot_contact(dataset: xr.Dataset) -> Figure:
-    """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps of gap and pressure.
+    """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps with their statistics.
 
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
     without these fields.
@@ -19,7 +20,7 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
     title = _of_steps(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
-    figure = _plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
+    figure = plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
     if title:
         figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     return figure
@@ -73,22 +74,4 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
             below.set_ylim(bottom=0)
         handles = [*above.get_legend_handles_labels()[0], *below.get_legend_handles_labels()[0]]
         figure.legend(handles=handles, loc="outside upper right", ncols=3)
-    return figure
-
-
-def _plot_map(dataset: xr.Dataset) -> Figure:
-    """Gap and pressure over the interface, as far as most of either goes."""
-    (x, x_label), (y, y_label) = (scaled(dataset[dim], f"Position ${dim}$", "L_x") for dim in ("x", "y"))
-    with mpl.rc_context(STYLE):
-        figure = Figure((9.6, 4.4), dpi=150, layout="constrained")
-        drawn = (("gap", "Gap", "L_x", "Blues_r"), ("pressure", "Pressure $p$", "E^*", "inferno"))
-        for axis, (name, text, natural, colours) in zip(figure.subplots(1, 2, sharey=True), drawn, strict=True):
-            values, label = scaled(dataset[name], text, natural)
-            most = float(np.quantile(values[values > 0.0], 0.98)) if (values > 0.0).any() else None
-            mesh = axis.imshow(
-                values, colours, origin="lower", vmin=0.0, vmax=most, extent=(0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
-            )
-            axis.set(xlabel=x_label)
-            figure.colorbar(mesh, ax=axis, label=label, extend="max", shrink=0.9)
-        figure.axes[0].set(ylabel=y_label)
     return figure

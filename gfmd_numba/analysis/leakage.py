@@ -1,0 +1,108 @@
+"""Leakage through the gap of a map by the Reynolds equation of a thin film, on the grid of the contact."""
+
+import numpy as np
+import xarray as xr
+from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse.linalg import splu
+
+from gfmd_numba.analysis.connected_regions import regions
+from gfmd_numba.analysis.solved_fields import check_fields
+from gfmd_numba.arrays import Flags, Indices, Reals
+
+_DIRECTIONS = {"x": 1, "y": 0}  # to the axis of [y, x] that the pressure falls along
+
+
+def leakage(dataset: xr.Dataset) -> xr.Dataset:
+    """Leakage through the gap of maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
+
+    A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across
+    which the map is periodic: div(u^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch. `hydraulic_gap`
+    d is the gap of parallel walls that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x
+    through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol.
+    100:12, 1978). Both are 0 without a channel. `flow_residual` is the relative difference of the flow by outlet and by
+    dissipation. Raises UnusableDataError for a dataset without these fields or a run that is not ok.
+    """
+    nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
+    hydraulic, residual = xr.apply_ufunc(
+        _both_directions,
+        dataset["gap"],
+        input_core_dims=[nodes],
+        output_core_dims=[["direction"], ["direction"]],
+        vectorize=True,
+    )
+    result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "leakage through a contact"})
+    result["hydraulic_gap"] = hydraulic
+    result["flow_factor"] = (hydraulic / dataset["gap"].mean(nodes).where(hydraulic > 0.0, 1.0)) ** 3
+    result["flow_residual"] = residual
+    described = {
+        "hydraulic_gap": ("gap of parallel walls that leak as much", str(dataset["gap"].attrs.get("units", "1"))),
+        "flow_factor": ("leakage over that of parallel walls at the mean gap", "1"),
+        "flow_residual": ("relative difference of the flow by outlet and by dissipation", "1"),
+        "direction": ("direction in which the pressure of the fluid falls", "1"),
+    }
+    for name, (long_name, unit) in described.items():
+        result[name].attrs = {"long_name": long_name, "units": unit}
+    return result
+
+
+def _both_directions(gap: Reals) -> tuple[Reals, Reals]:
+    """Hydraulic gaps along x and y, and their residuals."""
+    found = [_along_rows(np.moveaxis(gap, axis, 0)) for axis in _DIRECTIONS.values()]
+    gaps, residuals = zip(*found, strict=True)
+    return np.array(gaps), np.array(residuals)
+
+
+def _along_rows(gap: Reals) -> tuple[float, float]:
+    """Hydraulic gap from the first row to the last, and the residual.
+
+    Nodes are cells, whose faces conduct as their halves in series do. So walls of a gap that varies along the flow
+    alone are solved exactly: d^-3 is the mean of u^-3.
+    """
+    largest = gap.max()
+    if largest <= 0.0:
+        return 0.0, 0.0
+    conductivity = (gap / largest) ** 3
+    reached = _channels(conductivity > 0.0)
+    if not reached.any():
+        return 0.0, 0.0
+    conductivity = np.where(reached, conductivity, 0.0)
+    number = np.cumsum(reached).reshape(reached.shape) - 1
+    along = conductivity[:-1], conductivity[1:], number[:-1], number[1:]
+    across = conductivity, np.roll(conductivity, -1, axis=1), number, np.roll(number, -1, axis=1)
+    one, other, conductance = (np.concatenate(parts) for parts in zip(_faces(*along), _faces(*across), strict=True))
+    inlet, outlet = (np.zeros(int(reached.sum())) for _ in range(2))
+    for ends, row in ((inlet, 0), (outlet, -1)):
+        ends[number[row][reached[row]]] = 2.0 * conductivity[row][reached[row]]  # half a cell
+    pressure = _pressure(one, other, conductance, inlet, outlet)
+    out = float(outlet @ pressure)
+    dissipated = float(
+        conductance @ (pressure[one] - pressure[other]) ** 2 + inlet @ (1.0 - pressure) ** 2 + outlet @ pressure**2
+    )
+    rows, columns = gap.shape
+    return float(largest * np.cbrt(dissipated * rows / columns)), abs(out - dissipated) / dissipated
+
+
+def _channels(open_nodes: Flags) -> Flags:
+    """Open nodes of the regions that connect the first row with the last."""
+    labels = regions(open_nodes, around_y=False)
+    shared = np.intersect1d(labels[0], labels[-1])
+    return np.isin(labels, shared[shared > 0])
+
+
+def _faces(here: Reals, there: Reals, number: Indices, other: Indices) -> tuple[Indices, Indices, Reals]:
+    """Numbers of the nodes on both sides of each open face, and its conductance."""
+    both = (here > 0.0) & (there > 0.0)
+    return number[both], other[both], 2.0 * here[both] * there[both] / (here[both] + there[both])
+
+
+def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, outlet: Reals) -> Reals:
+    """Pressure of each node, 1 before the inlet and 0 behind the outlet."""
+    n = len(inlet)
+    diagonal = inlet + outlet + np.bincount(one, conductance, n) + np.bincount(other, conductance, n)
+    scale = 1.0 / np.sqrt(diagonal)  # conductances differ by dozens of orders
+    coupling = conductance * scale[one] * scale[other]
+    upper = coo_array((coupling, (one, other)), shape=(n, n))
+    matrix = csc_array(diags_array(np.ones(n)) - upper - upper.T)
+    # symmetric and diagonally dominant: pivots stay on the diagonal
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return np.asarray(scale * factors.solve(scale * inlet))

@@ -1,0 +1,63 @@
+"""Picture of the statistics of contacts: pressures, gaps and sizes of contacts."""
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE
+from gfmd_numba.arrays import Reals
+
+
+def plot_statistics(statistics: xr.Dataset) -> Figure:
+    """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
+    with mpl.rc_context(STYLE):
+        figure = Figure((12.0, 4.0), dpi=150, layout="constrained")
+        panels = figure.subplots(1, 3)
+        draw_statistics(panels, statistics)
+        panels[0].get_legend().remove()
+        handles = panels[0].get_legend_handles_labels()[0]
+        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    return figure
+
+
+def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
+    """Draw pressures, gaps and sizes of contacts, a panel each; the legend is in the first."""
+    pressure, gap, contacts = panels
+    others = set(map(str, statistics.dims)) & set(_DENSITY_DIMS)
+    mean = statistics[[name for name in map(str, statistics.data_vars) if set(statistics[name].dims) & others]]
+    mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
+    steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
+    counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
+    for i, step in enumerate(steps):
+        colour = COLOURS[i % len(COLOURS)]
+        label = rf"$\bar{{p}}^* = {float(step.reduced_pressure):g}$" if "reduced_pressure" in step else f"step {i}"
+        pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
+        pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)
+        gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)
+        contacts.plot(step[size], step[counted].where(step[counted] > 0), "o-", ms=4, color=colour)
+    pressure.plot([], [], "--", color="0.4", label="Persson")
+    pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, None))
+    pressure.legend()
+    gap.set(
+        xlabel="Gap over rms height", ylabel="Density", yscale="log" if (mean["gap_density"] > 0.0).any() else "linear"
+    )
+    most = max(10.0, 1.5 * float(mean[counted].max()))
+    contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
+
+
+_DENSITY_DIMS = ("pressure", "gap", "length", "area")
+# how contacts were counted, over what, and how that is labelled
+_CONTACTS = {
+    "segments": ("segments", "length", r"Segment length over $L_x$"),
+    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
+}
+
+
+def _edges(centres: xr.DataArray) -> Reals:
+    values = centres.values
+    half = 0.5 * (values[1] - values[0])
+    return np.append(values - half, values[-1] + half)

@@ -1,0 +1,38 @@
+"""What analysis asks of a solved contact: its fields over all nodes of a period, in numbers, of a run that is ok."""
+
+from collections.abc import Collection
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis.selection import UnusableDataError
+
+_FIELDS = ("height", "pressure", "gap")
+_POINTS = "points_per_period"
+
+
+def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:
+    """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact."""
+    kind = "a map's contact" if maps_only else "a contact"
+    if not {"x", "status", *needed} <= dataset.variables.keys() or (maps_only and "y" not in dataset.dims):
+        raise UnusableDataError(f"given no results of {kind}; allowed: what `gfmd solve` leaves of one")
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    fields = [dataset[name] for name in _FIELDS if name in needed]
+    names = ("x", "status", *needed)
+    numbers = all(dataset[name].dtype.kind in "fiu" for name in names)
+    over_nodes = all(field.size and set(nodes) <= set(field.dims) for field in fields)
+    enough = min(dataset.sizes.get(dim, 0) for dim in nodes) >= 4
+    scalars = [dataset[name] for name in ("status", *needed) if name not in _FIELDS]
+    alone = not any(set(scalar.dims) - (set(fields[-1].dims) - set(nodes)) for scalar in scalars)
+    if not (numbers and over_nodes and enough and alone and {field.dims for field in fields} == {fields[-1].dims}):
+        raise UnusableDataError(f"given altered results; allowed: what `gfmd solve` leaves of {kind}")
+    if (dataset["status"] != 0).any():
+        raise UnusableDataError("given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
+    if not all(np.isfinite(field).all() for field in fields):
+        raise UnusableDataError(f"given fields that are not finite; allowed: what `gfmd solve` leaves of {kind}")
+    for dim in nodes if len(nodes) == 2 else ():  # clusters may go around the period
+        points = dataset[dim].attrs.get(_POINTS, dataset.sizes[dim]) if dim in dataset.coords else None
+        if str(points) != str(dataset.sizes[dim]):
+            given = f"{dataset.sizes[dim]} of the {points} nodes along {dim}"
+            raise UnusableDataError(f"given {given}; allowed: all nodes of the period of a map")
+    return nodes

@@ -1,0 +1,87 @@
+"""Electrical or thermal conductance of a solved contact, from which of its nodes touch."""
+
+import numpy as np
+import xarray as xr
+from scipy.sparse.linalg import LinearOperator, cg
+
+from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.contact.dataset import CONVENTIONS, POINTS
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.scene import InputError
+
+_RESIDUAL = 1e-10
+_ALLOWED = "what gfmd_numba.solve returns of a contact"
+
+
+def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
+    """Conductance of what `gfmd solve` leaves of contacts, for the current or the heat that crosses touching nodes.
+
+    Two half-spaces of conductivities s_1 and s_2 meet in the touching nodes, which are at one potential. With
+    s = 2 s_1 s_2 / (s_1 + s_2), `conductance` times s is the current per nominal area over the potential difference of
+    the two bodies, beyond that in the uniform flow, per m (L_x without a length). A single round spot of radius a has
+    2 a s (Holm, Electric Contacts, 1967). Frictionless half-spaces with the contact held have the stiffness
+    dp/d(mean gap) = `conductance` times E* (Barber, Proc. R. Soc. Lond. A 459:53, 2003). It is 0 without contact and
+    infinite in full contact. Dims other than `y` and `x` stay. Raises InputError for a dataset that no contact was
+    solved for, or a run that is not ok.
+    """
+    nodes = _nodes(contact)
+    touching = contact["gap"] == 0.0
+    reduced = xr.apply_ufunc(_reduced, touching, input_core_dims=[nodes], vectorize=True)
+    spacing = float(contact["x"][1] - contact["x"][0])
+    result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
+    result["conductance"] = reduced / (spacing * contact.sizes["x"])
+    unit = str(contact["x"].attrs.get("units", "1"))
+    described = {
+        "long_name": "contact conductance per nominal area over the harmonic mean of the conductivities",
+        "units": "1" if unit == "1" else f"{unit}-1",
+    }
+    result["conductance"].attrs = described
+    return result
+
+
+def _reduced(touching: Flags) -> float:
+    """Conductance in 1 / L_x: half the mean current of one half-space at unit potential under the touching nodes.
+
+    Its potential is sum_q j~(q) / q exp(iqx), with zero mean: the mean is that of the uniform flow.
+    """
+    if touching.all() or not touching.any():
+        return np.inf if touching.all() else 0.0
+    field = Convolution(1, *touching.shape)
+    q = grid.magnitudes(touching.shape)
+    potential_of = field.symbol(np.divide(1.0, q, out=np.zeros_like(q), where=q > 0.0))
+    current_of = field.symbol(q)
+    places = np.flatnonzero(touching)
+
+    def on_contact(symbol: Reals, source: Reals) -> Reals:
+        row = field.sources[0][0]
+        row[:] = 0.0
+        row[places] = source
+        field.apply(symbol, np.arange(1))
+        return np.asarray(field.result[0, places])
+
+    shape = (len(places), len(places))
+    compliance = LinearOperator(shape, lambda current: on_contact(potential_of, current), dtype=np.float64)
+    near_field = LinearOperator(shape, lambda potential: on_contact(current_of, potential), dtype=np.float64)
+    current, failed = cg(compliance, np.ones(len(places)), rtol=_RESIDUAL, maxiter=10_000, M=near_field)
+    return float("nan") if failed else 0.5 * float(current.sum()) / touching.size
+
+
+def _nodes(contact: xr.Dataset) -> list[str]:
+    """Return the dims of the nodes, `[x]` or `[y, x]`; raises InputError for what is no contact in equilibrium."""
+    if not {"x", "gap", "status"} <= contact.variables.keys():
+        raise InputError(f"contact: given no results of a contact; allowed: {_ALLOWED}")
+    nodes = ["y", "x"] if "y" in contact.dims else ["x"]
+    x, gap, status = (contact[name] for name in ("x", "gap", "status"))
+    numbers = all(each.dtype.kind in "fiu" and bool(np.isfinite(each).all()) for each in (x, gap, status))
+    laid_out = x.dims == ("x",) and set(nodes) <= set(gap.dims) and set(status.dims) <= set(gap.dims) - set(nodes)
+    if not (numbers and laid_out and min(gap.shape, default=0) > 0 and x.size >= 4 and float(x[1] - x[0]) > 0.0):
+        raise InputError(f"contact: given an altered one; allowed: {_ALLOWED}")
+    if (status != 0).any():
+        raise InputError("contact: given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
+    for dim in nodes:
+        points = contact[dim].attrs.get(POINTS, contact.sizes[dim]) if dim in contact.coords else None
+        if str(points) != str(contact.sizes[dim]):
+            given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
+            raise InputError(f"contact: given {given}; allowed: all nodes of the period")
+    return nodes

@@ -1,0 +1,111 @@
+"""Flow through gaps by the Reynolds equation: closed forms, duality in the plane, and a dense solve node by node."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.analysis import UnusableDataError
+from support.solved_maps import made, pressed, wave
+
+OPEN = np.zeros((32, 32), dtype=bool)
+
+
+def cubes(touching, gap=1.0):
+    found = gfmd_numba.leakage(made(touching, gap))
+    assert (found["flow_residual"] < 1e-9).all()
+    return found["hydraulic_gap"].values ** 3
+
+
+@pytest.mark.parametrize("gap", [1.0, 1e-9, 1e-300, 1e90])
+def test_a_straight_channel_leaks_by_its_width_and_the_cube_of_its_gap(gap):
+    touching = ~OPEN
+    touching[5:13] = False  # a quarter of the width, along x
+    found = gfmd_numba.leakage(made(touching, gap))["hydraulic_gap"]
+    np.testing.assert_allclose(found / gap, [0.25 ** (1 / 3), 0.0], rtol=1e-12)
+
+
+def test_parallel_walls_have_the_flow_factor_one():
+    found = gfmd_numba.leakage(made(OPEN, 0.3))
+    np.testing.assert_allclose(found["flow_factor"], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(found["hydraulic_gap"], 0.3, rtol=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.3, 0.7])
+def test_a_wave_across_the_flow_is_a_series_of_resistances(depth):
+    """1 + e cos: the mean of u^-3 is (2 + e^2) / (2 (1 - e^2)^(5/2)), that of u^3 is 1 + 3 e^2 / 2."""
+    gap = np.broadcast_to(1.0 + depth * np.cos(2.0 * np.pi * np.arange(128) / 128), (128, 128))
+    series = 2.0 * (1.0 - depth**2) ** 2.5 / (2.0 + depth**2)
+    np.testing.assert_allclose(cubes(gap == 0.0, gap), [series, 1.0 + 1.5 * depth**2], rtol=1e-9)
+
+
+def test_waves_in_both_directions_leak_as_their_geometric_mean():
+    """Keller (J. Math. Phys. 5:548, 1964): as u^3 shifted by half a period is u^-3, neither leaks more; order h^2."""
+    errors = []
+    for n in (32, 64, 128):
+        x = 2.0 * np.pi * (np.arange(n) + 0.5) / n  # mirrored at the sides, so that a period goes on behind them
+        gap = np.exp(0.5 * np.cos(x) * np.cos(x)[:, np.newaxis])
+        errors.append(abs(cubes(gap == 0.0, gap) - 1.0))
+    assert errors[2].max() < 1e-3
+    np.testing.assert_allclose(np.log2(errors[0] / errors[1]), 2.0, atol=0.1)
+    np.testing.assert_allclose(np.log2(errors[1] / errors[2]), 2.0, atol=0.1)
+
+
+def dense(gap):
+    """Flow along the first axis from a full matrix, assembled node by node."""
+    k, (rows, columns) = gap**3, gap.shape
+    matrix, source = np.zeros((gap.size, gap.size)), np.zeros(gap.size)
+
+    def number(i, j):
+        return i * columns + j % columns
+
+    for i in range(rows):
+        for j in range(columns):
+            here = number(i, j)
+            if i in (0, rows - 1):
+                matrix[here, here] += 2.0 * k[i, j]
+                source[here] += 2.0 * k[i, j] * (i == 0)
+            for there, conductivity in [(number(i, j + s), k[i, (j + s) % columns]) for s in (1, -1)] + [
+                (number(i + s, j), k[i + s, j]) for s in (1, -1) if 0 <= i + s < rows
+            ]:
+                face = 2.0 / (1.0 / k[i, j] + 1.0 / conductivity)
+                matrix[here, here] += face
+                matrix[here, there] -= face
+    pressure = np.linalg.solve(matrix, source).reshape(gap.shape)
+    return (2.0 * k[-1] * pressure[-1]).sum() * rows / columns
+
+
+def test_a_random_gap_leaks_as_a_dense_solve_says():
+    gap = np.random.default_rng(4).uniform(0.2, 2.0, (12, 12))
+    np.testing.assert_allclose(cubes(gap == 0.0, gap), [dense(gap.T), dense(gap)], rtol=1e-10)
+
+
+def test_closed_nodes_are_those_of_a_vanishing_gap():
+    rng = np.random.default_rng(4)
+    gap = rng.uniform(0.2, 2.0, (14, 14)) * (rng.random((14, 14)) > 0.25)
+    expected = [dense(np.maximum(each, 1e-4)) for each in (gap.T, gap)]
+    np.testing.assert_allclose(cubes(gap == 0.0, gap), expected, rtol=1e-6)
+
+
+def test_what_no_channel_connects_does_not_leak():
+    rng = np.random.default_rng(6)
+    touching = rng.random((30, 24, 24)) < 0.4
+    dataset = made(touching, rng.random(touching.shape) + 0.1)
+    leaks = gfmd_numba.leakage(dataset)["hydraulic_gap"] > 0.0
+    connects = gfmd_numba.gap_percolation(dataset)["gap_connects"] > 0
+    np.testing.assert_array_equal(leaks, connects)
+    assert 0 < leaks.sum() < leaks.size
+    assert (gfmd_numba.leakage(made(~OPEN))["flow_factor"] == 0.0).all()
+
+
+def test_a_pressed_ridge_leaks_along_itself_only():
+    dataset = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
+    found = gfmd_numba.leakage(dataset)
+    expected = float((dataset["gap"] ** 3).mean())  # channels in parallel
+    assert found["hydraulic_gap"].sel(direction="x") == 0.0
+    assert float(found["hydraulic_gap"].sel(direction="y")) ** 3 == pytest.approx(expected, rel=1e-9)
+    assert found["hydraulic_gap"].units == dataset["gap"].units
+
+
+def test_profiles_do_not_leak():
+    with pytest.raises(UnusableDataError, match="given no results of a map's contact"):
+        gfmd_numba.leakage(made(OPEN).isel(y=0))

@@ -1,0 +1,111 @@
+"""Conductance of contacts: Holm's spot, parallel ridges, and the stiffness of the same contact held."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.contact.edges import EDGE_BIAS
+from support.solved_maps import made, paraboloid, pressed, wave
+
+IMAGES = 3.9002649  # -sum of 1/r over the square lattice without the origin, its mean taken off
+
+
+def conductance(dataset):
+    return float(gfmd_numba.contact_conductance(dataset)["conductance"])
+
+
+@pytest.mark.parametrize("half_width", [6.0, 10.0, 20.0])
+def test_a_hertzian_spot_conducts_as_holm_says(half_width):
+    """2 a s of a spot alone; spots at distances L_x help each other by 2 a IMAGES / pi, exact to order (a / L_x)^3."""
+    n = 192
+    dataset = pressed(paraboloid(n), 4.0 / 3.0 * (half_width / n) ** 3 / 100.0)
+    a = np.sqrt(float(dataset["contact_area_fraction"]) / np.pi)
+    assert conductance(dataset) == pytest.approx(2.0 * a / (1.0 - 2.0 * a * IMAGES / np.pi), rel=0.01)
+    assert a * n == pytest.approx(half_width, rel=0.02)
+
+
+@pytest.mark.parametrize("ridges", [1, 4])
+@pytest.mark.parametrize("nodes", [5, 20, 50])
+def test_parallel_ridges_conduct_as_a_row_of_strips(ridges, nodes):
+    """Strips of width w at distances l: pi / (-2 l ln sin(pi w / 2 l)), as Koiter's cracks between them (1959).
+
+    Counted nodes of a contact reach too far at each edge, and the strip that conducts is the corrected one.
+    """
+    flags = np.zeros((ridges * 64, ridges * 64), dtype=bool)
+    flags[:, np.arange(ridges * 64) % 64 < nodes] = True
+    width = (nodes - 2.0 * EDGE_BIAS) / 64
+    expected = -ridges * np.pi / (2.0 * np.log(np.sin(0.5 * np.pi * width)))
+    assert conductance(made(flags)) == pytest.approx(expected, rel=2e-3)
+    assert conductance(made(flags.T)) == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_pressed_ridge_conducts_as_westergaard_says_to_a_node():
+    """The conductance is that of sin^2(pi w / 2) = p / p_full, and changes with the load by steps of two nodes."""
+    n = 256
+    for share in (0.02, 0.3, 0.9):
+        dataset = pressed(wave(n, 0.01), share * np.pi * 0.01)
+        half = np.arcsin(np.sqrt(share)) / np.pi
+        lower, upper = (-np.pi / (2.0 * np.log(np.sin(np.pi * (half + off / n)))) for off in (-1.0, 1.0))
+        assert lower < conductance(dataset) < upper
+
+
+def test_a_profile_conducts_as_the_map_of_its_ridge():
+    dataset = pressed(wave(64, 0.01), 0.003)
+    of_profile = dataset.isel(y=0).drop_vars("y")
+    assert conductance(of_profile) == pytest.approx(conductance(dataset), rel=1e-9)
+
+
+def test_a_rough_map_conducts_as_it_is_stiff():
+    """Barber, Proc. R. Soc. Lond. A 459:53 (2003): dp/d(mean gap) over E* is the conductance over s."""
+    scene = {
+        "dimension": 2,
+        "body": {"poissons_ratio": 0.33},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.1},
+        "path": [{"reduced_pressure": 0.1 * (1.0 + 1e-5)}],
+        "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 4},
+    }
+    path = gfmd_numba.solve(scene | {"numerics": {"residual": 1e-12}})
+    np.testing.assert_array_equal(path["pressure"][0] > 0.0, path["pressure"][1] > 0.0)
+    found = gfmd_numba.contact_conductance(path)["conductance"]
+    assert found.dims == ("step",)
+    assert float(contact_stiffness(path)["stiffness"][0]) == pytest.approx(float(found[0]), rel=1e-3)
+
+
+def test_no_contact_does_not_conduct_and_full_contact_does_not_resist():
+    flags = np.zeros((3, 8, 8), dtype=bool)
+    flags[1] = True
+    flags[2, 3, 4] = True
+    found = gfmd_numba.contact_conductance(made(flags))["conductance"].values
+    assert found[0] == 0.0
+    assert found[1] == np.inf
+    assert 0.0 < found[2] < np.inf
+
+
+def test_conductance_is_per_metre_where_lengths_are_metres():
+    flags = np.zeros((16, 16), dtype=bool)
+    flags[3:6, 4:8] = True
+    plain, long = made(flags), made(flags)
+    long = long.assign_coords(x=("x", 1e-4 * long["x"].values, {"units": "m"}))
+    found = gfmd_numba.contact_conductance(long)["conductance"]
+    assert found.units == "m-1"
+    assert float(found) == pytest.approx(1e4 * conductance(plain), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("alter", "said"),
+    [
+        (lambda given: given.drop_vars("gap"), "no results of a contact"),
+        (lambda given: given.assign(status=((), 2)), "a run that is not ok"),
+        (lambda given: given.assign(gap=given["gap"] * np.nan), "an altered one"),
+        (lambda given: given.isel(x=slice(0, 20)), "20 of the 64 nodes along x"),
+        (lambda given: xr.Dataset(), "no results of a contact"),
+    ],
+)
+def test_altered_contacts_are_refused(alter, said):
+    given = pressed(wave(64, 0.01), 0.003)
+    with pytest.raises(gfmd_numba.InputError, match=f"contact: given {said}"):
+        gfmd_numba.contact_conductance(alter(given))

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 @main.command()
 @file_argument
 def check(file: Path) -> None:
-    """Check a campaign, scene or surface FILE and say what is wrong with it."""
+    """Check a campaign, scene or surface FILE.
+
+    Prints what the file describes, with the size, modulus and load that it gives. If something is wrong, the message
+    names the line, the column, what was given and what is allowed. Nothing is computed.
+    """
     from gfmd_numba.scene.document import read_document
 
     document = read_document(file)
@@ -87,9 +91,10 @@ def _check_scene(document: Document) -> tuple[str, str]:
     "kind", type=click.Choice(["campaign", "scene", "boundary", "surface", "combinations"]), default="campaign"
 )
 def schema(kind: str) -> None:
-    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML.
+    """Print the JSON Schema of a KIND of file.
 
-    The kind combinations prints what goes together in a scene, as Markdown.
+    Editors use it to complete and check YAML. The kind "combinations" prints what goes together in a scene, as
+    Markdown.
     """
     import json
 
@@ -120,7 +125,7 @@ def schema(kind: str) -> None:
 @main.command()
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path), default="campaign.yaml")
 def init(file: Path) -> None:
-    """Write a campaign with comments to FILE, to begin with."""
+    """Write an example campaign with comments to FILE."""
     from importlib.resources import files
 
     from gfmd_numba.storage.atomic_file import create
@@ -135,7 +140,11 @@ def init(file: Path) -> None:
 
 @main.command()
 def doctor() -> None:
-    """Check this installation: packages, cache, kernels and transforms, workers."""
+    """Check this installation.
+
+    Prints the versions of the packages and the cache folder, solves a contact whose solution is known, and starts two
+    workers.
+    """
     from gfmd_numba.campaign import provenance
     from gfmd_numba.storage import cache
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -98,6 +98,16 @@ def schema(kind: str) -> None:
     """
     import json
 
+    if kind == "combinations":
+        from gfmd_numba.contact.combinations_page import combinations_page
+
+        click.echo(combinations_page(), nl=False)
+        return
+    click.echo(json.dumps(schemas()[kind], indent=2))
+
+
+def schemas() -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of all kinds of files, with the names of the solvers."""
     from pydantic import BaseModel
 
     from gfmd_numba.campaign.file import Campaign
@@ -105,21 +115,17 @@ def schema(kind: str) -> None:
     from gfmd_numba.scene.surface_file import SurfaceFile
     from gfmd_numba.solvers.table import SOLVERS
 
-    if kind == "combinations":
-        from gfmd_numba.contact.combinations_page import combinations_page
-
-        click.echo(combinations_page(), nl=False)
-        return
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,
         "scene": SceneFile,
         "boundary": BoundaryFile,
         "surface": SurfaceFile,
     }
-    described = records[kind].model_json_schema()
-    if "Numerics" in described.get("$defs", {}):
-        described["$defs"]["Numerics"]["properties"]["solver"]["enum"] = ["auto", *SOLVERS]
-    click.echo(json.dumps(described, indent=2))
+    described = {kind: record.model_json_schema() for kind, record in records.items()}
+    for schema_of_kind in described.values():
+        if "Numerics" in schema_of_kind.get("$defs", {}):
+            schema_of_kind["$defs"]["Numerics"]["properties"]["solver"]["enum"] = ["auto", *SOLVERS]
+    return described
 
 
 @main.command()

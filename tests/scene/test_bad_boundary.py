@@ -119,7 +119,8 @@ BESIDES = {
             "{hard_wall: {}}",
             "{hard_wall: {}, cohesive: {work_of_adhesion: 1e-4, normal_length: 0.1, tangential_length: 0.1}}",
         ),
-        "bad.yaml:11:5: scene.boundary: given {'normal_traction': 'wave.csv'}; allowed: no boundary beside a cohesive law",
+        "bad.yaml:11:5: scene.boundary: given {'normal_traction': 'wave.csv'}; allowed: no boundary beside a cohesive "
+        "law, as its slip counts from the unloaded body (not built yet)",
     ),
 }
 

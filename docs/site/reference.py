@@ -146,9 +146,10 @@ Every file of results is netCDF-4 and follows the CF conventions. Read it with `
 
 ## Numbers of each contact
 
-Campaigns hold these over `case` and `realisation`, load curves over `prescribed_load`, and paths over `step`. In a
-single contact they have no dimension. The units are those of a scene with a `length` and moduli. In a scene without moduli, stress
-is in E\\*; in a scene without a `length`, lengths are in L_x. The files then say so.
+Campaigns hold these over `case` and `realisation`, load curves over `prescribed_load`, and paths over `step`.
+In a single contact they have no dimension. The units are those of a scene with a `length` and moduli. In a
+scene without moduli, stress is in E\\*; in a scene without a `length`, lengths are in L_x. The files then say
+so.
 
 | Variable | Unit | Meaning |
 |---|---|---|

@@ -42,12 +42,13 @@ def solve(
     scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile,
     heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
 ) -> xr.Dataset:
-    """Solve one contact or loaded body: a file, mapping or record in, fields over x and scalars out (SI units).
+    """Solve one contact, or a body loaded without a punch, and return its fields and scalars in SI units.
 
-    `heights` `[nx]` or `[ny, nx]` are those of the rigid punch, peaks towards the body, of a scene file or mapping
-    without another `roughness`. An xarray array may have positions and units; of a NumPy array heights are in m beside
-    a length or moduli in Pa if `roughness: {units: {z: m}}` says so, and in L_x in a scene without units. Raises
-    InputError for a scene that makes no sense. A run that fails says so in `status`.
+    `scene` is a file, a mapping of its content, or a record. `heights` `[nx]` or `[ny, nx]` are the heights of the
+    rigid punch, peaks towards the body. The scene's `roughness` then holds no other surface, but it may say how the
+    heights are treated. An xarray array may carry positions and units. If the scene has a length or moduli in Pa, the
+    unit of a NumPy array has to stand in the scene, as `roughness: {units: {z: m}}`. In a scene without either, heights
+    are in L_x. A run that fails is marked in `status`. Raises InputError for a scene that makes no sense.
     """
     from gfmd_numba import simulate
     from gfmd_numba.scene import load_scene
@@ -62,13 +63,14 @@ def load_curve(
     realisations: int = 1,
     heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
 ) -> xr.Dataset:
-    """Solve a scene, a file, mapping or record, at one load after another: observables over `prescribed_load` (SI).
+    """Solve a scene at one load after another and return its observables over `prescribed_load` in SI units.
 
-    `loads` are what its loading prescribes, like reduced pressures p/(g E*) or displacements of the punch (m or L_x),
-    or text with units, like `50 MPa`. All rise or all fall, and each begins where the last one ended. `heights` are as
-    in `solve`. Several `realisations` of random surfaces give means, and their standard errors as
-    `..._standard_error`. The contact stiffness is that of a short step of the path before each load. A load at which a
-    run failed says so in `status`. Raises InputError for what makes no sense.
+    `scene` is a file, a mapping of its content, or a record. `loads` are values of what the scene's loading prescribes,
+    like reduced pressures p/(g E*) or displacements of the punch (m or L_x), or text with units, like `50 MPa`. They
+    all rise or all fall, and each solution begins where the last one ended. `heights` are as in `solve`. With several
+    `realisations` of random surfaces, the observables are means, whose standard errors are called `..._standard_error`.
+    The contact stiffness is taken over a short step of the load before each load. A load at which a run failed is
+    marked in `status`. Raises InputError for what makes no sense.
     """
     from gfmd_numba.scene import load_scene
     from gfmd_numba.scene.scene_file import with_heights
@@ -81,11 +83,11 @@ def load_curve(
 
 
 def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:
-    """Displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
+    """Return displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
 
-    `contact` is what `solve` returns, or the path of its netCDF file. `z` counts from the body's surface, negative
-    inside, in the unit of x; without it, 101 levels down to the base. Raises InputError for z outside, and for a
-    contact that was cropped or thinned: its tractions have to be those of a whole period.
+    `contact` is what `solve` returns, or the path of its netCDF file. `z` counts from the body's surface, is negative
+    inside, and has the unit of x. Without it, there are 101 levels down to the base. Raises InputError for z outside
+    the body, and for a contact that was cropped or thinned, because the tractions of a whole period are needed.
     """
     from gfmd_numba.simulate.fields import body_fields as fields_of
 
@@ -93,9 +95,10 @@ def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, bo
 
 
 def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Dataset:
-    """Make one rough surface: a file, mapping or record in, heights and statistics beside theory out (m or L_x).
+    """Make one rough surface and return its heights (m or L_x), and its statistics beside theory.
 
-    Raises InputError for a description that makes no sense, or a measured file that cannot be used.
+    `surface` is a file, a mapping of its content, or a record. Raises InputError for a description that makes no sense,
+    or a measured file that cannot be used.
     """
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
@@ -110,13 +113,15 @@ def run(
     until: Mapping[str, float] | None = None,
     budget: float | str | None = None,
 ) -> xr.Dataset:
-    """Run or resume a campaign, a file, mapping or record, and open its results; raises InputError.
+    """Run or resume a campaign and return its results.
 
-    The output directory is by default named after the campaign. `workers` above 0 are local processes; as they import
-    the calling script, the call must then stand under `if __name__ == "__main__":`. A dask client has its cluster do
-    the work. With `until={"kappa": 0.01}` the campaign runs in rounds, until kappa in the limit has a relative standard
-    error of 1 %, with as many realisations as that takes; `budget` bounds the processor time (s, or like `20min`). The
-    attribute `ended` says how that ended, and a warning where the error is not reached.
+    `campaign` is a file, a mapping of its content, or a record. The output directory is by default named after the
+    campaign. `workers` is the number of local worker processes; 0 works in this process. Worker processes import the
+    calling script, so that the call must then stand under `if __name__ == "__main__":`. If `workers` is a dask client,
+    its cluster does the work. With `until={"kappa": 0.01}` the campaign runs in rounds until kappa in the limit has a
+    relative standard error of 1 %, with as many realisations as that takes. `budget` bounds the processor time (s, or
+    text like `20min`). The attribute `ended` says how the rounds ended; a warning says if the error was not reached.
+    Raises InputError for a campaign or arguments that make no sense.
     """
     from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
@@ -141,7 +146,7 @@ def run(
 
 
 def open_campaign(path: str | Path) -> xr.Dataset:
-    """Results of a campaign, from its netCDF file or its output directory; raises InputError."""
+    """Open the results of a campaign, from its netCDF file or its output directory; raises InputError."""
     from gfmd_numba.campaign.results import read_results
 
     if not isinstance(path, str | os.PathLike):
@@ -156,11 +161,12 @@ def fit_tfc(
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
 ) -> xr.Dataset:
-    """Fit kappa of a campaign, its dataset or the path of its results, to the thermodynamic-fractal-continuum limit.
+    """Extrapolate kappa of a campaign to the thermodynamic, fractal and continuum limit.
 
-    `exponents` are shared by all groups of cases or free in each; `fixed` holds known ones, like
-    `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`. The dataset is that of `gfmd_numba.analysis.fit_tfc`.
-    Raises InputError for options that make no sense.
+    `dataset` holds the results of the campaign, or is their path. `exponents` are shared by all groups of cases or free
+    in each. `fixed` holds exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5,
+    1.0)}`. The returned dataset is that of `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no
+    sense.
     """
     from gfmd_numba.analysis import fit_tfc as fit
 
@@ -168,9 +174,9 @@ def fit_tfc(
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Distributions of pressure, gap and sizes of contacts of what `solve` returns, beside Persson's theory.
+    """Return distributions of pressure, gap and sizes of contacts of a solved contact, beside Persson's theory.
 
-    Takes the dataset or the path of its netCDF file; raises InputError for anything else.
+    `dataset` is what `solve` returns, or the path of its netCDF file. Raises InputError for anything else.
     """
     from gfmd_numba.analysis import contact_statistics as statistics
 

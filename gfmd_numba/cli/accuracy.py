@@ -23,13 +23,19 @@ from gfmd_numba.text.printable import printable
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file [NAME-accuracy.nc]")
-@click.option("--realisations", type=click.IntRange(2), help="Surfaces in each study [16, 4 to 15 on large grids]")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write [NAME-accuracy.nc]"
+)
+@click.option(
+    "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids]"
+)
 def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
-    """Measure error against seconds around the reference case of the campaign in FILE, on this machine.
+    """Measure on this machine what accuracy costs.
 
-    Solver and residual, precision, time step and damping, each discretisation, number of surfaces, slab against
-    half-space; then what 10, 3, 1 and 0.3 % of the limit cost, where the campaign has limits.
+    The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
+    processor time: solver and residual, precision, time step and damping, each discretisation, the number of surfaces,
+    and a slab in place of a half-space. If the campaign has limits, the last lines say what an error of 10, 3, 1 and
+    0.3 % in the limit costs.
     """
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
     from gfmd_numba.campaign import design as targets

@@ -11,10 +11,21 @@ import click
 Fixed = tuple[str, float | tuple[float, float]]
 
 file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+output_option = click.option(
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="netCDF file to write",
+)
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
 _variables = click.Choice(["kappa", "kappa_counted", "kappa_r"])
-variable_option = click.option("--variable", type=_variables, help="[as the campaign says]")
-exponents_option = click.option("--exponents", type=click.Choice(["shared", "free"]), help="[as the campaign says]")
+variable_option = click.option("--variable", type=_variables, help="Quantity to extrapolate [that of the campaign]")
+exponents_option = click.option(
+    "--exponents",
+    type=click.Choice(["shared", "free"]),
+    help="Fit one set of exponents to all groups of cases, or one to each [as in the campaign]",
+)
 
 
 def _exponents_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> tuple[Fixed, ...]:
@@ -36,7 +47,11 @@ def _exponent(option: str) -> Fixed:
 
 LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
 fixed_option = click.option(
-    "--fixed", multiple=True, callback=_exponents_given, metavar="EPS=X[:Y]", help="Fix an exponent, or say its range"
+    "--fixed",
+    multiple=True,
+    callback=_exponents_given,
+    metavar="EPS=X[:Y]",
+    help="Fix an exponent, or give the range it lies in",
 )
 
 
@@ -56,7 +71,7 @@ conditions_option = click.option(
     multiple=True,
     callback=_conditions_given,
     metavar="NAME=VALUE",
-    help="Only such cases, like pressure=50MPa",
+    help="Run only cases with this value, like pressure=50MPa",
 )
 
 
@@ -86,16 +101,20 @@ def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None
     return seconds
 
 
-target_option = click.option("--target", callback=_target_given, metavar="kappa=X%", help="Error of the limit to reach")
-budget_option = click.option("--budget", callback=_budget_given, metavar="TIME", help="Wall time to spend, like 20min")
+target_option = click.option(
+    "--target", callback=_target_given, metavar="kappa=X%", help="Plan for this error of the limit"
+)
+budget_option = click.option(
+    "--budget", callback=_budget_given, metavar="TIME", help="Plan for this wall time, like 20min"
+)
 until_option = click.option(
     "--until",
     callback=_target_given,
     metavar="kappa=X%",
-    help="Run until the limit has this error, with as many realisations as it takes: those in FILE are not used",
+    help="Run until the limit has this error. gfmd chooses the numbers of realisations; those in FILE are not used",
 )
 processor_time_option = click.option(
-    "--budget", callback=_budget_given, metavar="TIME", help="Processor time for --until, like 20min"
+    "--budget", callback=_budget_given, metavar="TIME", help="Processor time that --until may spend, like 20min"
 )
 
 

@@ -32,13 +32,19 @@ if TYPE_CHECKING:
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [name of the campaign]")
-@click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help="0: in this process")
-@click.option("--scheduler", metavar="ADDRESS", help="Use an existing dask scheduler")
-@click.option("--insecure", is_flag=True, help="Allow one beyond this machine without TLS")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
+@click.option(
+    "--workers",
+    default=2,
+    show_default=True,
+    type=click.IntRange(0),
+    help="Number of local worker processes; 0 works in this process",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Have the dask cluster at this address do the work")
+@click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @conditions_option
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
-@click.option("--retry-failed", is_flag=True, help="Try again what crashed or timed out before")
+@click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
 @processor_time_option
@@ -55,10 +61,13 @@ def run(
     until: tuple[str, float] | None,
     budget: float | None,
 ) -> None:
-    """Run the campaign in FILE, or what is left of it, and fit its results.
+    """Run or resume the campaign in FILE and fit its results.
 
-    With --until the campaign runs in rounds: first a pilot of 20 to 40 realisations of every case, then as many of each
-    as the results so far ask for, until the fit says that the limit has the error you want.
+    If a run was interrupted, the same command resumes it and repeats no finished work.
+
+    With --until, the campaign runs in rounds. The first round is a pilot of 20 to 40 realisations of every case. Each
+    later round has as many of each case as the results so far ask for. The run ends when the fit says that the limit has
+    the error that you want.
     """
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import Choice, StoppedError

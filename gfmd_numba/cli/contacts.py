@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, picture_beside
+from gfmd_numba.cli.arguments import check_output, file_argument, output_option, picture_beside
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
@@ -27,9 +27,13 @@ if TYPE_CHECKING:
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+@output_option
 def solve(file: Path, output: Path) -> None:
-    """Solve the one contact or loaded body in the scene FILE and write its fields and scalars."""
+    """Solve the contact or the loaded body in a scene FILE.
+
+    Writes height, pressure, displacement and gap over x, with contact area, mean gap and the like, and prints the
+    latter. If the run does not converge, its `status` says so and the command exits with 3.
+    """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
         from gfmd_numba.simulate import solve as solve_file
@@ -108,10 +112,14 @@ def _ending(step: xr.Dataset) -> str:
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--body", default="body", show_default=True, help="Which of two bodies: body or counter_body")
+@output_option
+@click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
 def fields(file: Path, output: Path, body: str) -> None:
-    """Write and draw displacement, strain and stress inside a body of the contact in FILE, left by `gfmd solve`."""
+    """Compute displacement, strain and stress inside a body.
+
+    FILE is a contact that `gfmd solve` wrote. Beside the netCDF file, the command writes a picture (.png) of the same
+    name.
+    """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
@@ -131,9 +139,13 @@ def fields(file: Path, output: Path, body: str) -> None:
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+@output_option
 def surface(file: Path, output: Path) -> None:
-    """Make the rough surface described in FILE, with its statistics and a picture."""
+    """Make the rough surface described in FILE.
+
+    Writes and draws the heights, with spectrum, autocorrelation and height distribution beside theory. The picture
+    (.png) has the name of the netCDF file.
+    """
     from gfmd_numba.analysis import plot_surface
     from gfmd_numba.scene.measured_record import Measured
     from gfmd_numba.scene.surface_file import load_surface

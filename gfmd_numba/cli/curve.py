@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import beside, check_output, file_argument, picture_beside
+from gfmd_numba.cli.arguments import beside, check_output, file_argument, output_option, picture_beside
 from gfmd_numba.cli.curve_table import columns, show
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
@@ -72,15 +72,16 @@ def _text(load: float, si: str) -> float | str:
     required=True,
     callback=_loads_given,
     metavar="A:B:N",
-    help="N loads from A to B, evenly spaced in their logarithm, or a list a,b,c; with units, like 1MPa:1GPa:20",
+    help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
 )
-@click.option("--realisations", default=1, show_default=True, help="Random surfaces to average over, with errors")
-@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
+@output_option
 def curve(file: Path, loads: list[float | str], realisations: int, output: Path) -> None:
-    """Take the scene FILE through loads and write, print and draw area, gap, stiffness and pressure over them.
+    """Solve the scene in FILE at one load after another.
 
-    Loads without a unit are what the scene's loading prescribes, like reduced pressures p/(g E*) or displacements of
-    the punch. Beside the netCDF file stand a table (.csv) and a picture (.png) of the same name.
+    Prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a unit is what
+    the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch. Beside the
+    netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene

@@ -34,11 +34,14 @@ if TYPE_CHECKING:
 @variable_option
 @exponents_option
 @fixed_option
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the fit as netCDF")
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write the fit to")
 def fit(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
 ) -> None:
-    """Fit kappa in RESULTS (a campaign's file or directory) to its limit."""
+    """Extrapolate kappa in RESULTS to its limit.
+
+    RESULTS is the netCDF file of a campaign, or its output directory.
+    """
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
@@ -62,7 +65,9 @@ def fit(
 @variable_option
 @exponents_option
 @fixed_option
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture [beside RESULTS]")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture to write [beside RESULTS]"
+)
 def plot(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
 ) -> None:

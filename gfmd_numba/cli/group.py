@@ -90,4 +90,8 @@ def _show_warning(
 @click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="gfmd-numba")
 def main() -> None:
-    """Contact of rough elastic bodies: a YAML campaign in, kappa with error bars out."""
+    """Compute how rough elastic bodies touch.
+
+    You describe a contact, a rough surface or a whole campaign in a YAML file. gfmd computes contact area, pressure,
+    gap and stiffness, and extrapolates kappa, the ratio of area to load, with its error.
+    """

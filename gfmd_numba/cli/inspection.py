@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 @main.command()
 @file_argument
 def check(file: Path) -> None:
-    """Check a campaign, scene or surface FILE and say what is wrong with it."""
+    """Check a campaign, scene or surface FILE.
+
+    Prints what the file describes, with the size, modulus and load that it gives. If something is wrong, the message
+    names the line, the column, what was given and what is allowed. Nothing is computed.
+    """
     from gfmd_numba.scene.document import read_document
 
     document = read_document(file)
@@ -87,12 +91,23 @@ def _check_scene(document: Document) -> tuple[str, str]:
     "kind", type=click.Choice(["campaign", "scene", "boundary", "surface", "combinations"]), default="campaign"
 )
 def schema(kind: str) -> None:
-    """Print the JSON Schema of a KIND of file, for editors that complete and check YAML.
+    """Print the JSON Schema of a KIND of file.
 
-    The kind combinations prints what goes together in a scene, as Markdown.
+    Editors use it to complete and check YAML. The kind "combinations" prints what goes together in a scene, as
+    Markdown.
     """
     import json
 
+    if kind == "combinations":
+        from gfmd_numba.contact.combinations_page import combinations_page
+
+        click.echo(combinations_page(), nl=False)
+        return
+    click.echo(json.dumps(schemas()[kind], indent=2))
+
+
+def schemas() -> dict[str, dict[str, Any]]:
+    """Return the JSON Schemas of all kinds of files, with the names of the solvers."""
     from pydantic import BaseModel
 
     from gfmd_numba.campaign.file import Campaign
@@ -100,27 +115,23 @@ def schema(kind: str) -> None:
     from gfmd_numba.scene.surface_file import SurfaceFile
     from gfmd_numba.solvers.table import SOLVERS
 
-    if kind == "combinations":
-        from gfmd_numba.contact.combinations_page import combinations_page
-
-        click.echo(combinations_page(), nl=False)
-        return
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,
         "scene": SceneFile,
         "boundary": BoundaryFile,
         "surface": SurfaceFile,
     }
-    described = records[kind].model_json_schema()
-    if "Numerics" in described.get("$defs", {}):
-        described["$defs"]["Numerics"]["properties"]["solver"]["enum"] = ["auto", *SOLVERS]
-    click.echo(json.dumps(described, indent=2))
+    described = {kind: record.model_json_schema() for kind, record in records.items()}
+    for schema_of_kind in described.values():
+        if "Numerics" in schema_of_kind.get("$defs", {}):
+            schema_of_kind["$defs"]["Numerics"]["properties"]["solver"]["enum"] = ["auto", *SOLVERS]
+    return described
 
 
 @main.command()
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path), default="campaign.yaml")
 def init(file: Path) -> None:
-    """Write a campaign with comments to FILE, to begin with."""
+    """Write an example campaign with comments to FILE."""
     from importlib.resources import files
 
     from gfmd_numba.storage.atomic_file import create
@@ -135,7 +146,11 @@ def init(file: Path) -> None:
 
 @main.command()
 def doctor() -> None:
-    """Check this installation: packages, cache, kernels and transforms, workers."""
+    """Check this installation.
+
+    Prints the versions of the packages and the cache folder, solves a contact whose solution is known, and starts two
+    workers.
+    """
     from gfmd_numba.campaign import provenance
     from gfmd_numba.storage import cache
 

@@ -17,10 +17,13 @@ _directory = click.argument("directory", type=click.Path(exists=True, file_okay=
 
 @main.command()
 @_directory
-@click.option("--json", "as_json", is_flag=True, help="For programs")
-@click.option("--watch", is_flag=True, help="Look again every two seconds until it has ended")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
+@click.option("--watch", is_flag=True, help="Repeat every two seconds until the run has ended")
 def status(directory: Path, as_json: bool, watch: bool) -> None:
-    """Say how far the campaign is whose output DIRECTORY this is."""
+    """Show how far the campaign in an output DIRECTORY is.
+
+    If blocks have failed, the command prints the reason of each, and the command that runs it again.
+    """
     import json
     import time
     from dataclasses import asdict
@@ -48,7 +51,10 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
 @main.command()
 @_directory
 def collect(directory: Path) -> None:
-    """Write what is finished in an output DIRECTORY to its netCDF file, also during a run."""
+    """Gather finished work of a DIRECTORY in its netCDF file.
+
+    You can do this during a run, too. DIRECTORY is the output directory of a campaign.
+    """
     from gfmd_numba.campaign.collection import collect as collect_campaign
     from gfmd_numba.campaign.status import campaign_in
 
@@ -58,7 +64,10 @@ def collect(directory: Path) -> None:
 @main.command()
 @_directory
 def verify(directory: Path) -> None:
-    """Check every shard in an output DIRECTORY, and its netCDF file, against their digests."""
+    """Compare the files of an output DIRECTORY with their digests.
+
+    The command exits with 3 if a shard, or the netCDF file of results, is damaged.
+    """
     from gfmd_numba.campaign.collection import is_altered
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.campaign.status import campaign_in

@@ -22,15 +22,31 @@ if TYPE_CHECKING:
 
 @main.command()
 @file_argument
-@click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help="That would run it")
-@click.option("--pilot", default=10.0, show_default=True, type=click.FloatRange(0), help="Seconds to measure with")
+@click.option(
+    "--workers",
+    default=2,
+    show_default=True,
+    type=click.IntRange(0),
+    help="Number of local worker processes to plan for",
+)
+@click.option(
+    "--pilot",
+    default=10.0,
+    show_default=True,
+    type=click.FloatRange(0),
+    help="Seconds to spend on measuring the cost; 0 measures nothing",
+)
 @target_option
 @budget_option
-@click.option("--write", type=click.Path(dir_okay=False, path_type=Path), help="Campaign file of that design")
+@click.option("--write", type=click.Path(dir_okay=False, path_type=Path), help="New file for the planned campaign")
 def plan(
     file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None, write: Path | None
 ) -> None:
-    """Say what the campaign in FILE comes to and costs, without running it."""
+    """Predict size and cost of the campaign in FILE.
+
+    Without --target and --budget, the command plans for the realisations in FILE. With one of them, it chooses the
+    numbers of realisations that reach the error, or that make the best of the time.
+    """
     from gfmd_numba.campaign.plan import plan as plan_campaign
 
     planned = plan_campaign(file)

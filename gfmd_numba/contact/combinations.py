@@ -28,12 +28,12 @@ class Refusal:
 
 
 _DRAGS = (
-    "nothing that drags where a deformable body is rough or both deform: only normal tractions are followed there; "
-    "map the roughness to a rigid punch"
+    "no friction and no cohesive law where a deformable body is rough or both deform, as only normal tractions "
+    "are followed there; map the roughness to a rigid punch"
 )
 _RANDOM_MAP = "a rough surface with dimension 2, like method 'psd', not a flat punch"
 _COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
-_DOUBLE = "'double' but for a frictionless hard wall of a punch on a smooth body"
+_DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
 _RANDOM = "a rough surface in a campaign, like method 'psd'"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
@@ -72,7 +72,7 @@ REFUSALS = (
     Refusal(
         "dimension 2",
         "plane stress",
-        "'plane_strain' with dimension 2, where E* is the same and nothing plane",
+        "'plane_strain' with dimension 2: E* is the same, and a contact over x and y is not plane",
         "physics",
     ),
     Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
@@ -116,14 +116,14 @@ REFUSALS = (
     Refusal(
         "punch",
         "prescribed displacement",
-        "tractions beside a punch, which prescribes displacements itself (sticking: friction with coefficient .inf); "
-        "without roughness, interface and loading both",
+        "only tractions beside a punch, as the punch prescribes displacements (to make it stick: friction with "
+        "coefficient .inf); in a scene without roughness, interface and loading also displacements",
         "physics",
     ),
     Refusal(
         "cohesive",
         "prescribed tractions",
-        "nothing beside a cohesive law, whose slip counts from the unloaded body",
+        "no boundary beside a cohesive law, as its slip counts from the unloaded body",
         "not built yet",
     ),
     Refusal("topography", "stiffness_scale", "1 where a deformable body is rough or both deform", "not built yet"),

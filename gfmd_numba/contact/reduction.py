@@ -90,7 +90,7 @@ def _body(
     body: ElasticBody, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
     condensed = Effect(
-        "tangential displacement", "condensed", "without friction the normal one decides it exactly (6.75)"
+        "tangential displacement", "condensed", "without friction the normal displacement determines it exactly (6.75)"
     )
     coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
     if body.stack is not None:
@@ -101,7 +101,7 @@ def _body(
             return body, (coupled, off)
         if loaded:  # tangential tractions move the surface up and down by nu
             return body, (condensed, off)
-        unknown = Effect("Poisson's ratio", "dropped", "a frictionless half-space knows it only through E*")
+        unknown = Effect("Poisson's ratio", "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
     if interface.couples:
         return body, (coupled, Effect("slab", "on", "its mean displacement counts"))

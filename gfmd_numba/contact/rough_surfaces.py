@@ -103,7 +103,7 @@ def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Docu
     try:
         pressed, rms_gradient = problem.given_surface(together, _asked_for(asked, heights))
     except ValueError as error:
-        allowed = "surfaces that are rough, and not beyond all measure"
+        allowed = "surfaces whose roughness is finite and not 0"
         raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
     return PressedSurfaces(pressed, rms_gradient, bodies)
 

@@ -60,7 +60,7 @@ def _spike(heights: Reals) -> str:
         if rms > 0.0
         else f"{off[where]:.3g} where all others are level"
     )
-    return f"the height at index {index} stands off its neighbours by {times}: if it is a spike, take it out"
+    return f"the height at index {index} stands off its neighbours by {times}: if it is a spike, remove it"
 
 
 def _seams(heights: Reals) -> Iterable[str]:

@@ -17,7 +17,7 @@ def check_bodies(scene: Scene) -> None:
     if not scene.surfaces:
         raise broken_rule(
             ("roughness",),
-            "a mapping with a method like 'psd' or 'measured', of the punch, or in body of the body itself",
+            "a mapping with a method like 'psd' or 'measured', here for the punch or inside body for the body itself",
         )
     if counter is not None:
         if scene.roughness is not None:

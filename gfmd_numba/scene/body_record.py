@@ -31,9 +31,11 @@ class Body(BaseModel):
     base: Base | None = Field(None, description="What layers rest on: rigid, or the material of a half-space")
     stiffness_scale: Size = Field(
         1.0,
-        description="Factor on the stiffness; 2 repeats an error of the thesis's chapter 4, anything but 1 is wrong",
+        description="Factor on the stiffness; 1 is right, and 2 repeats an error of the thesis's chapter 4",
     )
-    state: Literal["plane_strain", "plane_stress"] = Field("plane_strain", description="What holds the third direction")
+    state: Literal["plane_strain", "plane_stress"] = Field(
+        "plane_strain", description="What is zero along the third direction: strain or stress"
+    )
     roughness: Surface | None = Field(
         None, description="Topography of the body itself, peaks towards the punch; aspect_ratio is of its mean plane"
     )

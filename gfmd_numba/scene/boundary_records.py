@@ -33,12 +33,12 @@ def _number_or_file(quantity: Quantity) -> Callable[[Any], float | str]:
     return check
 
 
-Traction = Annotated[
-    float | str, PlainValidator(_number_or_file(PRESSURE)), WithJsonSchema({"allowed": _allowed(PRESSURE)})
-]
-Displacement = Annotated[
-    float | str, PlainValidator(_number_or_file(LENGTH)), WithJsonSchema({"allowed": _allowed(LENGTH)})
-]
+def _schema(quantity: Quantity) -> WithJsonSchema:
+    return WithJsonSchema({"allowed": _allowed(quantity), "unit": quantity.si})
+
+
+Traction = Annotated[float | str, PlainValidator(_number_or_file(PRESSURE)), _schema(PRESSURE)]
+Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _schema(LENGTH)]
 
 
 class Boundary(BaseModel):

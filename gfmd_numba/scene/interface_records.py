@@ -81,7 +81,9 @@ class Cohesive(BaseModel):
     normal_length: Length = Field(
         description="Gap of the largest attraction, in m if the scene has a length, else in L_x"
     )
-    tangential_length: Length = Field(description="Slip over which it shears off, in m or L_x likewise")
+    tangential_length: Length = Field(
+        description="Slip at which the law has decayed to 1/e, in m if the scene has a length, else in L_x"
+    )
 
 
 class Friction(BaseModel):

@@ -84,7 +84,8 @@ class Step(BaseModel):
     force: Force | None = Field(None, description=FORCE_ON_A_MAP)
     displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
     sliding: SignedLength | None = Field(
-        None, description="Tangential displacement of the punch since first touch, in m or L_x likewise"
+        None,
+        description="Tangential displacement of the punch since first touch, in m, or in L_x without a length",
     )
 
     def check(self, loading: Loading, i: int) -> None:

@@ -59,10 +59,14 @@ class Measured(BaseModel):
     heights: GivenHeights | None = Field(
         None, description="Heights in place of a file: a list of numbers, or of such lists; in Python an array"
     )
-    units: FileUnits | None = Field(None, description="Units that the file does not state; None: it states all")
-    fill: Literal["refuse", "interpolate"] = Field("refuse", description="What becomes of heights that are missing")
+    units: FileUnits | None = Field(
+        None, description="Units that the file does not state; None: the file states them all"
+    )
+    fill: Literal["refuse", "interpolate"] = Field("refuse", description="Treatment of missing heights")
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted first")
-    periodic: Literal["none", "mirror", "window"] = Field("none", description="How the ends are made to meet")
+    periodic: Literal["none", "mirror", "window"] = Field(
+        "none", description="Treatment of the ends, so that they meet"
+    )
     points: Points | None = Field(None, description="Grid points over L_x after resampling; None: as many as measured")
     cutoff: Length | None = Field(
         None, description="Shortest wavelength kept, in m, or in L_x if neither the file nor a length gives one in m"

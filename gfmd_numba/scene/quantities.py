@@ -57,8 +57,8 @@ Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensio
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[Size, Field(description="Root-mean-square gradient (dimensionless)")]
 REDUCED_PRESSURE = (
-    "Mean pressure p/(g E*) (dimensionless), g the rms gradient asked for; that of measured heights is their own, "
-    "and independent surfaces add up in squares"
+    "Mean pressure p/(g E*) (dimensionless); g is the rms gradient asked for, or that of measured heights, "
+    "and the squares of several surfaces add up"
 )
 RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
 PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"

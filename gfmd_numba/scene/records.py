@@ -198,12 +198,12 @@ class SceneFile(BaseModel):
     scene: Scene = Field(description="What is in contact")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
     discretisation: Discretisation | None = Field(
-        None, description="Grid and wavelengths of random surfaces that do not say their own"
+        None, description="Grid and wavelengths of random surfaces without points of their own"
     )
     seed: Seed = 0
     realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of the random surface")
     path: tuple[Step, ...] = Field(
-        (), strict=False, description="Changes of the loading one after another, each begun where the last one ended"
+        (), strict=False, description="Loadings after the first one, each begun where the last one ended"
     )
 
     @model_validator(mode="after")

@@ -78,7 +78,7 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     if not _is_whole(contact):
-        raise InputError("contact: given an altered one; allowed: what gfmd_numba.solve returns")
+        raise InputError("contact: given a contact that was altered; allowed: what gfmd_numba.solve returns")
     _check_period(contact["x"], scene.length or 1.0)
     return scene, order
 
@@ -113,7 +113,7 @@ def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
         return record.model_validate_json(contact.attrs["scene"])
     except ValueError:
         raise InputError(
-            "contact: given one whose scene is unreadable; allowed: what gfmd_numba.solve returns"
+            "contact: given a contact whose scene is unreadable; allowed: what gfmd_numba.solve returns"
         ) from None
 
 
@@ -167,7 +167,9 @@ def _one(
     for field, (variable, kind, long_name) in _NAMES.items():
         scaled = np.full_like(values.u1, np.nan) if failed else getattr(values, field) * scale[kind]
         if not failed and not np.isfinite(scaled).all():
-            raise InputError("contact: given one whose fields are not finite; allowed: what gfmd_numba.solve returns")
+            raise InputError(
+                "contact: given a contact whose fields are not finite; allowed: what gfmd_numba.solve returns"
+            )
         dataset[variable] = (("z", "x"), scaled, {"long_name": long_name, "units": unit[kind]})
     stresses = (dataset[f"stress_{i}"].values for i in (1, 2, 3, 5))
     attributes = {"long_name": "von Mises's equivalent stress", "units": unit["stress"]}

@@ -166,5 +166,8 @@ def test_fields_that_are_not_finite_are_refused(tmp_path):
     (tmp_path / "s.yaml").write_text(SCENE)
     found = gfmd_numba.solve(tmp_path / "s.yaml")
     found["pressure"][3] = np.inf
-    with pytest.raises(InputError, match="contact: given one whose fields are not finite"), np.errstate(all="ignore"):
+    with (
+        pytest.raises(InputError, match="contact: given a contact whose fields are not finite"),
+        np.errstate(all="ignore"),
+    ):
         gfmd_numba.body_fields(found)

@@ -68,7 +68,7 @@ def test_heights_that_are_none_are_told(z):
 @pytest.mark.parametrize("scene", ["", "{}", "[", "3", '{"scene": 1}'])
 def test_results_with_another_scene_are_told(scene):
     contact = gfmd_numba.solve(SCENE).assign_attrs(scene=scene)
-    with pytest.raises(InputError, match="contact: given one whose scene is unreadable"):
+    with pytest.raises(InputError, match="contact: given a contact whose scene is unreadable"):
         gfmd_numba.body_fields(contact)
 
 

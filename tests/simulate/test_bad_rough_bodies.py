@@ -54,7 +54,7 @@ COUNTER = BODY | {"roughness": ROUGH}
 BAD = {
     "all flat": (
         {},
-        "scene.roughness: given nothing; allowed: a mapping with a method like 'psd' or 'measured', of the punch",
+        "scene.roughness: given nothing; allowed: a mapping with a method like 'psd' or 'measured', here for the punch",
     ),
     "punch beside a counter body": (
         {"counter_body": COUNTER, "roughness": ROUGH},
@@ -70,7 +70,7 @@ BAD = {
     ),
     "friction": (
         {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}},
-        "scene.interface.friction: given {.*}; allowed: nothing that drags",
+        "scene.interface.friction: given {.*}; allowed: no friction",
     ),
     "stiffness scale": (
         {"body": COUNTER | {"stiffness_scale": 2.0}},

@@ -1,0 +1,31 @@
+"""Settings of Sphinx for the documentation site."""
+
+import gfmd_numba
+
+project = "gfmd-numba"
+author = "gfmd-numba maintainers"
+version = release = gfmd_numba.__version__
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+html_theme = "furo"
+html_title = f"gfmd-numba {release}"
+default_role = "code"  # docstrings write code in single backticks
+nitpicky = False
+myst_heading_anchors = 4
+nb_execution_mode = "off"  # the notebooks hold their outputs; the tests execute them
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"show-inheritance": False}
+exclude_patterns = ["docs/site"]
+
+
+def setup(app):
+    """Keep the bars of docstrings, which are absolute values and no substitutions."""
+    app.connect("autodoc-process-docstring", _escape_bars)
+
+
+def _escape_bars(app, what, name, obj, options, lines):
+    """Escape bars outside code, which is every second part between backticks."""
+    for i, line in enumerate(lines):
+        parts = line.split("`")
+        parts[::2] = [part.replace("|", "\\|") for part in parts[::2]]
+        lines[i] = "`".join(parts)

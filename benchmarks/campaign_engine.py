@@ -1,5 +1,9 @@
-"""What the engine itself costs: two workers against one, overhead over the kernels, planning many cases."""
+"""What the engine itself costs: memory made anew, two workers against one, overhead over the kernels, many cases.
 
+Arguments choose among `memory`, `planning`, `many`, `workers` and `overhead`.
+"""
+
+import os
 import resource
 import statistics
 import subprocess
@@ -76,15 +80,70 @@ def overhead(folder):
 
 
 def planning(folder):
-    path = campaign(folder, 30, "1/16", 1000, 100)
-    begun = time.perf_counter()
-    subprocess.run([sys.executable, "-m", "gfmd_numba.cli", "plan", "--pilot=0", str(path)], check=True)
-    megabytes = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
-    print(f"planning 100 000 cases: {time.perf_counter() - begun:.1f} s, {megabytes:.0f} MB")
+    for hursts in (1000, 10_000):
+        path = campaign(folder, 30, "1/16", hursts, 100)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run(
+            [sys.executable, "-m", "gfmd_numba.cli", "plan", "--pilot=0", str(path)], check=True, capture_output=True
+        )
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        print(f"planning {100 * hursts} cases: {after.ru_utime - before:.1f} s of the processor, "
+              f"{after.ru_maxrss / 1e3:.0f} MB")  # fmt: skip
 
+
+def many(folder):
+    path = campaign(folder, 1, "1/2", 50, 100)
+    begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+    _, attributes = timed(path, folder / "many", 0)
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
+    print(
+        f"5000 contacts of 16 nodes: {spent:.1f} s of the processor, {attributes['cpu_seconds']:.1f} s of them in the "
+        f"contacts; {len(list((folder / 'many' / 'shards').iterdir()))} files"
+    )
+
+
+WORKER = """
+import resource, sys
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.solution import solve
+blocks = list(plan(sys.argv[1]).blocks)
+measure(solve(blocks[0].problem, range(1)))
+if sys.argv[2] == "keep":
+    keep_freed_memory()
+for block in blocks[:: max(1, len(blocks) // 40)]:
+    measure(solve(block.problem, range(block.first, block.stop)))
+used = resource.getrusage(resource.RUSAGE_SELF)
+print(used.ru_utime, used.ru_stime, used.ru_minflt)
+"""
+
+
+def memory(_):
+    path = Path(__file__).parents[1] / "campaigns" / "thesis-chapter4.yaml"
+    as_a_nanny = os.environ | {"MALLOC_TRIM_THRESHOLD_": "65536"}
+    found = {"new": [], "keep": []}
+    for _ in range(3):  # in turn, as the machine is not equally fast all the time
+        for how, figures in found.items():
+            command = [sys.executable, "-c", WORKER, str(path), how]
+            said = subprocess.run(command, env=as_a_nanny, check=True, capture_output=True, text=True).stdout
+            figures.append([float(each) for each in said.split()])
+    for how, figures in found.items():
+        user, system, faults = zip(*figures, strict=True)
+        print(f"40 blocks of chapter 4, memory {how}: {spread(user)} s of the user's, {spread(system)} s of the "
+              f"system's, {statistics.median(faults):.0f} page faults")  # fmt: skip
+
+
+PARTS = {
+    "memory": memory,
+    "planning": planning,
+    "many": many,
+    "workers": two_workers_against_one,
+    "overhead": overhead,
+}
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as name:
-        planning(Path(name))
-        two_workers_against_one(Path(name))
-        overhead(Path(name))
+    for part in sys.argv[1:] or PARTS:
+        with tempfile.TemporaryDirectory() as name:
+            PARTS[part](Path(name))

@@ -20,6 +20,17 @@ CROSS = "cross"  # in `limit` of a case that differs from the reference in sever
 # 12 % with 2.7 nodes a patch, 2 to 7 % with 5 and 2 % with 8 (H = 0.3 and 0.8, p* = 1e-4 to 0.05)
 FEWEST_NODES = 2
 
+# what a fit reads beside its variable and the coordinates
+_READ = (
+    "kappa",
+    "kappa_residual_error",
+    "contact_area_fraction_counted",
+    "n_segments",
+    "case_seconds",
+    "nx",
+    "dimension",
+)
+
 
 class UnusableDataError(InputError):
     """What a dataset lacks for the analysis asked of it."""
@@ -133,7 +144,8 @@ def fractions(levels: Reals) -> str:
 def groups_to_fit(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> list[Group]:
     """Return the groups, cases that mostly failed left out; UnusableDataError without such a variable."""
     usable = good(dataset, variable)
-    dataset = dataset.assign({variable: dataset[variable].where(usable)})
+    read = [name for name in _READ if name in dataset.data_vars]  # all others would be copied for each group
+    dataset = dataset[read].assign({variable: dataset[variable].where(usable)})
     dataset = dataset.assign_coords(_position=("case", np.arange(dataset.sizes["case"])))
     _check_groups(dataset)
     return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]

@@ -39,6 +39,8 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     nothing is varied.
     """
     good(dataset, variable)
+    shown = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
+    dataset = dataset[shown]  # all others would be copied for each group
     present = [limit for limit in discretisations(dataset) if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
         return plot_parameter(_without_cross_levels(dataset), variable)

@@ -1,0 +1,59 @@
+"""A worker makes its arrays of memory that it has, not of new pages of the system."""
+
+import os
+import platform
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from gfmd_numba.campaign import execution
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
+
+FAULTS = """
+import resource
+import numpy as np
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
+
+def faults():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(100):
+        np.ones(2**17), np.ones(2**19)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+before = faults()
+keep_freed_memory()
+faults()
+print(before, faults())
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries know no such thresholds")
+def test_arrays_are_made_of_kept_pages_also_under_a_nanny():
+    environment = os.environ | {"MALLOC_TRIM_THRESHOLD_": "65536"}  # as dask sets it for its workers
+    said = subprocess.run([sys.executable, "-c", FAULTS], env=environment, capture_output=True, text=True, check=True)
+    before, after = map(int, said.stdout.split())
+    assert before > 100 * 256  # the pages of the smaller one
+    assert after < 256
+
+
+def test_nothing_happens_without_a_library_that_knows_it(monkeypatch):
+    for missing in (OSError("no such library"), TypeError("no name")):
+
+        def lacking(_, error=missing):
+            raise error
+
+        monkeypatch.setattr("ctypes.CDLL", lacking)
+        keep_freed_memory.__wrapped__()
+    monkeypatch.setattr("ctypes.CDLL", lambda _: object())
+    keep_freed_memory.__wrapped__()
+
+
+@pytest.mark.parametrize("mortal", [True, False])
+def test_only_a_process_of_workers_keeps_memory(tmp_path, monkeypatch, mortal):
+    """That of the user keeps its own ways."""
+    kept = threading.Event()
+    monkeypatch.setattr(execution, "keep_freed_memory", kept.set)
+    execution.perform((), tmp_path, None, mortal=mortal)
+    assert kept.is_set() == mortal

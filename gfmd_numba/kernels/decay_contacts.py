@@ -15,13 +15,15 @@ from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponenti
 _WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
+_MANY = 0.01  # share of a contact under tension from which on one iteration is enough
+_DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
 _ITERATIONS = 60  # of conjugate gradients for each
 
 
 @jit
 def candidates(
-    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, nodes: Indices, spare: Indices
+    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, wider: float, nodes: Indices, spare: Indices
 ) -> tuple[int, float]:
     """List the candidates under the pressure p whose displacement is sp; their number, and the approach.
 
@@ -38,12 +40,13 @@ def candidates(
     misfit = 0.0
     for k in range(count):
         misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
-    widest = approach + (_WIDER * misfit / count if count > 0 else 0.0)
-    count = 0
-    for j in range(n):
-        if wall[j] + sp[j] <= widest or p[j] > 0.0:
-            spare[count] = j
-            count += 1
+    widest = approach + (wider * misfit / count if count > 0 else 0.0)
+    if wider > 0.0:
+        count = 0
+        for j in range(n):
+            if wall[j] + sp[j] <= widest or p[j] > 0.0:
+                spare[count] = j
+                count += 1
     begin_behind_widest_gap(spare, count, n, nodes)
     return count, approach
 
@@ -71,6 +74,28 @@ def distances_around(nodes: Indices, count: int, n: int, distances: Indices) -> 
 
 
 @jit
+def join_deepest(gap: Reals, touches: Flags, nodes: Indices, count: int, closed: float) -> int:
+    """Bring into contact what overlaps, of each stretch of overlapping nodes the deepest part; how many nodes did."""
+    joining = 0
+    k = 0
+    while k < count:
+        if touches[k] or not gap[k] < closed:
+            k += 1
+            continue
+        first = k
+        deepest = gap[k]
+        k += 1
+        while k < count and not touches[k] and gap[k] < closed and nodes[k] == nodes[k - 1] + 1:
+            deepest = min(deepest, gap[k])
+            k += 1
+        for m in range(first, k):
+            if gap[m] - closed <= _DEEP * (deepest - closed):
+                touches[m] = True
+                joining += 1
+    return joining
+
+
+@jit
 def decay_contact(
     p: Reals,
     sp: Reals,
@@ -81,7 +106,7 @@ def decay_contact(
     free_mean: bool,
     target: float,
     share: float,
-    may_change: float,
+    wider: float,
     powers: Reals,
     weights: Reals,
     white: float,
@@ -113,19 +138,26 @@ def decay_contact(
     new, old, opened, gap, r, z, uniform, t, st, diagonal = (
         values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9],
     )  # fmt: skip
-    count, approach = candidates(p, sp, wall, n, free_mean, nodes, inside)
+    count, approach = candidates(p, sp, wall, n, free_mean, wider, nodes, inside)
     distances_around(nodes, count, n, distances)
     free = far_powers(powers, near, distances, count, POWERS, rows)
+    touching = 0
     for k in range(count):
         old[k] = p[nodes[k]]
         new[k] = old[k]
         opened[k] = wall[nodes[k]] + sp[nodes[k]] - approach
         gap[k] = opened[k]
         touches[k] = old[k] > 0.0
+    if wider > 0.0:
+        misfit = 0.0
+        for k in range(count):
+            if touches[k]:
+                misfit += abs(gap[k])
+                touching += 1
+        join_deepest(gap, touches, nodes, count, -max(misfit / max(touching, 1), rounding))
     tolerance = _LOOSE
     final = -1.0
     settled = False
-    touching = 0
     for _ in range(_STEPS):
         touching = 0
         for k in range(count):
@@ -147,6 +179,7 @@ def decay_contact(
                 exponential_sum_solve(z, touching, coarse_weights, decay, lower, diagonal, uniform, carried[0])
         while True:
             last = 0.0
+            hasty = False
             for _ in range(_ITERATIONS if touching > 0 else 0):
                 exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
                 energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
@@ -155,6 +188,16 @@ def decay_contact(
                     tolerance = max(tolerance, final)
                 if not error > tolerance:
                     break
+                if last == 0.0 and tolerance > final:
+                    leaving = 0
+                    for k in range(touching):
+                        if not new[inside[k]] + z[k] > 0.0:
+                            leaving += 1
+                    hasty = leaving > _MANY * touching
+                    if hasty:
+                        for k in range(touching):
+                            new[inside[k]] += z[k]
+                        break
                 beta = energy / last if last > 0.0 else 0.0
                 for k in range(touching):
                     t[k] = z[k] + beta * t[k] if last > 0.0 else z[k]
@@ -184,7 +227,7 @@ def decay_contact(
                 scale = load * n / total if free_mean else 1.0
                 for k in range(touching):
                     i = inside[k]
-                    t[k] = -new[i]
+                    t[k] = (z[k] if hasty else 0.0) - new[i]
                     touches[i] = new[i] > 0.0
                     new[i] = scale * new[i] if new[i] > 0.0 else 0.0
                     t[k] += new[i]
@@ -202,11 +245,8 @@ def decay_contact(
                 for k in range(touching):
                     approach += gap[inside[k]]
                 approach /= touching
-            for k in range(count):
-                if not touches[k] and gap[k] - approach < -misfit:
-                    touches[k] = True
-                    joining += 1
-            settled = joining <= may_change * touching
+            joining = join_deepest(gap, touches, nodes, count, approach - misfit)
+            settled = joining == 0
             if joining > 0 or tolerance <= final:
                 break
             tolerance = final
@@ -244,7 +284,9 @@ def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: b
 
 
 @jit
-def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int, p: Reals) -> None:
+def refined_pressure(
+    coarse: Reals, m: int, load: float, free_mean: bool, n: int, fine: Reals, p: Reals
+) -> None:
     """Interpolate a pressure of m nodes to n, keep it on nodes nearer to a contact node, and scale it to the load."""
     for j in range(n):
         p[j] = 0.0
@@ -257,7 +299,7 @@ def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int
         for j in range(-(-i * n // m), -(-(i + 1) * n // m)):
             x = (j * m - i * n) / n
             if (x <= 0.5 and here > 0.0) or (x >= 0.5 and there > 0.0):
-                p[j] = (1.0 - x) * here + x * there
+                p[j] = max((1.0 - x) * here + x * there - fine[j], 0.0)
                 total += p[j]
     if free_mean:
         for j in range(n):

@@ -10,7 +10,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.active_sets import newton_error, without_mean
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.decay_sums import POWERS, decay_product, far_powers
-from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
+from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve, exponential_sum_solve_two
 
 _WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
@@ -18,6 +18,7 @@ _TIGHTEN = 0.1  # factor on that error after each step
 _MANY = 0.01  # share of a contact under tension from which on one iteration is enough
 _DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
+_ROUNDS = 3  # in which nodes may join at the last tolerance, before the gap is found anew
 _ITERATIONS = 60  # of conjugate gradients for each
 
 
@@ -158,6 +159,7 @@ def decay_contact(
     tolerance = _LOOSE
     final = -1.0
     settled = False
+    rounds = 0
     for _ in range(_STEPS):
         touching = 0
         for k in range(count):
@@ -175,13 +177,20 @@ def decay_contact(
             if free_mean:
                 without_mean(r, touching)
                 for k in range(touching):
-                    z[k] = 1.0
-                exponential_sum_solve(z, touching, coarse_weights, decay, lower, diagonal, uniform, carried[0])
+                    t[k] = 1.0
+                exponential_sum_solve_two(
+                    r, t, touching, coarse_weights, decay, lower, diagonal, z, uniform, carried[0], carried[1]
+                )
+            else:
+                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+            solved = True
         while True:
             last = 0.0
             hasty = False
             for _ in range(_ITERATIONS if touching > 0 else 0):
-                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                if not solved:
+                    exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                solved = False
                 energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
                 if final < 0.0:
                     final = max(target, share * error)
@@ -235,6 +244,10 @@ def decay_contact(
                 for k in range(touching):
                     gap[inside[k]] = st[k] - r[k]
                 break
+            if not wider > 0.0:
+                settled = True
+                tolerance = final
+                break
             for k in range(count):
                 z[k] = new[k] - old[k]
             decay_product(rows, count, near, weights, white, mean, z, gap)
@@ -246,7 +259,9 @@ def decay_contact(
                     approach += gap[inside[k]]
                 approach /= touching
             joining = join_deepest(gap, touches, nodes, count, approach - misfit)
-            settled = joining == 0
+            if tolerance <= final:
+                rounds += 1
+            settled = joining == 0 or rounds > _ROUNDS
             if joining > 0 or tolerance <= final:
                 break
             tolerance = final

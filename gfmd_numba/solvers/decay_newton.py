@@ -1,5 +1,7 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
+from collections import OrderedDict
+from threading import local
 from typing import Any
 
 import numpy as np
@@ -20,7 +22,9 @@ Rows = npt.NDArray[np.int64]
 _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
-_WIDER = 2.0  # nodes open by at most this many times the mean misfit of the contact may join it
+_MOST_KEPT = 4  # grids whose arrays are kept for the next batch
+_LARGE = 2**17  # nodes beyond which arrays are not kept
+_WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
 
 
@@ -38,7 +42,7 @@ class DecayNewton:
 
     def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
         rows, n = batch.punch.shape
-        self._model, self._level = model, _Level(model)
+        self._model, self._level = model, _level(model)
         self.field = self._level.field
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
@@ -135,6 +139,27 @@ class DecayNewton:
         self._transforms[i] += cost
 
 
+class _Kept(local):
+    """Grids that this thread has last worked on, by their models."""
+
+    def __init__(self) -> None:
+        self.levels: OrderedDict[DecayModel, _Level] = OrderedDict()
+
+
+_kept = _Kept()
+
+
+def _level(model: DecayModel) -> "_Level":
+    """Grid of a model, kept for the next batch unless it is large."""
+    if model.n > _LARGE:
+        return _Level(model)
+    if model not in _kept.levels:
+        _kept.levels[model] = _Level(model)
+        if len(_kept.levels) > _MOST_KEPT:
+            _kept.levels.popitem(last=False)
+    return _kept.levels[model]
+
+
 class _Level:
     """A grid at work: its transforms and the arrays that one row after the other needs."""
 
@@ -167,7 +192,7 @@ class _Level:
             return
         field, known = self.field, self.coarser.field.half
         field.spectrum[:known] = 0.0
-        np.multiply(spectrum[known : field.half], self.model.stiffness[known:] * (1.0 * self.n / n), out=field.spectrum[known:])
+        np.multiply(spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:])
         field.inverse(self.fine)
 
     def solve(

@@ -10,18 +10,21 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.active_sets import newton_error, without_mean
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.decay_sums import POWERS, decay_product, far_powers
-from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
+from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve, exponential_sum_solve_two
 
 _WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
+_MANY = 0.01  # share of a contact under tension from which on one iteration is enough
+_DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
+_ROUNDS = 3  # in which nodes may join at the last tolerance, before the gap is found anew
 _ITERATIONS = 60  # of conjugate gradients for each
 
 
 @jit
 def candidates(
-    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, nodes: Indices, spare: Indices
+    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, wider: float, nodes: Indices, spare: Indices
 ) -> tuple[int, float]:
     """List the candidates under the pressure p whose displacement is sp; their number, and the approach.
 
@@ -38,12 +41,13 @@ def candidates(
     misfit = 0.0
     for k in range(count):
         misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
-    widest = approach + (_WIDER * misfit / count if count > 0 else 0.0)
-    count = 0
-    for j in range(n):
-        if wall[j] + sp[j] <= widest or p[j] > 0.0:
-            spare[count] = j
-            count += 1
+    widest = approach + (wider * misfit / count if count > 0 else 0.0)
+    if wider > 0.0:
+        count = 0
+        for j in range(n):
+            if wall[j] + sp[j] <= widest or p[j] > 0.0:
+                spare[count] = j
+                count += 1
     begin_behind_widest_gap(spare, count, n, nodes)
     return count, approach
 
@@ -71,6 +75,28 @@ def distances_around(nodes: Indices, count: int, n: int, distances: Indices) -> 
 
 
 @jit
+def join_deepest(gap: Reals, touches: Flags, nodes: Indices, count: int, closed: float) -> int:
+    """Bring into contact what overlaps, of each stretch of overlapping nodes the deepest part; how many nodes did."""
+    joining = 0
+    k = 0
+    while k < count:
+        if touches[k] or not gap[k] < closed:
+            k += 1
+            continue
+        first = k
+        deepest = gap[k]
+        k += 1
+        while k < count and not touches[k] and gap[k] < closed and nodes[k] == nodes[k - 1] + 1:
+            deepest = min(deepest, gap[k])
+            k += 1
+        for m in range(first, k):
+            if gap[m] - closed <= _DEEP * (deepest - closed):
+                touches[m] = True
+                joining += 1
+    return joining
+
+
+@jit
 def decay_contact(
     p: Reals,
     sp: Reals,
@@ -81,7 +107,7 @@ def decay_contact(
     free_mean: bool,
     target: float,
     share: float,
-    may_change: float,
+    wider: float,
     powers: Reals,
     weights: Reals,
     white: float,
@@ -113,19 +139,27 @@ def decay_contact(
     new, old, opened, gap, r, z, uniform, t, st, diagonal = (
         values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9],
     )  # fmt: skip
-    count, approach = candidates(p, sp, wall, n, free_mean, nodes, inside)
+    count, approach = candidates(p, sp, wall, n, free_mean, wider, nodes, inside)
     distances_around(nodes, count, n, distances)
     free = far_powers(powers, near, distances, count, POWERS, rows)
+    touching = 0
     for k in range(count):
         old[k] = p[nodes[k]]
         new[k] = old[k]
         opened[k] = wall[nodes[k]] + sp[nodes[k]] - approach
         gap[k] = opened[k]
         touches[k] = old[k] > 0.0
+    if wider > 0.0:
+        misfit = 0.0
+        for k in range(count):
+            if touches[k]:
+                misfit += abs(gap[k])
+                touching += 1
+        join_deepest(gap, touches, nodes, count, -max(misfit / max(touching, 1), rounding))
     tolerance = _LOOSE
     final = -1.0
     settled = False
-    touching = 0
+    rounds = 0
     for _ in range(_STEPS):
         touching = 0
         for k in range(count):
@@ -143,18 +177,36 @@ def decay_contact(
             if free_mean:
                 without_mean(r, touching)
                 for k in range(touching):
-                    z[k] = 1.0
-                exponential_sum_solve(z, touching, coarse_weights, decay, lower, diagonal, uniform, carried[0])
+                    t[k] = 1.0
+                exponential_sum_solve_two(
+                    r, t, touching, coarse_weights, decay, lower, diagonal, z, uniform, carried[0], carried[1]
+                )
+            else:
+                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+            solved = True
         while True:
             last = 0.0
+            hasty = False
             for _ in range(_ITERATIONS if touching > 0 else 0):
-                exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                if not solved:
+                    exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
+                solved = False
                 energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
                 if final < 0.0:
                     final = max(target, share * error)
                     tolerance = max(tolerance, final)
                 if not error > tolerance:
                     break
+                if last == 0.0 and tolerance > final:
+                    leaving = 0
+                    for k in range(touching):
+                        if not new[inside[k]] + z[k] > 0.0:
+                            leaving += 1
+                    hasty = leaving > _MANY * touching
+                    if hasty:
+                        for k in range(touching):
+                            new[inside[k]] += z[k]
+                        break
                 beta = energy / last if last > 0.0 else 0.0
                 for k in range(touching):
                     t[k] = z[k] + beta * t[k] if last > 0.0 else z[k]
@@ -184,13 +236,17 @@ def decay_contact(
                 scale = load * n / total if free_mean else 1.0
                 for k in range(touching):
                     i = inside[k]
-                    t[k] = -new[i]
+                    t[k] = (z[k] if hasty else 0.0) - new[i]
                     touches[i] = new[i] > 0.0
                     new[i] = scale * new[i] if new[i] > 0.0 else 0.0
                     t[k] += new[i]
                 decay_product(contact_rows, touching, near, weights, white, mean, t, st)
                 for k in range(touching):
                     gap[inside[k]] = st[k] - r[k]
+                break
+            if not wider > 0.0:
+                settled = True
+                tolerance = final
                 break
             for k in range(count):
                 z[k] = new[k] - old[k]
@@ -202,11 +258,10 @@ def decay_contact(
                 for k in range(touching):
                     approach += gap[inside[k]]
                 approach /= touching
-            for k in range(count):
-                if not touches[k] and gap[k] - approach < -misfit:
-                    touches[k] = True
-                    joining += 1
-            settled = joining <= may_change * touching
+            joining = join_deepest(gap, touches, nodes, count, approach - misfit)
+            if tolerance <= final:
+                rounds += 1
+            settled = joining == 0 or rounds > _ROUNDS
             if joining > 0 or tolerance <= final:
                 break
             tolerance = final
@@ -244,7 +299,9 @@ def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: b
 
 
 @jit
-def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int, p: Reals) -> None:
+def refined_pressure(
+    coarse: Reals, m: int, load: float, free_mean: bool, n: int, fine: Reals, p: Reals
+) -> None:
     """Interpolate a pressure of m nodes to n, keep it on nodes nearer to a contact node, and scale it to the load."""
     for j in range(n):
         p[j] = 0.0
@@ -257,7 +314,7 @@ def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int
         for j in range(-(-i * n // m), -(-(i + 1) * n // m)):
             x = (j * m - i * n) / n
             if (x <= 0.5 and here > 0.0) or (x >= 0.5 and there > 0.0):
-                p[j] = (1.0 - x) * here + x * there
+                p[j] = max((1.0 - x) * here + x * there - fine[j], 0.0)
                 total += p[j]
     if free_mean:
         for j in range(n):

@@ -86,3 +86,49 @@ def exponential_sum_solve(
             carried[s] = decay[i + 1, s] * (carried[s] + weights[s] * z[i + 1])
             value -= lower[i, s] * carried[s]
         z[i] = value
+
+
+@jit
+def exponential_sum_solve_two(
+    y: Reals,
+    second: Reals,
+    count: int,
+    weights: Reals,
+    decay: Reals,
+    lower: Reals,
+    diagonal: Reals,
+    z: Reals,
+    solution: Reals,
+    carried: Reals,
+    other: Reals,
+) -> None:
+    """Solve L D L' z = y and L D L' solution = second at once, as `exponential_sum_solve` does each."""
+    terms = weights.size
+    carried[:] = 0.0
+    other[:] = 0.0
+    for i in range(count):
+        value = y[i]
+        value_two = second[i]
+        if i > 0:
+            for s in range(terms):
+                carried[s] = decay[i, s] * (carried[s] + lower[i - 1, s] * z[i - 1])
+                other[s] = decay[i, s] * (other[s] + lower[i - 1, s] * solution[i - 1])
+                value -= weights[s] * carried[s]
+                value_two -= weights[s] * other[s]
+        z[i] = value
+        solution[i] = value_two
+    for i in range(count):
+        z[i] /= diagonal[i]
+        solution[i] /= diagonal[i]
+    carried[:] = 0.0
+    other[:] = 0.0
+    for i in range(count - 2, -1, -1):
+        value = z[i]
+        value_two = solution[i]
+        for s in range(terms):
+            carried[s] = decay[i + 1, s] * (carried[s] + weights[s] * z[i + 1])
+            other[s] = decay[i + 1, s] * (other[s] + weights[s] * solution[i + 1])
+            value -= lower[i, s] * carried[s]
+            value_two -= lower[i, s] * other[s]
+        z[i] = value
+        solution[i] = value_two

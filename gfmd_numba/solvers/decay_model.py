@@ -18,13 +18,14 @@ _SLOWEST, _FASTEST = 0.5, 3.0  # smooth: half the longest wave's, and a rate per
 _SLOWEST_ALTERNATING = 1e-3
 _SAMPLES = 100  # wave numbers fitted, as many near q = 0, on a logarithmic scale, as twice that near Nyquist
 _RIDGE = 1e-8  # of the size of columns: keeps weights small where fewer decays would do
+_SPACING, _FAINT = 2.5, 1e-3  # of the preconditioner's decays: fewer factor faster, and are close enough here
 _CLOSE = 0.03  # relative error up to which a sum of decays is taken for the compliance
 _COARSENING = 4
 _COARSEST = 256  # nodes up to which the first guess is full contact
 _KEPT = 32  # bodies and grids
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DecayModel:
     """Sum of decays close to a compliance on n nodes, as `kernels.decay_contact` takes it.
 
@@ -73,7 +74,7 @@ def _made(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
     weights, white, error = _fit(compliance, n, rates, signs)
     if not error <= _CLOSE:
         return None
-    preconditioner = ExponentialSum(compliance, n)
+    preconditioner = ExponentialSum(compliance, n, _SPACING, _FAINT)
     if not preconditioner.is_safe:
         return None
     coarser = None

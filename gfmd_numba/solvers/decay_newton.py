@@ -1,12 +1,14 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
+from collections import OrderedDict
+from threading import local
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
@@ -20,7 +22,9 @@ Rows = npt.NDArray[np.int64]
 _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
-_SETTLED = 0.02  # share of its contact that may still change
+_MOST_KEPT = 4  # grids whose arrays are kept for the next batch
+_LARGE = 2**17  # nodes beyond which arrays are not kept
+_WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
 
 
@@ -38,7 +42,7 @@ class DecayNewton:
 
     def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
         rows, n = batch.punch.shape
-        self._model, self._level = model, _Level(model)
+        self._model, self._level = model, _level(model)
         self.field = self._level.field
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
@@ -47,6 +51,7 @@ class DecayNewton:
         self._residual = options.residual
         self._transforms = np.zeros(rows)
         self._expected = np.full(rows, np.inf)
+        self._looks = np.zeros(rows, dtype=np.bool_)
         self._target = np.full(rows, _EXACT * options.residual)
         stiffness = batch.normal_stiffness
         self._rigid_mean = not np.isfinite(stiffness[0])
@@ -68,9 +73,16 @@ class DecayNewton:
         for i in active:
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
             change = self._level.solve(
-                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, self._target[i], 0.0
+                self.pressure[i],
+                self.wall[i],
+                self.load[i],
+                self._rounding[i],
+                self._free_mean,
+                self._target[i] if self._looks[i] else _COARSE_ERROR,
+                _WIDER if self._looks[i] else 0.0,
             )
-            self._expected[i] = self._model.error * change
+            self._expected[i] = self._model.error * change if self._looks[i] else np.inf
+            self._looks[i] = True
         self._transforms[active] += 2
 
     def residual(self, active: Rows) -> Reals:
@@ -117,6 +129,7 @@ class DecayNewton:
             levels.append(levels[-1].coarser)
         for other in levels[1:]:
             other.filter(level.field.spectrum, self.field.n)
+        level.flatten(level.field.spectrum, self.field.n)
         levels[-1].pressure[: levels[-1].n] = start
         levels[-1].displacement[: levels[-1].n] = 0.0 if self._free_mean else start * levels[-1].at_zero
         cost = 1.0
@@ -126,11 +139,34 @@ class DecayNewton:
                 other.field.apply(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
             other.solve(
-                other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, _SETTLED
+                other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, 0.0
             )
             pressure = self.pressure[i] if finer is level else finer.pressure
-            kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, pressure)
+            kernels.refined_pressure(
+                other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure
+            )
         self._transforms[i] += cost
+
+
+class _Kept(local):
+    """Grids that this thread has last worked on, by their models."""
+
+    def __init__(self) -> None:
+        self.levels: OrderedDict[DecayModel, _Level] = OrderedDict()
+
+
+_kept = _Kept()
+
+
+def _level(model: DecayModel) -> "_Level":
+    """Grid of a model, kept for the next batch unless it is large."""
+    if model.n > _LARGE:
+        return _Level(model)
+    if model not in _kept.levels:
+        _kept.levels[model] = _Level(model)
+        if len(_kept.levels) > _MOST_KEPT:
+            _kept.levels.popitem(last=False)
+    return _kept.levels[model]
 
 
 class _Level:
@@ -140,7 +176,7 @@ class _Level:
         self.model, self.n = model, model.n
         n, sum_ = model.n, model.preconditioner
         self.field = RowTransform(n)
-        self.displacement, self.wall, self.pressure = aligned_rows(3, n)
+        self.displacement, self.wall, self.pressure, self.fine = aligned_rows(4, n)
         self.at_zero = float(model.compliance[0]) * n
         self._near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
         self._near[:POWERS] = model.powers[:POWERS]
@@ -157,6 +193,18 @@ class _Level:
         if self.n % 2 == 0:  # a pair of waves on the finer grid
             field.spectrum[-1] *= 2.0
         field.inverse(self.wall)
+        self.flatten(spectrum, n)
+
+    def flatten(self, spectrum: Any, n: int) -> None:
+        """Pressure that flattens the waves which the next coarser grid does not hold."""
+        if self.coarser is None:
+            return
+        field, known = self.field, self.coarser.field.half
+        field.spectrum[:known] = 0.0
+        np.multiply(
+            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:]
+        )
+        field.inverse(self.fine)
 
     def solve(
         self,
@@ -166,12 +214,12 @@ class _Level:
         rounding: float,
         free_mean: bool,
         target: float,
-        may_change: float,
+        wider: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
         model, sum_ = self.model, self.model.preconditioner
         change, _ = kernels.decay_contact(
-            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, may_change,
+            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, wider,
             model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
             self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
         )  # fmt: skip

@@ -27,17 +27,17 @@ class ExponentialSum:
 
     transforms = 0.0  # it takes none
 
-    def __init__(self, compliance: Reals, n: int) -> None:
+    def __init__(self, compliance: Reals, n: int, spacing: float = _SPACING, faint: float = _FAINT) -> None:
         if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
             compliance = np.concatenate((compliance[1:2] ** 2 / compliance[2:3], compliance[1:]))
         slowest = np.pi / n
-        terms = int(np.ceil(np.log(_STEEPEST / slowest) / _SPACING)) + 1
+        terms = int(np.ceil(np.log(_STEEPEST / slowest) / spacing)) + 1
         rates = np.geomspace(slowest, _STEEPEST, terms)
         weights, self.white = _fit(compliance, n, rates)
         # all images of a node, one period apart, add up to another decay and one that comes from the other side
         image = np.exp(-n * rates)
         weights /= 1.0 - image
-        felt = image > _FAINT
+        felt = image > faint
         self.rates = np.concatenate((rates, -rates[felt]))
         self.weights = np.concatenate((weights, (image * weights)[felt]))
         self.floor = 0.1 * float(compliance.min())

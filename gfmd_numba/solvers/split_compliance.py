@@ -6,8 +6,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.kernels.tiles import TILE
 
-TILE = 8  # nodes along each side of a tile, as in `kernels/tiles.py`
 _COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
 _REACH = 5  # nodes in each direction that the stencil sees
 _SAMPLES = 64  # waves in each direction on which the stencil is fitted
@@ -48,6 +48,11 @@ class SplitCompliance:
     def transforms(self) -> int:
         """Transforms of the coarser grid made so far."""
         return self._field.n_transforms
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes of the coarser grid."""
+        return self._field.n
 
     def place(self, tiles: Indices, around: Indices) -> None:
         """Prepare `apply` for some tiles and the places of those around them."""
@@ -105,4 +110,6 @@ def _fitted(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
     quarter = np.linalg.lstsq(basis, (weight * (soft > 0.0)).ravel())[0].reshape(_REACH + 1, _REACH + 1)
     quarter[1:] /= 2.0
     quarter[:, 1:] /= 2.0
-    return np.ascontiguousarray(quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))])
+    return np.ascontiguousarray(
+        quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
+    )

@@ -36,11 +36,9 @@ class Level:
 
     def transforms_since(self, before: tuple[int, int]) -> float:
         """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
-        n, parts = math.prod(self.shape), (self.compliance, self.inverse)
-        return sum(
-            (part.transforms - made) * grid.relative_cost(part.nodes, n)
-            for part, made in zip(parts, before, strict=True)
-        )
+        n = math.prod(self.shape)
+        near = (self.compliance.transforms - before[0]) * grid.relative_cost(self.compliance.nodes, n)
+        return near + (self.inverse.transforms - before[1]) * grid.relative_cost(self.inverse.nodes, n)
 
     def count_transforms(self) -> tuple[int, int]:
         """Transforms of coarser grids made so far."""
@@ -85,7 +83,7 @@ class MapContact:
         self.transform.soften(level.stiffness)
         self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
         if not self.free_mean:
-            approach = 0.0
+            approach, spread = 0.0, math.hypot(approach, spread)
         self._marks[:] = False
         kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
         kernels.mark_contact(self.contact, self.tiles, self._marks)

@@ -80,7 +80,7 @@ def _soft(stiffness: Reals) -> Reals:
 
 def _angles(waves: tuple[Indices, ...], shape: tuple[int, ...]) -> tuple[Reals, ...]:
     """Phases of the waves from node to node, along each direction."""
-    return tuple(2.0 * np.pi / n * k for k, n in zip(waves, shape, strict=True))
+    return tuple(np.asarray(k * (2.0 * np.pi / n), dtype=np.float64) for k, n in zip(waves, shape, strict=True))
 
 
 def _transform(stencil: Reals, along_y: Reals, along_x: Reals) -> Reals:

@@ -18,6 +18,8 @@ are k_y = 0, 1, ... and then the negative ones up to -1, with -ny/2 at the Nyqui
 k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so that multiplicity depends on k_x alone.
 """
 
+import math
+
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
@@ -42,6 +44,11 @@ def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, .
     They tell what a symbol is to near neighbours, whatever the size of the grid.
     """
     return tuple(np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+
+
+def relative_cost(nodes: int, of: int) -> float:
+    """Cost of a transform of some nodes over that of others, as n log n."""
+    return nodes * math.log(max(nodes, 2)) / (of * math.log(of))
 
 
 def wavenumbers(nx: int) -> Reals:

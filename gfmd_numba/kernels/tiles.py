@@ -130,23 +130,22 @@ def gather_back(coarse: Reals, tiles: Indices, weights: Reals, down: int, across
 
 
 @jit
-def sum_tiles(weights: Reals, values: Reals, tiles: Indices, sums: Reals) -> None:
-    """Weighted sum of the values on each listed tile, into a map of tiles."""
-    across = sums.shape[1]
+def sum_tiles(weights: Reals, values: Reals, tiles: Indices, across: int, sums: Reals) -> None:
+    """Weighted sums of the values over blocks of 2 x 2 tiles, on a map of `across` tiles in a row."""
+    sums[:] = 0.0
     for k in range(tiles.size):
         total = 0.0
         for y in range(TILE):
             for x in range(TILE):
                 total += weights[k, y, x] * values[k, y, x]
-        sums[tiles[k] // across, tiles[k] % across] = total
+        sums[tiles[k] // across // 2, tiles[k] % across // 2] += total
 
 
 @jit
-def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices, contact: Flags) -> None:
-    """Take the displacement that each tile shares, times the weights, off the pressure, which is none off the contact."""
-    across = shared.shape[1]
+def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices, across: int, contact: Flags) -> None:
+    """Take the displacement that a block of 2 x 2 tiles shares, times the weights, off the pressure in contact."""
     for k in range(tiles.size):
-        common = shared[tiles[k] // across, tiles[k] % across]
+        common = shared[tiles[k] // across // 2, tiles[k] % across // 2]
         for y in range(TILE):
             for x in range(TILE):
                 p = pressure[k, y, x] - weights[k, y, x] * common

@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
-from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
 
@@ -88,16 +87,27 @@ class Batch:
         return sum(law.stiffest(self.largest_pressure, self.interface.hard_wall) for law in laws if law is not None)
 
 
+class Samples(Protocol):
+    """What is known of the transforms of a solver: how many nodes a row has, and their shape."""
+
+    n: int
+    shape: tuple[int, ...]
+
+
 class Iteration(Protocol):
     """A solver at work on a batch: after `residual`, `restoring` is the traction of `displacement`, flat rows both."""
 
     check_every: int  # iterations between two looks at the certificate
-    field: Convolution
     displacement: Reals
     restoring: Reals
     wall: Reals
     load: Reals
     certificate: Certificate
+
+    @property
+    def field(self) -> Samples:
+        """Shape of a row."""
+        ...
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:

@@ -1,14 +1,21 @@
 """One map in contact: the exact gap under its pressure, and the pressure that closes it on the tiles it may reach."""
 
+import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.in_place import InPlaceTransform
+from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.preconditioners.tile_field import TileField
-from gfmd_numba.solvers.split_compliance import TILE, SplitCompliance
+from gfmd_numba.solvers.split_compliance import SplitCompliance
+
+T = TypeVar("T", bound=np.generic)
 
 _NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
 _EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
@@ -26,6 +33,16 @@ class Level:
     stiffness: Reals
     compliance: SplitCompliance
     inverse: TileField
+
+    def transforms_since(self, before: tuple[int, int]) -> float:
+        """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
+        n = math.prod(self.shape)
+        near = (self.compliance.transforms - before[0]) * grid.relative_cost(self.compliance.nodes, n)
+        return near + (self.inverse.transforms - before[1]) * grid.relative_cost(self.inverse.nodes, n)
+
+    def count_transforms(self) -> tuple[int, int]:
+        """Transforms of coarser grids made so far."""
+        return self.compliance.transforms, self.inverse.transforms
 
     @classmethod
     def of(cls, stiffness: Reals, shape: tuple[int, ...]) -> "Level":
@@ -53,7 +70,7 @@ class MapContact:
         self.pressure, self._gap, self._residual, self._change, self._direction, self._soft = self._values()
         kernels.take_tiles(transform.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
-        self.count = 0
+        self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
         self._fresh = True  # the transform holds the pressure
 
     def look(self) -> float:
@@ -66,17 +83,18 @@ class MapContact:
         self.transform.soften(level.stiffness)
         self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
         if not self.free_mean:
-            approach = 0.0
+            approach, spread = 0.0, math.hypot(approach, spread)
         self._marks[:] = False
         kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
         kernels.mark_contact(self.contact, self.tiles, self._marks)
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
         self._exact = self.tiles.size > _DENSE * self._marks.size
-        if not self._exact:
-            level.compliance.place(self.tiles, self._around)
+        before = level.count_transforms()
         level.inverse.place(self.tiles, self._around)
-        return self._error()
+        error = self._error()
+        self.coarse_transforms += level.transforms_since(before)
+        return error
 
     def settle(self, error: float, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -86,6 +104,9 @@ class MapContact:
         goal = target if self._exact else max(_EXACT * min(error, 1.0), target)
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
         level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
+        counted = level.count_transforms()
+        level.compliance.place(self.tiles, self._around)  # other maps share the level
+        level.inverse.place(self.tiles, self._around)
         for _ in range(_STEPS):
             iterations = self._close_gap(tolerance)
             changed, self.count = kernels.revise_tiles(
@@ -100,6 +121,7 @@ class MapContact:
                 np.add(gap, self._soft, out=self._gap)
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
+        self.coarse_transforms += level.transforms_since(counted)
 
     def _close_gap(self, tolerance: float) -> int:
         """Conjugate gradients for the pressure that closes the gap on the nodes in contact; how many."""
@@ -138,14 +160,14 @@ class MapContact:
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
+        overlap = -float(self._gap[:-1][~self.contact[:-1]].min(initial=0.0))
         if self.count == 0:
-            return np.inf
+            return np.inf if overlap > self._rounding else 0.0
         r, z, p, contact = _flat(self._residual), _flat(self._change), _flat(self.pressure), _flat(self.contact)
         self._level.inverse.factor(self.contact)
         kernels.closing_residual(_flat(self._gap), contact, r, self.count, self.free_mean)
         self._level.inverse.solve(self._residual, self._change)
         error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)[1]
-        overlap = -min(float(self._gap[~self.contact].min(initial=0.0)), 0.0)
         return float(max(error, overlap * self._level.inverse.stiffest / p.max()))
 
     def _values(self) -> tuple[Reals, ...]:
@@ -169,6 +191,6 @@ class MapContact:
         kernels.move_tiles(contact, places, self.tiles, self.contact)
 
 
-def _flat(values: Reals) -> Reals:
+def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
     """Values on the listed tiles, without the empty one."""
     return values[:-1].reshape(-1)

@@ -6,8 +6,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.map_contact import Level, MapContact
-from gfmd_numba.solvers.split_compliance import TILE
 
 _COARSEST = 128  # nodes along the shorter side up to which the first guess is full contact
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
@@ -28,7 +28,6 @@ def guess(grids: list[Level], wall: Reals, transform: InPlaceTransform, load: fl
 
     `start` is the uniform pressure that the coarsest grid begins with.
     """
-    nx = wall.shape[1]
     if len(grids) == 1:
         transform.samples[:] = start
         return 0.0
@@ -43,9 +42,8 @@ def guess(grids: list[Level], wall: Reals, transform: InPlaceTransform, load: fl
     (above, down), (left, right) = [(first, rest / n) for (first, rest), n in zip(places, wall.shape, strict=True)]
     kernels.refine_pressure(own.samples, above, down, left, right, transform.rows)
     if load is not None:
-        transform.samples *= load / transform.samples.mean()
-    m, n = own.n, wall.size
-    return (spent + own.n_transforms) * m * np.log(m) / (n * np.log(n))
+        np.multiply(transform.samples, load / transform.samples.mean(), out=transform.samples)
+    return (spent + own.n_transforms + contact.coarse_transforms) * grid.relative_cost(own.n, wall.size)
 
 
 def _without_short_waves(wall: Reals, transform: InPlaceTransform, coarse: InPlaceTransform) -> Reals:
@@ -56,4 +54,4 @@ def _without_short_waves(wall: Reals, transform: InPlaceTransform, coarse: InPla
     held = np.abs(ky) < coarse.shape[0] / 2, kx < coarse.shape[1] / 2
     coarse.spectrum[:, : kx.size] = np.where(held[0] & held[1], transform.spectrum[ky, kx], 0.0) / wall.size
     coarse.inverse()
-    return coarse.samples.copy()
+    return np.asarray(coarse.samples.copy(), dtype=coarse.samples.dtype)

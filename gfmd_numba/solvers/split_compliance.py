@@ -6,8 +6,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.kernels.tiles import TILE
 
-TILE = 8  # nodes along each side of a tile, as in `kernels/tiles.py`
 _COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
 _REACH = 5  # nodes in each direction that the stencil sees
 _SAMPLES = 64  # waves in each direction on which the stencil is fitted
@@ -49,6 +49,11 @@ class SplitCompliance:
         """Transforms of the coarser grid made so far."""
         return self._field.n_transforms
 
+    @property
+    def nodes(self) -> int:
+        """Number of nodes of the coarser grid."""
+        return self._field.n
+
     def place(self, tiles: Indices, around: Indices) -> None:
         """Prepare `apply` for some tiles and the places of those around them."""
         self._tiles, self._around = tiles, around
@@ -75,7 +80,7 @@ def _soft(stiffness: Reals) -> Reals:
 
 def _angles(waves: tuple[Indices, ...], shape: tuple[int, ...]) -> tuple[Reals, ...]:
     """Phases of the waves from node to node, along each direction."""
-    return tuple(2.0 * np.pi / n * k for k, n in zip(waves, shape, strict=True))
+    return tuple(np.asarray(k * (2.0 * np.pi / n), dtype=np.float64) for k, n in zip(waves, shape, strict=True))
 
 
 def _transform(stencil: Reals, along_y: Reals, along_x: Reals) -> Reals:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import solution
-from gfmd_numba.solvers.preconditioners import far_field
+from gfmd_numba.solvers.preconditioners import blocks
 from gfmd_numba.solvers.preconditioners.far_field import FarField
 from gfmd_numba.solvers.preconditioners.near_field import NearField
 from support.maps import body, problem
@@ -46,20 +46,20 @@ def columns(inverse, nodes):
 @pytest.mark.parametrize("slab", [None, (0.3, 0.1)])
 def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
     """Against dense algebra."""
-    monkeypatch.setattr(far_field, "_TOLERANCE", 1e-12)
-    monkeypatch.setattr(far_field, "_FEWEST", 4)
+    monkeypatch.setattr(blocks, "_TOLERANCE", 1e-12)
+    monkeypatch.setattr(blocks, "_FEWEST", 32)
     shape, rng = (96, 64), np.random.default_rng(0)
     nodes = np.flatnonzero(np.kron(rng.random((48, 32)) < 0.05, np.ones((2, 2))))
     stiff = body(shape, slab)
     soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
     near, far = (columns(method(stiff, shape), nodes) for method in (NearField, FarField))
     y, x = np.divmod(nodes, 64)
-    blocks = np.eye(96)[y // 8 * 8 + x // 8]
+    belongs = np.eye(96)[y // 8 * 8 + x // 8]
     rows = np.fft.fftfreq(12, 1 / 12).astype(int)
     smooth = np.fft.irfft2(soft[np.ix_(rows, np.arange(5))] / 64, (12, 8))
     smooth = np.array([np.roll(smooth, divmod(b, 8), axis=(0, 1)).ravel() for b in range(96)])
-    shared = np.diag(near.sum(axis=1)) @ blocks
-    expected = near - shared @ smooth @ np.linalg.inv(np.eye(96) + blocks.T @ shared @ smooth) @ shared.T
+    shared = np.diag(near.sum(axis=1)) @ belongs
+    expected = near - shared @ smooth @ np.linalg.inv(np.eye(96) + belongs.T @ shared @ smooth) @ shared.T
     np.testing.assert_allclose(far, expected, atol=1e-9 * near.max())
     assert np.linalg.eigvalsh(far).min() > 0.0
 

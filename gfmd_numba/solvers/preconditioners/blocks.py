@@ -1,5 +1,7 @@
 """What the pressures of blocks of nodes do to each other through the waves that a grid of blocks holds."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,24 +11,24 @@ from gfmd_numba.fourier.convolution import Convolution
 
 Rows = npt.NDArray[np.int64]
 
-_BLOCK = 8  # nodes along each side of a block, whose sum is all that is far away felt of it
-_FEWEST = 32  # blocks in each direction: fewer save less than they cost
+_FEWEST = 256  # nodes of the map in each direction: on smaller ones blocks save less than they cost
 _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that shows in the conjugate gradients
 _ONE = np.zeros(1, dtype=np.int64)
 
 
 class Blocks:
-    """Compliance S between blocks of a map; `shape` is that of the grid of blocks.
+    """Compliance S between blocks of a map: the sum of pressures is all that is far away felt of a block.
 
-    `stiffness` is `[ny, nx // 2 + 1]` of the map `nodes`; at q = 0 zero or infinite if it does not count.
+    `stiffness` is `[ny, nx // 2 + 1]` of a map of the shape `nodes`, at q = 0 zero or infinite if it does not count;
+    `side` the number of nodes along each side of a block, `shape` that of the grid of blocks.
     """
 
-    def __init__(self, stiffness: Reals, nodes: tuple[int, ...]) -> None:
-        self.shape = tuple(n // _BLOCK for n in nodes)
-        self.useful = min(self.shape) >= _FEWEST
+    def __init__(self, stiffness: Reals, nodes: tuple[int, ...], side: int) -> None:
+        self.shape = tuple(-(-n // side) for n in nodes)
+        self.useful = min(nodes) >= _FEWEST
         if not self.useful:
             return
-        self._nodes = float(np.prod(nodes))
+        self._nodes = math.prod(nodes)
         self._field = Convolution(1, *self.shape)
         coarse = stiffness[grid.wave_indices(self.shape)]
         with np.errstate(divide="ignore"):
@@ -34,12 +36,16 @@ class Blocks:
         self._compliance = self._field.symbol(compliance)
 
     @property
+    def made(self) -> int:
+        """Transforms made so far."""
+        return int(self._field.n_transforms[0]) if self.useful else 0
+
+    @property
     def transforms(self) -> float:
         """Transforms made so far, in proportion to the cost of one of the map."""
         if not self.useful:
             return 0.0
-        n, blocks = self._nodes, self._field.n
-        return float(self._field.n_transforms[0] * blocks * np.log(blocks) / (n * np.log(n)))
+        return self.made * grid.relative_cost(self._field.n, self._nodes)
 
     def shared(self, load: Reals, stiff: Reals) -> Reals:
         """Displacement y of blocks with S^-1 y + stiff y = load, by conjugate gradients preconditioned by S.

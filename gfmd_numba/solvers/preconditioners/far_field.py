@@ -9,6 +9,8 @@ from gfmd_numba.solvers.preconditioners.near_field import NearField
 
 Rows = npt.NDArray[np.int64]
 
+_SIDE = 8  # nodes along each side of a block
+
 
 class FarField:
     """Preconditioner of the compliance on some nodes: near neighbours, softened by what they cannot see.
@@ -21,7 +23,7 @@ class FarField:
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
-        self._near, self._blocks, self._shape = NearField(stiffness, shape), Blocks(stiffness, shape), shape
+        self._near, self._blocks, self._shape = NearField(stiffness, shape), Blocks(stiffness, shape, _SIDE), shape
         self._uniform, self._stiff, self._place, self._count = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64), 0
 
     @property

@@ -41,7 +41,7 @@ grid: {hurst: [0.3, 0.5, 0.8], reduced_pressure: [0.01, 0.05, 0.3]}
 """
 ROUNDS = """
 limits: {eps_c: [1/2, 1/8], eps_f: [1/32, 1/64], eps_t: [1, 1/4]}
-fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/2, 3/2], eps_t: [1/2, 3/2]}}
+fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/4, 2], eps_t: [1/2, 3/2]}}
 grid: {hurst: [0.3, 0.8]}
 """
 

@@ -138,8 +138,9 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
             failure = failures.of(directory, block.name)
             status = Outcome.unfinished if failure is None else Outcome[failure.status]
             part = _nothing(block.stop - block.first, status)
-        asked = realisations - block.first  # the shard may hold more
+        asked, solved = realisations - block.first, block.stop - block.first  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
+        parts[-1][SECONDS] = part[SECONDS] * min(1.0, asked / solved)
     if longest > realisations:
         parts.append(_nothing(longest - realisations, Outcome.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in names}

@@ -26,6 +26,7 @@ from gfmd_numba.campaign.limits import CROSS, Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
 from gfmd_numba.campaign.rewriting import with_values
+from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.contact.dataset import campaign_dataset, units
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.scene import Discretisation, InputError
@@ -77,6 +78,7 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
         solved.add(_identities(group))
         if told is not None:
             told(max(len(solved) / len(alike), min(1.0, spent / _SECONDS)))
+    remember(remembered() | seconds)  # the run need not measure again
     cases = [case for identities, group in alike.items() if identities in solved for case in group]
     values = [in_file_units(case, found[case.problem.identity]) for case in cases]
     scene = planned.campaign.scene

@@ -65,7 +65,8 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
             found = targets.pilot(planned)
         for goal in (0.1, 0.03, 0.01, 0.003):
             try:
-                click.echo(f"price    {goal:.1%}: {duration(targets.design(planned, found, goal, None).seconds)}")
+                seconds = targets.design(planned, found, goal, None).seconds
+                click.echo(f"price    {goal:.1%}: {duration(seconds)} of processor time for the contacts")
             except UnusableDataError as error:
                 say("price", f"{goal:.1%}: {error}")
                 break

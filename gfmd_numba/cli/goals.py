@@ -31,10 +31,9 @@ def _show_rounds(dataset: xr.Dataset) -> None:
             found = f"error {one['error']:.2%} (with 90 % probability below {sure:.2%})"
         asked = "the pilot" if isnan(one["predicted_error"]) else f"{one['predicted_error']:.2%} expected"
         seconds = one["cpu_seconds"]
-        spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time so far"
+        spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time for the contacts so far"
         say("round", f"{number}: {found}, {asked}; {spent}")
     say("until", f"{dataset.attrs['until'].split('=')[0]} to {dataset.attrs['target']:.2%}: {dataset.attrs['ended']}")
     if not isnan(one["error"]) and not isnan(seconds):  # which falls with the square root of time
-        say(
-            "price", f"the next digit, {one['error'] / 10:.2%}, takes about {duration(100 * seconds)} of processor time"
-        )
+        price = f"about {duration(100 * seconds)} of processor time for the contacts"
+        say("price", f"the next digit, {one['error'] / 10:.2%}, takes {price}")

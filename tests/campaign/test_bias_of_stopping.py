@@ -11,7 +11,7 @@ from gfmd_numba.campaign.rounds import PILOT, Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
-SEEDS = 100
+SEEDS = 160
 MOST = 1000  # realisations that any campaign asks for
 FIXED_COUNTS = [95, 75, PILOT]  # close to what most ask for
 NOT_ASKED = 7

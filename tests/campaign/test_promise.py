@@ -42,10 +42,10 @@ def test_without_time_for_all_it_solves_those_that_scatter_most_and_says_so(tmp_
         assert part in accuracy.promise(found)
 
 
-def test_the_seconds_of_a_pilot_are_those_of_all_groups(tmp_path, patience, monkeypatch):
+def test_the_seconds_of_a_pilot_are_those_of_all_groups(tmp_path, empty_cache, patience, monkeypatch):
     planned = plan(campaign(tmp_path, **SIX))
     clock = SimpleNamespace(now=0.0)
-    measured = accuracy._measured
+    measured = accuracy.measured
 
     def seconds(problem):
         return 1e-6 * (problem.surface.nodes + 1000) * problem.mean_pressure**0.15
@@ -54,13 +54,22 @@ def test_the_seconds_of_a_pilot_are_those_of_all_groups(tmp_path, patience, monk
         clock.now += realisations * seconds(problem)
         return measured(problem, realisations)
 
-    monkeypatch.setattr(accuracy, "_measured", timed)
+    monkeypatch.setattr(accuracy, "measured", timed)
     monkeypatch.setattr(accuracy, "time", SimpleNamespace(thread_time=lambda: clock.now))
     total = sum(map(seconds, planned.problems))
     patience(1e6)
     assert sum(accuracy.pilot(planned).seconds) == pytest.approx(total, rel=1e-9)
     patience(0.0)
     assert sum(accuracy.pilot(planned).seconds) == pytest.approx(total, rel=0.2)
+
+
+def test_what_a_pilot_of_a_design_measures_is_not_measured_again(tmp_path, empty_cache, monkeypatch):
+    planned = plan(campaign(tmp_path, **SIX))
+    found = accuracy.pilot(planned)
+    monkeypatch.setattr("gfmd_numba.campaign.cost._measured", lambda *_: pytest.fail("it measures again"))
+    predicted = planned.predicted_cost(2.0)
+    assert predicted.pilot == len(planned.problems)
+    assert sum(predicted.seconds.values()) == pytest.approx(sum(found.seconds))
 
 
 def test_groups_with_the_same_problems_are_solved_once(tmp_path, patience):

@@ -11,8 +11,9 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.status import Status
 
 _LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
-_DIVISIONS = 10  # halvings of a step, after which a jump is known to a thousandth of it
-_MOST_SOLUTIONS = 200  # in one step, which may hold a jump of each asperity
+_UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
+_DIVISIONS = 12  # halvings of a step at most
+_MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,8 @@ def _advance(
     halfway = 0.5 * (start.load + end.load)
     if contact.equilibrium.status[0] != Status.ok or is_smooth or halfway in (start.load, end.load):
         return end, [Followed(lost, np.nan)]
-    if divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
+    uncertain = 0.5 * abs((end.force - start.force) * (end.load - start.load))
+    if uncertain <= _UNCERTAIN * abs(lost) or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
         return end, [Followed(lost, halfway)]
     between = (
         replace(problem, mean_pressure=halfway)

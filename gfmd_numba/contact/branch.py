@@ -11,8 +11,10 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.status import Status
 
 _LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
-_DIVISIONS = 10  # halvings of a step, after which a jump is known to a thousandth of it
-_MOST_SOLUTIONS = 200  # in one step, which may hold a jump of each asperity
+_CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
+_UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
+_DIVISIONS = 12  # halvings of a step at most
+_MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
     if before is None:
         return replace(solution.solve(problem, realisations), followed=NOTHING_LOST)
     spent: list[Contact] = []
-    point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, spent)
+    point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
     largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
     counted = {
@@ -78,27 +80,38 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
 
 
 def _advance(
-    start: _Point, problem: Problem, realisations: range, divisions: int, spent: list[Contact]
+    start: _Point, problem: Problem, realisations: range, divisions: int, curved: float, spent: list[Contact]
 ) -> tuple[_Point, list[Followed]]:
+    """Go from a point to a problem in one step, or in two if it loses energy; `curved` may seem to be lost."""
     contact = solution.solve(problem, realisations, start.contact.equilibrium)
     spent.append(contact)
     end = _Point(problem, contact)
-    lost = 0.5 * (start.force + end.force) * (end.load - start.load) - (end.energy - start.energy)
-    law = problem.interface.normal_law
-    assert law is not None  # as is_followed says
-    touching = max(float(each.contact.equilibrium.touching.mean()) for each in (start, end))
-    work = abs(float(law.energy(np.zeros(1))[0])) * touching
-    is_smooth = touching == 0.0 or abs(lost) <= _LOST * work
+    gained, way = end.energy - start.energy, end.load - start.load
+    least, most = sorted((start.force * way, end.force * way))  # work between them on a branch of monotonic force
+    lost = 0.5 * (least + most) - gained
+    if divisions == _DIVISIONS:
+        curved = _CURVED * 0.5 * abs(least + most)
+    negligible = _LOST * _adhesion(start, end)
+    jumps = least - gained > negligible
     halfway = 0.5 * (start.load + end.load)
-    if contact.equilibrium.status[0] != Status.ok or is_smooth or halfway in (start.load, end.load):
+    if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost, np.nan)]
-    if divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
-        return end, [Followed(lost, halfway)]
+    is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
+    if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
+        return end, [Followed(lost, halfway if jumps else np.nan)]
     between = (
         replace(problem, mean_pressure=halfway)
         if problem.displacement is None
         else replace(problem, displacement=halfway)
     )
-    middle, first = _advance(start, between, realisations, divisions - 1, spent)
-    end, second = _advance(middle, problem, realisations, divisions - 1, spent)
+    middle, first = _advance(start, between, realisations, divisions - 1, curved, spent)
+    end, second = _advance(middle, problem, realisations, divisions - 1, curved, spent)
     return end, first + second
+
+
+def _adhesion(start: _Point, end: _Point) -> float:
+    """Work of adhesion on the larger contact of two, infinite without any."""
+    law = start.problem.interface.normal_law
+    touching = max(float(each.contact.equilibrium.touching.mean()) for each in (start, end))
+    assert law is not None  # as is_followed says
+    return abs(float(law.energy(np.zeros(1))[0])) * touching or np.inf

@@ -12,7 +12,7 @@ from gfmd_numba.scene.document import Location
 
 NAME = "law_resolution"
 LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
-COARSEST = 0.3  # up to it, pull-off of Johnson's adhesive wave is right to 1 %
+COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave is right to 1 % in however short steps
 REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
@@ -33,7 +33,7 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
         return ""
     return (
         f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
-        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over 20 % too large at 0.9. "
+        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over 25 % too large at 0.9. "
         f"Take {_grid(problem, discretisation)}, or a longer range"
     )
 

@@ -22,9 +22,7 @@ _FLAT = 1e-6  # curvature over that of the body alone below which a direction is
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
-_SHORTEST = (
-    2.0**-10
-)  # step along which a Newton direction has to decrease the energy, else the gradient takes its place
+_SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
 
 
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
@@ -54,12 +52,15 @@ class TruncatedNewton:
         self._punch[:, :n] = batch.punch.reshape(rows, -1)
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (self._source,) = self.field.sources
-        self.displacement, self._elastic, self.restoring = (aligned_rows(rows, n) for _ in range(3))
+        self._u, self._elastic, self.restoring = (aligned_rows(rows, n) for _ in range(3))
+        # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
+        self._floats = batch.load is not None and not interface.hard_wall
+        self._level = np.zeros((rows, 1))
         start = np.minimum(batch.start.displacement.reshape(rows, -1), self.wall[:, :n])
         # where a law repels by more than any pressure, a Newton step is lost in its exponential
         with np.errstate(over="ignore"):
             crushed = -law.traction(self._punch[:, :n] - start) > batch.largest_pressure
-        self.displacement[:, :n] = np.where(crushed, np.minimum(start, self._punch[:, :n]), start)
+        self._u[:, :n] = np.where(crushed, np.minimum(start, self._punch[:, :n]), start)
         self.certificate = Certificate(rows)
         self._target = options.residual
         stiffness = batch.normal_stiffness
@@ -74,9 +75,14 @@ class TruncatedNewton:
         )
         for row in np.arange(rows).reshape(-1, 1):
             i = row[0]
-            self._source[i] = self.displacement[i]
+            self._source[i] = self._u[i]
             self.field.apply(self._stiffness, row)
             self._accept(i)
+
+    @property
+    def displacement(self) -> Reals:
+        """Displacement of each row."""
+        return self._u + self._level if self._floats else self._u
 
     @property
     def n_transforms(self) -> Rows:
@@ -89,7 +95,7 @@ class TruncatedNewton:
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
         """
         look, n = self.certificate, self.field.n
-        look.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        look.look(self._u, self.restoring, self.wall, self.load, active, n)
         found = np.array(
             [look.residual(self.load, active[k : k + 1], self._strongest[i])[0] for k, i in enumerate(active)]
         )
@@ -107,9 +113,9 @@ class TruncatedNewton:
         i, n, field = row[0], self.field.n, self.field
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
         d, p, source, result = self._direction, self._conjugate, self._source[i], self.field.result[i]
-        curvature[:] = self._law.stiffness(self._punch[i, :n] - self.displacement[i, :n])
+        curvature[:] = self._law.stiffness(self._punch[i, :n] - self._u[i, :n])
         kernels.descent_start(
-            self.displacement[i], self.wall[i], self.restoring[i], self.load[i], curvature, self._node_compliance, n,
+            self._u[i], self.wall[i], self.restoring[i], self.load[i], curvature, self._node_compliance, n,
             weight, r, d, source,
         )  # fmt: skip
         field.apply(self._compliance, row)
@@ -160,7 +166,7 @@ class TruncatedNewton:
     def _trial(self, row: Rows, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
         i, n = row[0], self.field.n
-        u, trial = self.displacement[i], self._source[i]
+        u, trial = self._u[i], self._source[i]
         kernels.descent_trial(u, self.wall[i], self._direction, step, n, trial)
         self.field.apply(self._stiffness, row)
         work, slope, size = kernels.descent_work(
@@ -173,9 +179,12 @@ class TruncatedNewton:
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
         n = self.field.n
-        self.displacement[i, :n] = self._source[i, :n]
+        mean = float(self._source[i, :n].mean()) if self._floats else 0.0
+        self._u[i, :n] = self._source[i, :n] - mean
+        self._punch[i, :n] -= mean
+        self._level[i] += mean
         self._elastic[i, :n] = self.field.result[i, :n]
-        traction = self._law.traction(self._punch[i, :n] - self.displacement[i, :n])
+        traction = self._law.traction(self._punch[i, :n] - self._u[i, :n])
         self.restoring[i, :n] = self._elastic[i, :n] - traction
         self._strongest[i] = np.abs(traction).max()
 
@@ -188,5 +197,5 @@ def _decreases(change: float, slope: float) -> bool:
 def _shorter(change: float, slope: float) -> float:
     """Part of a step after which a parabola of that slope and change is least, from a tenth to half."""
     if not (slope < 0.0 and math.isfinite(change)):
-        return 0.25
+        return 0.1
     return min(max(-0.5 * slope / (change - slope), 0.1), 0.5)

@@ -28,7 +28,7 @@ def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_whatever_the_step(tm
     at = found["jump_displacement"].values
     jumped = np.flatnonzero(~np.isnan(at))
     assert len(jumped) == 2
-    np.testing.assert_allclose(at[jumped], [jump_in, pull_off], atol=step / 1000)
+    np.testing.assert_allclose(at[jumped], [jump_in, pull_off], atol=2e-4)
     # the slab jumps from where its stiffness equals the law's gradient to the wall, and back to where tractions balance
     apart = _apart(-pull_off, body)
     lost = [
@@ -54,7 +54,7 @@ def wave(step, solver="auto"):
     scene = {
         "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
         "roughness": {"method": "measured", "heights": 0.1 * np.cos(2 * np.pi * x)},
-        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 6e-3, "range": 8.6e-3}},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 6e-3, "range": 9e-3}},
         "loading": {"displacement": path[0]},
     }
     steps = [{"displacement": value} for value in path[1:].tolist()]

@@ -81,27 +81,32 @@ def test_the_grid_it_asks_for_resolves_the_law(body):
 
 
 def pull_off(nodes):
-    """Largest tension of a wave on a slab of height 1, drawn back in steps, and x."""
+    """Largest tension of a wave on a slab of height 1, drawn back in short steps, and x."""
     law, x = Interactions(True, ExponentialLaw(WORK, 2 * RANGE)), np.arange(nodes) / nodes
     body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
     before, most = None, 0.0
-    for displacement in np.arange(0.0, -0.1, -2e-3):
+    for displacement in np.arange(-0.04, -0.12, -5e-4):
         punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
-        start = None if before is None else following(before, punch, 0.0)
-        before = equilibrate(punch, body, None, Options("verlet", residual=1e-6), law, start)
+        if before is None:  # on the branch in contact
+            punch_in = punch - 0.04
+            before = equilibrate(punch_in, body, None, OPTIONS, law)
+        before = equilibrate(punch, body, None, OPTIONS, law, following(before, punch, 0.0))
         assert before.status[0] == 0
         most = max(most, -before.pressure.mean())
     return most, law.softening / body[-1]
+
+
+OPTIONS = Options("truncated_newton", residual=1e-6)
 
 
 def test_pull_off_of_a_wave_is_off_by_what_x_says():
     """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
     psi = np.linspace(1e-3, 0.6, 100001)
     exact = -(np.pi * AMPLITUDE * np.sin(psi) ** 2 - np.sqrt(2 * WORK * np.tan(psi))).min()
-    found = {x: tension / exact - 1 for tension, x in map(pull_off, (128, 256, 512, 1024))}
-    np.testing.assert_allclose(list(found), [1.865, 0.933, 0.466, 0.233], rtol=1e-3)
-    np.testing.assert_allclose(list(found.values()), [0.79, 0.15, 0.033, 0.003], rtol=0.1)
-    assert all((error < 0.01) == (x < COARSEST) for x, error in found.items())
+    found = {x: tension / exact - 1 for tension, x in map(pull_off, (128, 256, 512, 1280))}
+    np.testing.assert_allclose(list(found), [1.865, 0.933, 0.466, 0.187], rtol=3e-3)
+    np.testing.assert_allclose(list(found.values())[:3], [0.93, 0.28, 0.053], rtol=0.05)
+    assert all((abs(error) < 0.01) == (x < COARSEST) for x, error in found.items())
 
 
 def scene(points, tmp_path, **interface):
@@ -126,7 +131,7 @@ def test_an_unresolved_law_is_told_by_check_solve_and_file(tmp_path):
     checked = gfmd("check", path)
     assert checked.exit_code == 0
     assert expected in unfolded(checked.stderr)
-    assert "at least 3184 points" in unfolded(checked.stderr)
+    assert "at least 4776 points" in unfolded(checked.stderr)
     solved = gfmd("solve", path, "-o", tmp_path / "out.nc")
     assert solved.exit_code == 0
     assert expected in unfolded(solved.stderr)
@@ -143,13 +148,13 @@ def test_a_law_that_softens_faster_than_any_wave_stiffens_is_refused_with_the_sh
         refused = gfmd(command[0], path, *command[1:])
         assert refused.exit_code == 2
         assert "scene.interface.exponential.range: given 0.002; allowed: at least 0.00273" in unfolded(refused.stderr)
-        assert "at least 3184 points" in unfolded(refused.stderr)
+        assert "at least 4776 points" in unfolded(refused.stderr)
     with warnings.catch_warnings(action="ignore"):
         gfmd_numba.solve(scene(512, tmp_path, exponential=ADHESIVE | {"range": 0.00274}))
 
 
 def test_a_resolved_law_is_solved_without_a_word(tmp_path):
-    path = scene(512, tmp_path, exponential={"work_of_adhesion": 9e-4, "range": RANGE})
+    path = scene(512, tmp_path, exponential={"work_of_adhesion": 6e-4, "range": RANGE})
     with warnings.catch_warnings(action="error"):
         warnings.filterwarnings("ignore", "an rms gradient of 0.444")  # of a wave for Johnson's closed form
         assert "resolve" not in gfmd_numba.solve(path).validity
@@ -164,7 +169,7 @@ def test_a_random_surface_is_told_its_eps_c(tmp_path):
     path.write_text(yaml.safe_dump(file).replace("'", ""))
     told = unfolded(gfmd("check", path).stderr)
     assert "it softens 0.421 times as fast" in told
-    assert "eps_c = 1/6 (nx = 768)" in told
+    assert "eps_c = 1/9 (nx = 1152)" in told
 
 
 CAMPAIGN = """

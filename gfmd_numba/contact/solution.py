@@ -1,6 +1,7 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,13 +19,15 @@ class Contact:
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes.
+    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `found` is what
+    observables have found of it.
     """
 
     heights: Reals
     punch: Reals
     equilibrium: Equilibrium
     deflected: tuple[Reals, Reals] | None = None
+    found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
 
 def solve(

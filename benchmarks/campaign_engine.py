@@ -98,7 +98,7 @@ def many(folder):
     ended = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
     print(
-        f"5000 contacts of 16 nodes: {spent:.1f} s of the processor, {attributes['cpu_seconds']:.1f} s of them in the "
+        f"5000 contacts of 32 nodes: {spent:.1f} s of the processor, {attributes['cpu_seconds']:.1f} s of them in the "
         f"contacts; {len(list((folder / 'many' / 'shards').iterdir()))} files"
     )
 

@@ -8,6 +8,7 @@ from scipy.ndimage import label
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.edges import EDGE_BIAS, contact_length, perimeter_bias
+from gfmd_numba.contact.once import once
 from gfmd_numba.contact.solution import Contact
 
 
@@ -16,6 +17,7 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     return contact.equilibrium.touching
 
 
+@once
 def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
     """Touching nodes that are neither plastic nor in a fringe `[realisation, (y,) x]`.
 
@@ -25,6 +27,7 @@ def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
     return touching(contact) if plastic is None else touching(contact) & ~plastic & ~_fringe(contact, plastic)
 
 
+@once
 def filled(contact: Contact) -> npt.NDArray[Any]:
     """Share of each node that is in contact `[realisation, (y,) x]`, but for the edges of elastic nodes.
 
@@ -56,6 +59,7 @@ def plastic_area_fraction(contact: Contact) -> Reals:
     return mean_of_nodes(np.asarray(contact.equilibrium.plastic))
 
 
+@once
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
     now = touching(contact)
@@ -74,6 +78,7 @@ def _clusters(flags: npt.NDArray[np.bool_]) -> int:
     return len(set(joined[1:].tolist()))
 
 
+@once
 def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Number of neighbours along x, and along y, of a map of which one touches elastically, one not `[realisation]`."""
     now, elastic = touching(contact), elastic_nodes(contact)
@@ -84,6 +89,7 @@ def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.i
     return along_x, along_y
 
 
+@once
 def _elastic_ends(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of ends of the stretches of a profile whose last node is elastic `[realisation]`."""
     now, elastic = touching(contact), elastic_nodes(contact)
@@ -96,6 +102,7 @@ def contact_area_fraction_counted(contact: Contact) -> Reals:
     return np.asarray(mean_of_nodes(touching(contact)))
 
 
+@once
 def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
     if contact.heights.ndim == 3:
@@ -127,6 +134,7 @@ def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     return _located(contact)[1]
 
 
+@once
 def _located(contact: Contact) -> tuple[Reals, Reals]:
     found = contact.equilibrium
     return contact_length(found.pressure, found.touching, elastic_nodes(contact), filled(contact))

@@ -21,6 +21,7 @@ from gfmd_numba.contact.contact_area import (
 from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import recorded
+from gfmd_numba.contact.once import once
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
@@ -77,6 +78,7 @@ def kappa_residual_error(contact: Contact) -> Reals:
     return np.asarray(share * kappa(contact))
 
 
+@once
 def mean_pressure(contact: Contact) -> Reals:
     """Mean contact pressure in g E* `[realisation]`."""
     return mean_of_nodes(contact.equilibrium.pressure)
@@ -88,9 +90,10 @@ def peak_pressure(contact: Contact) -> Reals:
     return np.asarray(pressure.max(axis=tuple(range(1, pressure.ndim))))
 
 
+@once
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
-    return statistics.rms_gradient(contact.heights, _periods(contact))
+    return np.sqrt(_moment(contact, 2))
 
 
 def rms_gradient_contact(contact: Contact) -> Reals:
@@ -109,6 +112,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
 
 
+@once
 def gap(contact: Contact) -> Reals:
     """Distance between the surfaces in g L_x `[realisation, (y,) x]`; exactly 0 where they touch.
 
@@ -125,7 +129,8 @@ def mean_gap(contact: Contact) -> Reals:
 
 def nayak(contact: Contact) -> Reals:
     """Nayak's parameter m0 m4 / m2^2 of the punch `[realisation]`."""
-    return statistics.nayak(contact.heights, _periods(contact))
+    m0, m2, m4 = (_moment(contact, order) for order in (0, 2, 4))
+    return statistics.nayak_of_moments(m0, m2, m4, contact.heights.ndim - 1)
 
 
 def elastic_energy(contact: Contact) -> Reals:
@@ -140,6 +145,16 @@ def elastic_energy(contact: Contact) -> Reals:
         v = tangential.displacement
         work = work + tangential.traction * (v - v.mean(axis=along, keepdims=True))
     return np.asarray(0.5 * work.mean(axis=along))
+
+
+@once
+def _power(contact: Contact) -> Reals:
+    return statistics.power(contact.heights, _periods(contact))
+
+
+def _moment(contact: Contact, order: int) -> Reals:
+    """Moment of the spectrum of the punch `[realisation]`, in g^2 L_x^(2 - order)."""
+    return statistics.moment_of_power(_power(contact), contact.heights.shape[1:], order, _periods(contact))
 
 
 def _periods(contact: Contact) -> tuple[float, ...]:

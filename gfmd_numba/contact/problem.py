@@ -106,10 +106,12 @@ def _fields(record: Any) -> dict[str, Any]:
 
 
 def _surface_content(surface: RandomSurface | GivenSurface) -> dict[str, Any]:
-    if isinstance(surface, GivenSurface):
-        return {"nx": surface.nx, "digest": surface.digest}
-    # the text of a generator names its classes: models with equal numbers differ in nothing else
-    return _fields(surface) | {"generator": repr(surface.generator)}
+    content = _fields(surface)
+    content.pop("heights", None)
+    if isinstance(surface, RandomSurface):
+        # its text names the classes: models with equal numbers differ in nothing else
+        content["generator"] = repr(surface.generator)
+    return content
 
 
 def _body_content(body: ElasticBody) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Contact:
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
     `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `followed` tells of the
-    step of a path that led here, None where steps are not divided.
+    step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
     """
 
     heights: Reals
@@ -41,6 +42,7 @@ class Contact:
     equilibrium: Equilibrium
     deflected: tuple[Reals, Reals] | None = None
     followed: Followed | None = None
+    found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
 
 def solve(

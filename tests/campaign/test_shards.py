@@ -2,10 +2,14 @@
 
 import io
 import os
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
 
+import gfmd_numba
 from gfmd_numba.campaign import execution, shards
 from gfmd_numba.campaign.execution import Workers, perform
 from gfmd_numba.campaign.plan import plan
@@ -128,3 +132,26 @@ def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
         perform(task, folder, None, together=5, mortal=False)
     assert list(Finished(folder)) == [block.name for block in task[:3]]
     assert len(os.listdir(folder / "shards")) == 1
+
+
+FEW_FILES = """
+import sys
+from gfmd_numba.campaign import execution, plan
+execution._MOST_FILES, plan._TASKS_PER_WORKER = 5, 0.5
+from gfmd_numba.cli import main
+main(sys.argv[1:])
+"""
+
+
+def test_a_run_killed_between_bundles_resumes_to_the_same_numbers(finished, tmp_path):
+    path, out = campaign(tmp_path), tmp_path / "out"
+    command = [sys.executable, "-c", FEW_FILES, "run", str(path), "-o", str(out), "--workers=0"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and len(list(out.glob("shards/*.bundle"))) < 2:
+        time.sleep(0.001)
+    process.kill()
+    process.wait()
+    left = {bundle: bundle.stat().st_mtime_ns for bundle in out.glob("shards/*.bundle")}
+    assert len(left) >= 2
+    assert gfmd_numba.run(path, out, 0).attrs["content_sha256"] == finished.attrs["content_sha256"]
+    assert {bundle: bundle.stat().st_mtime_ns for bundle in left} == left

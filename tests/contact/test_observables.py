@@ -78,3 +78,18 @@ def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
     values = evaluation.measure(contact(np.ones(8), status=status))
     for name, row in recorded(hardness=False).items():
         assert np.isnan(values[name]).all() == (row.of == "contact"), name
+
+
+def test_observables_share_what_they_have_in_common(monkeypatch):
+    calls = []
+    for module, name in ((evaluation.statistics, "power"), (contact_area, "contact_length")):
+        original = getattr(module, name)
+        monkeypatch.setattr(
+            module, name, lambda *given, name=name, original=original: calls.append(name) or original(*given)
+        )
+    one, other = contact([0, 1, 1, 0, 0, 1, 0, 0]), contact([1, 1, 1, 1, 0, 1, 0, 0])
+    first = evaluation.measure(one)
+    assert sorted(calls) == ["contact_length", "power"]
+    second = evaluation.measure(other)
+    assert len(calls) == 4
+    assert first["kappa"][0] != second["kappa"][0]

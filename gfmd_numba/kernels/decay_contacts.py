@@ -141,6 +141,8 @@ def decay_contact(
         values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9],
     )  # fmt: skip
     count, approach = candidates(p, sp, wall, n, free_mean, wider, nodes, inside)
+    if count == 0:
+        return 0.0, 0
     distances_around(nodes, count, n, distances)
     free = far_powers(powers, near, distances, count, POWERS, rows)
     touching = 0
@@ -185,6 +187,8 @@ def decay_contact(
             else:
                 exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
             solved = True
+        elif final < 0.0:
+            final = target
         while True:
             last = 0.0
             hasty = False
@@ -194,7 +198,7 @@ def decay_contact(
                 solved = False
                 energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
                 if final < 0.0:
-                    final = max(target, share * error)
+                    final = max(target, share * error) if error < np.inf else target
                     tolerance = max(tolerance, final)
                 if not error > tolerance:
                     break

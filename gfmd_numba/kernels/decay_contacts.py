@@ -16,6 +16,7 @@ _WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
 _MANY = 0.01  # share of a contact under tension from which on one iteration is enough
+_FEW = 0.03  # share of it up to which nodes leave while others join
 _DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
 _ROUNDS = 3  # in which nodes may join at the last tolerance, before the gap is found anew
@@ -140,6 +141,8 @@ def decay_contact(
         values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9],
     )  # fmt: skip
     count, approach = candidates(p, sp, wall, n, free_mean, wider, nodes, inside)
+    if count == 0:
+        return 0.0, 0
     distances_around(nodes, count, n, distances)
     free = far_powers(powers, near, distances, count, POWERS, rows)
     touching = 0
@@ -184,6 +187,8 @@ def decay_contact(
             else:
                 exponential_sum_solve(r, touching, coarse_weights, decay, lower, diagonal, z, carried[0])
             solved = True
+        elif final < 0.0:
+            final = target
         while True:
             last = 0.0
             hasty = False
@@ -193,7 +198,7 @@ def decay_contact(
                 solved = False
                 energy, error = newton_error(r, z, uniform, new, inside, touching, rounding, free_mean)
                 if final < 0.0:
-                    final = max(target, share * error)
+                    final = max(target, share * error) if error < np.inf else target
                     tolerance = max(tolerance, final)
                 if not error > tolerance:
                     break
@@ -240,6 +245,7 @@ def decay_contact(
                     touches[i] = new[i] > 0.0
                     new[i] = scale * new[i] if new[i] > 0.0 else 0.0
                     t[k] += new[i]
+            if leaving > _FEW * touching:
                 decay_product(contact_rows, touching, near, weights, white, mean, t, st)
                 for k in range(touching):
                     gap[inside[k]] = st[k] - r[k]
@@ -261,8 +267,8 @@ def decay_contact(
             joining = join_deepest(gap, touches, nodes, count, approach - misfit)
             if tolerance <= final:
                 rounds += 1
-            settled = joining == 0 or rounds > _ROUNDS
-            if joining > 0 or tolerance <= final:
+            settled = leaving + joining == 0 or rounds > _ROUNDS
+            if leaving + joining > 0 or tolerance <= final:
                 break
             tolerance = final
         if settled and tolerance <= final:

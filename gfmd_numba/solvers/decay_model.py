@@ -18,7 +18,7 @@ _SLOWEST, _FASTEST = 0.5, 3.0  # smooth: half the longest wave's, and a rate per
 _SLOWEST_ALTERNATING = 1e-3
 _SAMPLES = 100  # wave numbers fitted, as many near q = 0, on a logarithmic scale, as twice that near Nyquist
 _RIDGE = 1e-8  # of the size of columns: keeps weights small where fewer decays would do
-_SPACING, _FAINT = 2.5, 1e-3  # of the preconditioner's decays: fewer factor faster, and are close enough here
+_SPACING, _FAINT = 2.0, 1e-3  # of the preconditioner's decays: fewer factor faster, and are close enough here
 _CLOSE = 0.03  # relative error up to which a sum of decays is taken for the compliance
 _COARSENING = 4
 _COARSEST = 256  # nodes up to which the first guess is full contact

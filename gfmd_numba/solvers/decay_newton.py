@@ -73,13 +73,8 @@ class DecayNewton:
         for i in active:
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
             change = self._level.solve(
-                self.pressure[i],
-                self.wall[i],
-                self.load[i],
-                self._rounding[i],
-                self._free_mean,
-                self._target[i] if self._looks[i] else _COARSE_ERROR,
-                _WIDER if self._looks[i] else 0.0,
+                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, self._target[i] if self._looks[i] else _COARSE_ERROR,
+                _WIDER if self._looks[i] or not self._free_mean else 0.0,
             )
             self._expected[i] = self._model.error * change if self._looks[i] else np.inf
             self._looks[i] = True
@@ -132,19 +127,17 @@ class DecayNewton:
         level.flatten(level.field.spectrum, self.field.n)
         levels[-1].pressure[: levels[-1].n] = start
         levels[-1].displacement[: levels[-1].n] = 0.0 if self._free_mean else start * levels[-1].at_zero
+        # contact that no load holds may vanish altogether while nodes only leave it
+        wider = 0.0 if self._free_mean else _WIDER
         cost = 1.0
         price = self.field.n * np.log(self.field.n)
         for other, finer in zip(levels[:0:-1], levels[-2::-1], strict=True):
             if other.coarser is not None:
                 other.field.apply(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
-            other.solve(
-                other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, 0.0
-            )
+            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider)
             pressure = self.pressure[i] if finer is level else finer.pressure
-            kernels.refined_pressure(
-                other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure
-            )
+            kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure)
         self._transforms[i] += cost
 
 
@@ -201,19 +194,11 @@ class _Level:
             return
         field, known = self.field, self.coarser.field.half
         field.spectrum[:known] = 0.0
-        np.multiply(
-            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:]
-        )
+        np.multiply(spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:])
         field.inverse(self.fine)
 
     def solve(
-        self,
-        pressure: Reals,
-        wall: Reals,
-        load: float,
-        rounding: float,
-        free_mean: bool,
-        target: float,
+        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float,
         wider: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""

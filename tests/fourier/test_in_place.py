@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 
 
@@ -11,13 +12,13 @@ from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 def test_stiffness_and_compliance_are_those_of_the_waves(shape, dtype, rounding):
     rng = np.random.default_rng(0)
     field = InPlaceTransform(shape, storage(1, shape, dtype)[0])
-    samples, stiffness = rng.normal(size=shape), rng.random((shape[0], shape[1] // 2 + 1)) + 0.5
+    samples, stiffness = rng.normal(size=shape), grid.magnitudes(shape) + 0.5
     stiffness[0, 0] = np.inf
     field.samples[:] = samples
     field.stiffen(stiffness)
     stiffness[0, 0] = 0.0
     expected = np.fft.irfft2(np.fft.rfft2(samples) * stiffness, shape)
-    np.testing.assert_allclose(field.samples, expected, atol=30 * rounding)
+    np.testing.assert_allclose(field.samples, expected, rtol=100 * rounding, atol=1e4 * rounding)
     field.soften(stiffness)
     np.testing.assert_allclose(field.samples, samples - samples.mean(), atol=30 * rounding)
     assert field.n_transforms == 4

@@ -112,16 +112,16 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
         assert alone.n_transforms[0] == together.n_transforms[i]
 
 
-@pytest.mark.parametrize("iterations", [1, 2])
-def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(iterations):
+@pytest.mark.parametrize("load", [0.003, 0.3])
+def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     punch, stiff = rough(128), body((128, 128))
-    found = equilibrate(punch, stiff, 0.01, Options("active_set_newton", max_iterations=iterations))
+    found = equilibrate(punch, stiff, load, Options("active_set_newton", max_iterations=1))
     assert found.status[0] == Status.not_converged
     restoring = np.fft.irfft2(np.fft.rfft2(found.displacement[0]) * stiff, (128, 128))
-    traction, touching = 0.01 - restoring, found.displacement[0] >= punch[0]
+    traction, touching = load - restoring, found.displacement[0] >= punch[0]
     allowed = np.where(touching, np.maximum(traction, 0.0), 0.0)
     np.testing.assert_allclose(found.pressure[0], allowed, atol=1e-12)
-    balance = abs((traction - allowed).mean()) / 0.01
+    balance = abs((traction - allowed).mean()) / load
     assert found.residual[0] == pytest.approx(max(abs(traction - allowed).max() / allowed.max(), balance), rel=1e-6)
     assert found.residual[0] > 1e-8
 
@@ -149,11 +149,11 @@ def test_few_contacts_take_few_transforms_on_any_grid(hurst):
     for nx in (128, 256, 512):
         heights = self_affine.maps(hurst, 2, nx // 4, nx, 5, range(1))
         taken.append(press(heights.max() - heights, 0.005).n_transforms[0])
-    assert max(taken) < 30
+    assert max(taken) < 40
 
 
 def test_a_map_of_few_contacts_takes_few_arrays():
-    """Bytes a node beside the punch and the stiffness, of which the result has 17 and a stiffness without mean has 4."""
+    """Bytes a node beside the punch and its stiffness: the result has 17 of them, the stiffness without mean 4."""
     punch, stiff = rough(512), body((512, 512))
     press(punch[:, ::8, ::8], 0.005)
     tracemalloc.start()

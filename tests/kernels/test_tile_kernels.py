@@ -61,6 +61,7 @@ def test_a_stencil_is_a_periodic_convolution(kernel, reach, rng):
     values, product = random_values(rng), np.zeros((TILES.size + 1, SIDE, SIDE))
     stencil = rng.normal(size=(2 * reach + 1, 2 * reach + 1))
     stencil += stencil[::-1]
+    values[2:4] = 0.0  # rows without load are left out
     kernel(values, surroundings(), stencil, product)
     image, expected = joined(values), np.zeros((NY, NX))
     for j in range(-reach, reach + 1):

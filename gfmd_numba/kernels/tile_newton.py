@@ -8,8 +8,8 @@ from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def closing_residual(gap: Reals, contact: Flags, r: Reals, count: int, free_mean: bool) -> float:
-    """Displacement r that closes the gap on the `count` nodes in contact, and the largest of its values.
+def closing_residual(gap: Reals, contact: Flags, r: Reals, count: int, free_mean: bool) -> None:
+    """Displacement r that closes the gap on the `count` nodes in contact.
 
     `free_mean`: the load is prescribed, so the gap is known up to a constant; r has no mean then.
     """
@@ -17,10 +17,6 @@ def closing_residual(gap: Reals, contact: Flags, r: Reals, count: int, free_mean
         r[j] = -gap[j] if contact[j] else 0.0
     if free_mean:
         centre(r, contact, count)
-    largest = 0.0
-    for j in range(r.size):
-        largest = max(largest, abs(r[j]))
-    return largest
 
 
 @jit

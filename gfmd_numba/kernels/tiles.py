@@ -38,11 +38,12 @@ def surround(tiles: Indices, places: Indices, down: int, across: int, around: In
 
 @jit
 def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
-    """Convolution of the values with an even stencil `[2 reach + 1, 2 reach + 1]`, reach at most TILE."""
+    """Convolution of the values with a stencil `[2 reach + 1, 2 reach + 1]`, even along y, reach at most TILE."""
     reach = stencil.shape[0] // 2
     width = TILE + 2 * reach
     patch = np.zeros((width, width))
-    folded = np.zeros((reach + 1, width))  # rows above and below a node have the same weights
+    loaded = np.zeros(width, dtype=np.bool_)
+    folded = np.zeros(width)  # rows above and below a node have the same weights
     for k in range(around.shape[0]):
         for b in range(3):
             for a in range(3):
@@ -52,17 +53,26 @@ def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals)
                 for j in range(max(up, 0), min(up + TILE, width)):
                     for i in range(first, last):
                         patch[j, i] = tile[j - up, i - left]
+        for j in range(width):
+            largest = 0.0
+            for i in range(width):
+                largest += abs(patch[j, i])
+            loaded[j] = largest != 0.0  # not-a-number too
         for y in range(TILE):
-            folded[0] = patch[y + reach]
-            for j in range(1, reach + 1):
-                above, below = patch[y + reach - j], patch[y + reach + j]
-                for i in range(width):
-                    folded[j, i] = above[i] + below[i]
             s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
             for j in range(reach + 1):
-                row = folded[j]
+                above, below = y + reach - j, y + reach + j
+                if not (loaded[above] or loaded[below]):
+                    continue
+                if j == 0:
+                    row = patch[above]
+                else:
+                    for i in range(width):
+                        folded[i] = patch[above, i] + patch[below, i]
+                    row = folded
+                weights = stencil[reach + j]
                 for i in range(2 * reach + 1):
-                    c = stencil[reach + j, i]
+                    c = weights[i]
                     s0 += c * row[i]
                     s1 += c * row[i + 1]
                     s2 += c * row[i + 2]

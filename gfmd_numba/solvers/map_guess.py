@@ -9,7 +9,7 @@ from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.map_contact import Level, MapContact
 
-_COARSEST = 128  # nodes along the shorter side up to which the first guess is full contact
+_COARSEST = 64  # nodes along the shorter side up to which the first guess is full contact
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
 
 

@@ -1,0 +1,279 @@
+"""Kernels on tiles of a map against plain NumPy twins, compiled and as Python."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba import kernels
+from support.kernel_twins import both
+
+DOWN, ACROSS, SIDE = 3, 4, 8
+NY, NX, PADDED = DOWN * SIDE, ACROSS * SIDE, ACROSS * SIDE + 6
+MARKS = np.array([1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1], dtype=bool)
+TILES = np.flatnonzero(MARKS)
+PLACES = np.where(MARKS, np.cumsum(MARKS) - 1, TILES.size)
+
+
+def cut(image):
+    """All tiles of a map, in their order."""
+    return image[:, :NX].reshape(DOWN, SIDE, ACROSS, SIDE).swapaxes(1, 2).reshape(-1, SIDE, SIDE)
+
+
+def joined(values):
+    """Map `[y, x]` of values on the listed tiles, zero elsewhere."""
+    every = np.zeros((DOWN * ACROSS, SIDE, SIDE), dtype=values.dtype)
+    every[TILES] = values[:-1]
+    return every.reshape(DOWN, ACROSS, SIDE, SIDE).swapaxes(1, 2).reshape(NY, NX)
+
+
+def random_values(rng):
+    values = rng.normal(size=(TILES.size + 1, SIDE, SIDE))
+    values[-1] = 0.0
+    return values
+
+
+def surroundings():
+    around = np.empty((TILES.size, 9), dtype=np.int64)
+    kernels.surround(TILES, PLACES, DOWN, ACROSS, around)
+    return around
+
+
+@pytest.mark.parametrize("kernel", both(kernels.list_tiles))
+def test_marked_tiles_are_listed_with_their_places(kernel):
+    tiles, places = np.full((2, MARKS.size), -1)
+    assert kernel(MARKS, tiles, places) == TILES.size
+    np.testing.assert_array_equal(tiles[: TILES.size], TILES)
+    np.testing.assert_array_equal(places, PLACES)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.surround))
+def test_neighbours_of_a_tile_lie_around_it_on_the_torus(kernel):
+    around = np.empty((TILES.size, 9), dtype=np.int64)
+    kernel(TILES, PLACES, DOWN, ACROSS, around)
+    places = PLACES.reshape(DOWN, ACROSS)
+    for tile, found in zip(TILES, around, strict=True):
+        y, x = divmod(tile, ACROSS)
+        np.testing.assert_array_equal(found.reshape(3, 3), np.roll(places, (1 - y, 1 - x), (0, 1))[:3, :3])
+
+
+@pytest.mark.parametrize("reach", [1, 5, 8])
+@pytest.mark.parametrize("kernel", both(kernels.tile_stencil))
+def test_a_stencil_is_a_periodic_convolution(kernel, reach, rng):
+    values, product = random_values(rng), np.zeros((TILES.size + 1, SIDE, SIDE))
+    stencil = rng.normal(size=(2 * reach + 1, 2 * reach + 1))
+    stencil += stencil[::-1]
+    values[2:4] = 0.0  # rows without load are left out
+    kernel(values, surroundings(), stencil, product)
+    image, expected = joined(values), np.zeros((NY, NX))
+    for j in range(-reach, reach + 1):
+        for i in range(-reach, reach + 1):
+            expected += stencil[reach + j, reach + i] * np.roll(image, (-j, -i), (0, 1))
+    np.testing.assert_allclose(product[:-1], cut(expected)[TILES], atol=1e-12)
+
+
+def sharing(weights):
+    """Matrices `[coarse node, node]` that share values along y and along x among the coarse nodes of a torus."""
+
+    def along(tiles):
+        matrix = np.zeros((2 * tiles, SIDE * tiles))
+        for t in range(tiles):
+            for a in range(weights.shape[1]):
+                matrix[(2 * t - 1 + a) % (2 * tiles), SIDE * t : SIDE * (t + 1)] += weights[:, a]
+        return matrix
+
+    return along(DOWN), along(ACROSS)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.spread))
+def test_values_are_shared_among_coarse_nodes(kernel, rng):
+    values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
+    rows, columns = sharing(weights)
+    kernel(values, TILES, weights, coarse, 2 * DOWN, 2 * ACROSS)
+    np.testing.assert_allclose(coarse[:, : 2 * ACROSS], rows @ joined(values) @ columns.T, atol=1e-12)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.gather_back))
+def test_values_are_read_back_as_they_were_shared(kernel, rng):
+    values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
+    rows, columns = sharing(weights)
+    expected = cut(joined(values) + rows.T @ coarse[:, : 2 * ACROSS] @ columns)[TILES]
+    kernel(coarse, TILES, weights, 2 * DOWN, 2 * ACROSS, values)
+    np.testing.assert_allclose(values[:-1], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.sum_tiles))
+def test_sums_are_those_of_blocks_of_four_tiles(kernel, rng):
+    values, weights, sums = random_values(rng), random_values(rng), rng.random((2, 2))
+    kernel(weights, values, TILES, ACROSS, sums)
+    whole = np.zeros((4 * SIDE, NX))
+    whole[:NY] = joined(values) * joined(weights)
+    np.testing.assert_allclose(sums, whole.reshape(2, 16, 2, 16).sum(axis=(1, 3)), atol=1e-12)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.soften_tiles))
+def test_what_a_block_shares_is_taken_off_the_contact(kernel, rng):
+    pressure, weights, shared = random_values(rng), random_values(rng), rng.random((2, 2))
+    contact = random_values(rng) > 0.0
+    common = np.repeat(np.repeat(shared, 16, axis=0), 16, axis=1)[:NY]
+    expected = np.where(contact[:-1], pressure[:-1] - weights[:-1] * cut(common)[TILES], 0.0)
+    kernel(pressure, weights, shared, TILES, ACROSS, contact)
+    np.testing.assert_allclose(pressure[:-1], expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.put_tiles))
+def test_tiles_are_put_on_an_empty_map(kernel, rng):
+    values, rows = random_values(rng), rng.random((NY, PADDED))
+    kernel(values, TILES, rows, NX)
+    np.testing.assert_array_equal(rows[:, :NX], joined(values))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.take_tiles))
+def test_tiles_are_taken_from_a_map(kernel, rng):
+    values, rows = random_values(rng), rng.random((NY, PADDED))
+    kernel(rows, TILES, NX, values)
+    np.testing.assert_array_equal(values[:-1], cut(rows)[TILES])
+    assert not values[-1].any()
+
+
+@pytest.mark.parametrize("kernel", both(kernels.mark_loaded))
+def test_loaded_tiles_are_marked(kernel, rng):
+    rows = np.zeros((NY, PADDED))
+    rows[:, NX:] = 1.0
+    rows[9, 31] = rows[0, 0] = 1.0
+    rows[20, 3] = -1.0
+    marks = np.zeros(MARKS.size, dtype=bool)
+    kernel(rows, NX, marks)
+    assert np.flatnonzero(marks).tolist() == [0, 7]
+
+
+@pytest.mark.parametrize("kernel", both(kernels.mark_contact))
+def test_tiles_in_contact_are_marked(kernel):
+    contact, marks = np.zeros((TILES.size + 1, SIDE, SIDE), dtype=bool), np.zeros(MARKS.size, dtype=bool)
+    contact[[1, 4], [0, 7], [7, 2]] = True
+    kernel(contact, TILES, marks)
+    np.testing.assert_array_equal(np.flatnonzero(marks), TILES[[1, 4]])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.move_tiles))
+def test_tiles_move_to_their_new_places(kernel, rng):
+    old, tiles = random_values(rng), np.array([0, 1, 6, 11])
+    new = np.empty((5, SIDE, SIDE))
+    kernel(old, PLACES, tiles, new)
+    np.testing.assert_array_equal(new[:-1], cut(joined(old))[tiles])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.level_of_contact))
+def test_the_level_of_the_contact_is_its_mean_gap(kernel, rng):
+    wall, rows, contact = rng.random((NY, NX)), rng.random((NY, PADDED)), random_values(rng) > 0.5
+    contact[-1] = False
+    gaps = (wall + rows[:, :NX])[joined(contact)]
+    count, mean, spread = kernel(wall, rows, contact, TILES, NX)
+    assert count == gaps.size
+    assert (mean, spread) == pytest.approx((gaps.mean(), gaps.std()))
+    assert kernel(wall, rows, np.zeros_like(contact), TILES, NX) == (0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.open_map))
+def test_tiles_whose_gap_is_small_are_marked(kernel, rng):
+    wall, rows, gap = rng.random((NY, NX)), rng.random((NY, PADDED)), np.empty((NY, NX))
+    marks = np.zeros(MARKS.size, dtype=bool)
+    kernel(wall, rows, 0.3, -0.2, gap, marks)
+    np.testing.assert_array_equal(gap, wall + rows[:, :NX] - 0.3)
+    np.testing.assert_array_equal(marks, (cut(gap) < -0.2).any(axis=(1, 2)))
+    assert 0 < marks.sum() < marks.size
+
+
+@pytest.mark.parametrize("kernel", both(kernels.close_map))
+def test_the_displacement_touches_in_contact_and_overlap(kernel, rng):
+    wall, gap, rows = rng.random((NY, NX)), rng.normal(size=(NY, NX)), np.empty((NY, PADDED))
+    contact = random_values(rng) > 0.5
+    contact[-1] = False
+    expected = np.where(joined(contact), wall, wall - np.maximum(gap, 0.0))
+    kernel(wall, gap, contact, TILES, rows)
+    np.testing.assert_array_equal(gap, expected)
+    np.testing.assert_array_equal(rows[:, :NX], expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.pack_rows))
+def test_rows_are_packed_in_their_own_memory(kernel, rng):
+    rows = rng.random((NY, PADDED))
+    expected = rows[:, :NX].copy()
+    kernel(rows, NX)
+    np.testing.assert_array_equal(rows.reshape(-1)[: NY * NX].reshape(NY, NX), expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.refine_pressure))
+def test_a_pressure_is_interpolated_inside_its_contact(kernel):
+    p, fine = np.array([[0.0, 4.0, 2.0]]), np.empty((2, 6 + 1))
+    left, share = np.arange(6) // 2, np.arange(6) % 2 / 2.0
+    kernel(p, np.zeros(2, dtype=np.int64), np.array([0.0, 0.5]), left, share, fine)
+    np.testing.assert_array_equal(fine[:, :6], [[0.0, 2.0, 4.0, 3.0, 2.0, 1.0]] * 2)
+    kernel(p, np.zeros(2, dtype=np.int64), np.array([0.0, 0.5]), left, 0.4 * share, fine)
+    np.testing.assert_allclose(fine[:, :6], [[0.0, 0.0, 4.0, 3.6, 2.0, 1.6]] * 2)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.closing_residual))
+def test_the_residual_closes_the_gap_in_contact(kernel, free_mean, rng):
+    gap, contact, r = rng.normal(size=40), rng.random(40) < 0.5, np.empty(40)
+    kernel(gap, contact, r, int(contact.sum()), free_mean)
+    expected = np.where(contact, -gap + (gap[contact].mean() if free_mean else 0.0), 0.0)
+    np.testing.assert_allclose(r, expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.tile_error))
+def test_the_error_is_the_larger_of_peak_and_sum(kernel, free_mean, rng):
+    contact = rng.random(40) < 0.5
+    r, z, p = rng.normal(size=(3, 40)) * contact
+    z = z + 2.0 * r
+    expected = z - (z[contact].mean() if free_mean else 0.0) * contact
+    energy, error = kernel(r, z, abs(p), contact, int(contact.sum()), 0.0, free_mean)
+    np.testing.assert_allclose(z, expected, atol=1e-15)
+    assert energy == pytest.approx(r @ expected)
+    assert error == pytest.approx(max(abs(expected).max() / abs(p).max(), abs(expected).sum() / abs(p).sum()))
+    assert kernel(r, z, abs(p), contact, int(contact.sum()), 10.0, free_mean)[1] == 0.0
+
+
+@pytest.mark.parametrize("kernel", both(kernels.tile_direction))
+def test_a_direction_is_conjugate_to_the_last(kernel, rng):
+    """With the step of its own line search, that direction does no work on the last displacement."""
+    root = rng.normal(size=(9, 9))
+    stiff, z, r, t = root @ root.T, *rng.normal(size=(3, 9))
+    st = stiff @ t
+    energy = r @ t  # what z r was when t was made of it
+    old, last = t.copy(), energy
+    kernel(z, st, t, energy / (t @ st), last)
+    assert t @ st == pytest.approx(0.0, abs=1e-9)
+    kernel(z, st, old, 0.0, 0.0)
+    np.testing.assert_array_equal(old, z)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.tile_update))
+def test_a_line_search_moves_pressure_gap_and_residual(kernel, free_mean, rng):
+    contact = rng.random(40) < 0.5
+    p, gap, t, st, r = rng.normal(size=(5, 40))
+    t *= contact
+    r *= contact
+    step = 1.7 / (t @ st)
+    moved = r - step * st * contact
+    expected = p + step * t, gap + step * st, moved - (moved[contact].mean() if free_mean else 0.0) * contact
+    assert kernel(p, gap, t, st, 1.7, contact, int(contact.sum()), r, free_mean) == pytest.approx(step)
+    for found, twin in zip((p, gap, r), expected, strict=True):
+        np.testing.assert_allclose(found, twin, atol=1e-12)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.revise_tiles))
+def test_tension_leaves_the_contact_and_overlap_joins_it(kernel, free_mean, rng):
+    contact = rng.random(40) < 0.5
+    p, gap = rng.normal(size=(2, 40)) + 0.3
+    p *= contact
+    levelled = gap - (gap[contact].mean() if free_mean else 0.0)
+    after = np.where(contact, p > 0.0, levelled < -0.1)
+    kept = np.maximum(p, 0.0) * (8.0 / np.maximum(p, 0.0).sum() if free_mean else 1.0)
+    changed = int((after != contact).sum())
+    assert kernel(p, gap, contact, int(contact.sum()), 8.0, 0.1, free_mean) == (changed, after.sum())
+    np.testing.assert_array_equal(contact, after)
+    np.testing.assert_allclose(gap, levelled)
+    np.testing.assert_allclose(p, kept)

@@ -1,0 +1,163 @@
+"""The solver of maps: its compliance between tiles, its contacts beside another solver's, and how little it takes."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from gfmd_numba import kernels
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers import map_contact
+from gfmd_numba.solvers.equilibrium import begin, equilibrate
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.map_newton import MapNewton
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.split_compliance import SplitCompliance
+from gfmd_numba.solvers.status import Status
+from support.maps import body, press, rough
+
+NEWTON, GRADIENTS = Options("active_set_newton"), Options("conjugate_gradients")
+SLABS = [None, (0.0, 1.0), (0.33, 0.05), (0.5, 0.1), (0.5, 0.005)]
+
+
+def oblong(shape, hurst, seed=3):
+    """Rough map of any shape: every so many nodes of a square one are left out, or a part is."""
+    square = rough(2 * max(shape), hurst=hurst, seed=seed)
+    steps = [square.shape[1] // n for n in shape]
+    made = square[:, :: steps[0], :: steps[1]][:, : shape[0], : shape[1]].copy()
+    return made - made.min()
+
+
+@pytest.mark.parametrize("slab", SLABS)
+@pytest.mark.parametrize("shape", [(128, 128), (96, 160), (104, 200)])
+@pytest.mark.parametrize("share", [0.02, 0.5])
+def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, share):
+    """Beside the exact convolution, of random pressures and of equal ones, up to a uniform displacement."""
+    rng = np.random.default_rng(2)
+    stiff, tiles_each_way = body(shape, slab), (shape[0] // 8, shape[1] // 8)
+    marks = rng.random(tiles_each_way[0] * tiles_each_way[1]) < share
+    tiles, places = np.empty(marks.sum(), dtype=np.int64), np.empty(marks.size, dtype=np.int64)
+    m = kernels.list_tiles(marks, tiles, places)
+    around = np.empty((m, 9), dtype=np.int64)
+    kernels.surround(tiles, places, *tiles_each_way, around)
+    compliance = SplitCompliance(stiff, shape)
+    compliance.place(tiles, around)
+    soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
+    for values in (rng.normal(size=(m + 1, 8, 8)), rng.random((m + 1, 8, 8)), np.ones((m + 1, 8, 8))):
+        values[-1] = 0.0
+        found, image = np.empty_like(values), np.zeros(shape)
+        compliance.apply(values, found)
+        kernels.put_tiles(values, tiles, image, shape[1])
+        exact, expected = np.fft.irfft2(np.fft.rfft2(image) * soft, shape), np.zeros_like(values)
+        kernels.take_tiles(exact, tiles, shape[1], expected)
+        error, scale = (found - expected)[:-1], expected[:-1] - expected[:-1].mean()
+        assert np.std(error) < 0.02 * np.sqrt((scale**2).mean())
+
+
+@pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
+@pytest.mark.parametrize("load", [1e-3, 0.02, 0.3, 3.0])
+@pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (96, 96)), (0.5, (104, 64)), (0.5, (100, 100))])
+def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
+    punch, stiff = oblong(shape, hurst), body(shape, slab)
+    found, expected = (equilibrate(punch, stiff, load, options) for options in (NEWTON, GRADIENTS))
+    assert found.status[0] == expected.status[0] == Status.ok
+    np.testing.assert_array_equal(found.touching, expected.touching)
+    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
+    assert found.pressure.mean() == pytest.approx(load, rel=1e-7)
+
+
+@pytest.mark.parametrize("slab", [(0.0, 1.0), (0.33, 0.05), (0.49, 0.01)])
+@pytest.mark.parametrize("depth", [1e-3, 0.1, 0.6])
+def test_a_prescribed_displacement_makes_the_contact_of_conjugate_gradients(slab, depth):
+    punch = rough(128, hurst=0.5)
+    punch -= depth * punch.mean()
+    stiff = body((128, 128), slab)
+    found, expected = (equilibrate(punch, stiff, None, options) for options in (NEWTON, GRADIENTS))
+    assert found.status[0] == expected.status[0] == Status.ok
+    np.testing.assert_array_equal(found.touching, expected.touching)
+    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.5, Status.ok), (1.01, Status.unstable)])
+def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch(share, status):
+    punch = rough(64)
+    found = equilibrate(punch - share * punch.mean(), body((64, 64), (0.5, 0.3)), None, NEWTON)
+    assert found.status[0] == status
+
+
+def test_a_punch_that_does_not_touch_has_no_pressure():
+    found = equilibrate(np.full((1, 64, 64), 0.1), body((64, 64), (0.3, 1.0)), None, NEWTON)
+    assert found.status[0] == Status.ok
+    assert found.pressure.max() == 0.0
+
+
+@pytest.mark.parametrize("dense", [0.0, 2.0])
+def test_near_and_exact_compliance_lead_to_the_same_contact(monkeypatch, dense):
+    punch = rough(128, hurst=0.3)
+    usual = press(punch, 0.05)
+    monkeypatch.setattr(map_contact, "_DENSE", dense)
+    other = press(punch, 0.05)
+    np.testing.assert_array_equal(usual.touching, other.touching)
+    np.testing.assert_allclose(usual.pressure, other.pressure, atol=1e-7 * usual.pressure.max())
+
+
+def test_a_map_in_a_batch_is_what_it_is_alone():
+    """Few contacts, so that the compliance between tiles is used, and a pressure and a count of transforms each."""
+    punch, stiff = rough(128, range(3)), body((128, 128))
+    together = equilibrate(punch, stiff, 0.003, NEWTON)
+    for i in range(3):
+        alone = equilibrate(punch[i : i + 1], stiff, 0.003, NEWTON)
+        np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
+        np.testing.assert_array_equal(alone.displacement[0], together.displacement[i])
+        assert alone.n_transforms[0] == together.n_transforms[i]
+
+
+@pytest.mark.parametrize("load", [0.003, 0.3])
+def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
+    punch, stiff = rough(128), body((128, 128))
+    found = equilibrate(punch, stiff, load, Options("active_set_newton", max_iterations=1))
+    assert found.status[0] == Status.not_converged
+    restoring = np.fft.irfft2(np.fft.rfft2(found.displacement[0]) * stiff, (128, 128))
+    traction, touching = load - restoring, found.displacement[0] >= punch[0]
+    allowed = np.where(touching, np.maximum(traction, 0.0), 0.0)
+    np.testing.assert_allclose(found.pressure[0], allowed, atol=1e-12)
+    balance = abs((traction - allowed).mean()) / load
+    assert found.residual[0] == pytest.approx(max(abs(traction - allowed).max() / allowed.max(), balance), rel=1e-6)
+    assert found.residual[0] > 1e-8
+
+
+def test_the_residual_is_no_certificate_before_it_is_small():
+    """While the pressure is known to be wrong, its error is told in place of the certificate, which costs more."""
+    punch, stiff = rough(128), body((128, 128))
+    solver = begin(Batch(punch, stiff, np.array([0.01]), HARD_WALL, Start.at_rest(punch)), NEWTON)
+    assert isinstance(solver, MapNewton)
+    one, made = np.arange(1), []
+    for _ in range(8):
+        solver.advance(one)
+        before = solver.field.n_transforms
+        residual = solver.residual(one)[0]
+        made.append(solver.field.n_transforms - before)
+        if residual <= 1e-8:
+            break
+    assert made[-1] == 2
+    assert not any(made[:-1])
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+def test_few_contacts_take_few_transforms_on_any_grid(hurst):
+    taken = []
+    for nx in (128, 256, 512):
+        heights = self_affine.maps(hurst, 2, nx // 4, nx, 5, range(1))
+        taken.append(press(heights.max() - heights, 0.005).n_transforms[0])
+    assert max(taken) < 40
+
+
+def test_a_map_of_few_contacts_takes_few_arrays():
+    """Bytes a node beside the punch and its stiffness: the result has 17 of them, the stiffness without mean 4."""
+    punch, stiff = rough(512), body((512, 512))
+    press(punch[:, ::8, ::8], 0.005)
+    tracemalloc.start()
+    equilibrate(punch, stiff, 0.005, NEWTON)
+    peak = tracemalloc.get_traced_memory()[1] / 512**2
+    tracemalloc.stop()
+    assert peak < 64

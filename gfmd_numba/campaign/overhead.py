@@ -21,7 +21,7 @@ UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else
 _IMPORTED = "distributed, matplotlib.figure, netCDF4, scipy.optimize, gfmd_numba.analysis, gfmd_numba.campaign.run"
 _START = "start of a process"  # key of its run time
 # of the start of a process, which tells how fast a machine runs Python:
-_KERNELS, _WORKER, _CASE, _PICTURE = 0.1, 1.6, 7e-4, 0.4  # loading them, and what one of each of the others takes
+_KERNELS, _WORKER, _RESULTS, _CASE, _PICTURE = 0.16, 1.6, 0.1, 7e-4, 0.4  # loading them, what one of the others takes
 _REHEARSED = 6  # groups
 
 
@@ -48,7 +48,8 @@ def overhead(planned: Plan) -> Overhead:
     start = _start()
     extrapolated = any(case.limit != "reference" for case in planned.cases)
     fitted = _rehearsed(planned) + _PICTURE * start if extrapolated else 0.0
-    return Overhead((1 + _KERNELS) * start, _WORKER * start, _CASE * start * len(planned.cases), fitted)
+    results = (_RESULTS + _CASE * len(planned.cases)) * start
+    return Overhead((1 + _KERNELS) * start, _WORKER * start, results, fitted)
 
 
 def _start() -> float:

@@ -8,11 +8,12 @@ from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.decision import Fit, UnknownExponentsError, decide, judge
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import after
-from gfmd_numba.campaign.rounds import PILOT, Round, Rounds
+from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
 
 DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
+HELD = 40  # realisations of every case so far
 EXACT = Fit("kappa", ALPHA)
 
 
@@ -37,9 +38,9 @@ def test_every_cross_level_has_realisations_of_its_own_wherever_it_stands():
         counts = decided(found, 0.03).realisations
         dear = (found["eps_c"] == DEAR["eps_c"]).values
         cheap = (found["limit"] == "cross").values & ~dear
-        assert counts[dear] == [PILOT]
-        assert (counts >= PILOT).all()
-        assert (counts[cheap] > PILOT).any()
+        assert counts[dear] == [HELD]
+        assert (counts >= HELD).all()
+        assert (counts[cheap] > HELD).any()
 
 
 def test_the_order_of_cases_hardly_changes_the_price():
@@ -74,7 +75,7 @@ def test_interactions_that_no_cross_level_tells_ask_for_cross_levels():
 
 
 def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
-    one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=PILOT))
+    one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=HELD))
     with pytest.raises(UnknownExponentsError, match=r"as the exponents are not known any better; .* narrower ranges"):
         decided(one, 0.00005, Fit("kappa", {"eps_f": (0.1, 4)}))
     with pytest.raises(UnusableDataError, match=r"error of 0.014%; allowed: a larger target, or levels further from"):
@@ -91,7 +92,7 @@ def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
 
 def test_a_run_ends_with_the_advice_that_helps():
     found = results(crossed()).assign_attrs(cpu_seconds=1.0)
-    first = Round(realisations=(PILOT,) * found.sizes["case"], is_last=False)
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(variable="kappa", target=0.001), campaign_sha256="", rounds=(first,))
     ended = after(state, found, fit_tfc(found, fixed=ALPHA), EXACT).ended
     assert ended.startswith("not reached: 1000000 realisations of every case would leave an error of")

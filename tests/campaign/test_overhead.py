@@ -65,4 +65,4 @@ def test_the_time_of_a_plan_is_that_of_all_its_parts(tmp_path, machine):
     total = re.search(r"CPU time +([\d.]+) min", said.output)
     assert float(total[1]) * 60 > 2 * 203 + 2 + 2 * 2
     parts = " ".join(said.output.split())
-    assert re.search(r"of CPU time contacts .*, start 2.2 s, workers .* s, .*, fit and picture 6.8 min", parts)
+    assert re.search(r"of CPU time contacts .*, start 2.3 s, workers .* s, .*, fit and picture 6.8 min", parts)

@@ -69,6 +69,7 @@ def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient
             "energy per nominal area that jumps lost since the last step: work less stored energy",
             followed.lost,
         ),
+        "stability": ("1", "smallest curvature of the energy over that of the bodies alone", followed.stability),
         f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
     }
     for key, (of, long_name, value) in found.items():

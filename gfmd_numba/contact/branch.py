@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import NOTHING_LOST, Contact, Followed
 from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.stability import smallest_curvature
 from gfmd_numba.solvers.status import Status
 
 _LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
@@ -38,14 +40,27 @@ class _Point:
     def energy(self) -> float:
         """Energy per nominal area of body and law, less the work of a prescribed pressure."""
         punch, u = self.contact.punch[0], self.contact.equilibrium.displacement[0]
-        q = grid.wavenumbers(len(u))
-        stiffness = solution.condensed_stiffness(self.problem, q)
+        stiffness = self._stiffness
         waves = np.abs(grid.coefficients(u)) ** 2 * grid.multiplicity(len(u))
-        if self.problem.mean_pressure is not None:
-            stiffness[0] = 0.0
         law = self.problem.interface.normal_law
         own = 0.0 if law is None else float(law.energy(punch - u).mean())
         return 0.5 * float(stiffness @ waves) + own - (self.problem.mean_pressure or 0.0) * float(u.mean())
+
+    @property
+    def stability(self) -> float:
+        """Smallest curvature of the energy over that of the bodies alone, not-a-number unless in equilibrium."""
+        law, found = self.problem.interface.normal_law, self.contact.equilibrium
+        if law is None or found.status[0] != Status.ok:
+            return float("nan")
+        gap = self.contact.punch[0] - found.displacement[0]
+        return smallest_curvature(gap, found.touching[0], self._stiffness, law)
+
+    @property
+    def _stiffness(self) -> Reals:
+        stiffness = solution.condensed_stiffness(self.problem, grid.wavenumbers(self.contact.punch.shape[1]))
+        if self.problem.mean_pressure is not None:
+            stiffness[0] = 0.0
+        return stiffness
 
 
 def load_of(problem: Problem) -> float:
@@ -64,7 +79,8 @@ def is_followed(problem: Problem) -> bool:
 def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact] | None) -> Contact:
     """Equilibrium of a problem, reached from that of the one before it if any, with what happened on the way."""
     if before is None:
-        return replace(solution.solve(problem, realisations), followed=NOTHING_LOST)
+        first = _Point(problem, solution.solve(problem, realisations))
+        return replace(first.contact, followed=replace(NOTHING_LOST, stability=first.stability))
     spent: list[Contact] = []
     point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
@@ -74,9 +90,8 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
         for name in ("n_iterations", "n_transforms", "wall_time")
     }
     equilibrium = replace(point.contact.equilibrium, **counted)
-    return replace(
-        point.contact, equilibrium=equilibrium, followed=Followed(sum(step.lost for step in steps), largest.jump_at)
-    )
+    followed = Followed(sum(step.lost for step in steps), largest.jump_at, point.stability)
+    return replace(point.contact, equilibrium=equilibrium, followed=followed)
 
 
 def _advance(

@@ -64,7 +64,12 @@ def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient
     scale, unit = scales(scene, rms_gradient), units(scene)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
     found = {
-        "energy_lost": ("energy", "work since the last step less the energy it stored, per nominal area: what jumps lost", followed.lost),
+        "energy_lost": (
+            "energy",
+            "energy per nominal area that jumps lost since the last step: work less stored energy",
+            followed.lost,
+        ),
+        "stability": ("1", "smallest curvature of the energy over that of the bodies alone", followed.stability),
         f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
     }
     for key, (of, long_name, value) in found.items():

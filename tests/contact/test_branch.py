@@ -5,6 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from support.laws import nearly_flat
 
 WORK, LENGTH = 0.2, 0.05
@@ -37,6 +38,12 @@ def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_whatever_the_step(tm
     ]
     np.testing.assert_allclose(found["energy_lost"].values[jumped], lost, rtol=0.02)
     assert found["energy_lost"].units == "1"
+    # of the softest wave, as long as the surfaces are apart
+    loose = np.flatnonzero(path[: jumped[0]] < jump_in)
+    gaps = found["gap"].mean("x").values[loose]
+    softest = stiffness.slab(grid.wavenumbers(256), 0.3, 0.1).min()
+    expected = 1.0 - WORK / LENGTH**2 * np.exp(-gaps / LENGTH) / softest
+    np.testing.assert_allclose(found["stability"].values[loose], expected, atol=1e-4)
 
 
 def _apart(position, body):

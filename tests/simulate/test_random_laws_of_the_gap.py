@@ -1,0 +1,89 @@
+"""Random scenes with an exponential law: each is solved, and what is called ok passes a check of its own."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.solution import condensed_stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.scene import load_scene
+from gfmd_numba.solvers.status import Status
+
+
+def random_scene(number):
+    """A path of loads or displacements over half-spaces and slabs; x from 1e-3 to 1, ranges from 3e-4 to 3 g L_x."""
+    rng = np.random.default_rng(number)
+    g, hurst = 10 ** rng.uniform(-3, -0.5), rng.uniform(0.1, 1)
+    aspect_ratio, nu = rng.choice([None, 1.0, 0.3, 0.1, 0.03, 1.0]), rng.choice([0.0, 0.3, 0.45, 0.49, 0.3])
+    inverse = [int(rng.choice(each)) for each in ([1, 2, 4, 8], [8, 32, 64, 128], [1, 2, 4])]
+    wall = rng.random() < 0.75
+    attracts = wall and rng.random() < 0.7
+    length = 10 ** rng.uniform(-3.5, 0.5)
+    work = 10 ** rng.uniform(-3, 0) * np.pi * np.prod(inverse) * length**2
+    if not attracts:
+        work = -(10 ** rng.uniform(-5, 1)) * max(length, 1e-3)
+    if rng.random() < 0.5 or aspect_ratio is None:
+        path = [{"reduced_pressure": float(each)} for each in np.exp(rng.uniform(np.log(1e-3), 0, 3))]
+    else:
+        path = [{"displacement": float(each)} for each in rng.uniform(-0.1, 0.2, 4) * g]
+    body = {"poissons_ratio": float(nu)} | ({} if aspect_ratio is None else {"aspect_ratio": float(aspect_ratio)})
+    law = {"work_of_adhesion": float(work * g * g), "range": float(length * g)}
+    return {
+        "scene": {
+            "body": body,
+            "roughness": {"method": "psd", "hurst": float(hurst), "rms_gradient": float(g)},
+            "interface": ({"hard_wall": {}} if wall else {}) | {"exponential": law},
+            "loading": path[0],
+        },
+        "path": path[1:],
+        "discretisation": {name: 1 / each for name, each in zip(("eps_c", "eps_f", "eps_t"), inverse, strict=True)},
+        "seed": int(rng.integers(1000)),
+        "numerics": {"max_iterations": 2000},
+    }
+
+
+def violation(problem, contact):
+    """Largest violated condition over the largest traction, and what rounding of the displacement leaves open."""
+    u, punch = contact.equilibrium.displacement[0], contact.punch[0]
+    stiffness = condensed_stiffness(problem, grid.wavenumbers(len(u)))
+    if problem.mean_pressure is not None:
+        stiffness[0] = 0.0
+    law, wall = problem.interface.normal_law, problem.interface.hard_wall
+    pull = law.work / law.length * np.exp((u - punch) / law.length)
+    bears = (problem.mean_pressure or 0.0) - np.fft.irfft(stiffness * np.fft.rfft(u), len(u)) + pull
+    touching = (u >= punch) & wall
+    assert not (wall and (u > punch).any())
+    worst = np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+    largest = max(bears.max(), np.abs(pull).max())
+    pressure = np.where(touching, bears, 0.0) - pull
+    np.testing.assert_allclose(contact.equilibrium.pressure[0], pressure, rtol=0, atol=1e-7 * largest)
+    return worst / largest, stiffness.max() * np.spacing(np.abs(u).max()) / largest
+
+
+def hunt(numbers):
+    """Scenes that end in another status, after what is ok has been checked."""
+    failed = []
+    for number in numbers:
+        path = load_path(read_contact(*load_scene(random_scene(number))))
+        with warnings.catch_warnings(action="ignore"):
+            for problem, contact in zip(path.problems, solve_path(path), strict=True):
+                if contact.equilibrium.status[0] != Status.ok:
+                    failed.append((number, int(contact.equilibrium.status[0])))
+                    break
+                worst, rounding = violation(problem, contact)
+                assert worst <= 1.01e-8 + 2.0 * rounding, number
+    return failed
+
+
+def test_random_scenes_are_solved():
+    assert hunt(range(12)) == []
+
+
+@pytest.mark.long
+def test_hardly_any_of_600_random_scenes_is_not_solved():
+    failed = hunt(range(600))
+    assert len(failed) <= 2
+    assert all(status == Status.not_converged for _, status in failed)

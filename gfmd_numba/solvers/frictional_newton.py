@@ -165,7 +165,7 @@ class FrictionalNewton:
         guess.shear[i] = np.clip(shear, -bound, bound)
 
     def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
-        """Those of the nodes guessed wrong in a row that are to change: the `whole`, or one where that leads nowhere."""
+        """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""
         if wrong.size > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         if wrong.size < self._fewest[i]:

@@ -151,6 +151,8 @@ class FrictionalNewton:
             middle = middle_slip(u[0] - anchor, pressure, contact)
             u[0] -= u[0, middle] - anchor[middle]
         slid = u[0] - anchor
+        if middle >= 0:
+            slid[middle] = 0.0  # whatever rounding leaves of it
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
         self._products.tangential[i, :n] = np.where(bears & (slip * slid <= 0.0), anchor, u[0])
@@ -165,7 +167,7 @@ class FrictionalNewton:
         guess.shear[i] = np.clip(shear, -bound, bound)
 
     def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
-        """Those of the nodes guessed wrong in a row that are to change: the `whole`, or one where that leads nowhere."""
+        """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""
         if wrong.size > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         if wrong.size < self._fewest[i]:

@@ -97,6 +97,27 @@ def test_what_no_channel_connects_does_not_leak():
     assert (gfmd_numba.leakage(made(~OPEN))["flow_factor"] == 0.0).all()
 
 
+@pytest.mark.parametrize("narrow", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_two_narrow_places_resist_one_after_the_other(narrow):
+    """What is wide between them resists the less, by the cube of the ratio; their resistances add to 2 / u^3."""
+    gap = np.random.default_rng(1).uniform(0.5, 1.0, (40, 40))
+    for row in (10, 25):
+        gap[row] = 0.0
+        gap[row, 7] = narrow
+    found = gfmd_numba.leakage(made(gap == 0.0, gap))
+    assert float(found["hydraulic_gap"].sel(direction="y")) == pytest.approx(0.5 ** (1 / 3) * narrow, rel=1e-5)
+
+
+def test_a_place_too_narrow_to_tell_its_flow_is_not_a_number():
+    gap = np.ones((20, 20))
+    gap[[5, 15]] = 0.0
+    gap[[5, 15], 7] = 1e-7
+    found = gfmd_numba.leakage(made(gap == 0.0, gap)).sel(direction="y")
+    assert np.isnan(found["hydraulic_gap"])
+    assert np.isnan(found["flow_factor"])
+    assert found["flow_residual"] > 1e-3
+
+
 def test_a_pressed_ridge_leaks_along_itself_only():
     dataset = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
     found = gfmd_numba.leakage(dataset)

@@ -6,6 +6,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from gfmd_numba.analysis.connected_regions import regions
+from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.analysis.solved_fields import check_fields
 from gfmd_numba.arrays import Flags, Indices, Reals
 
@@ -23,7 +24,8 @@ def leakage(dataset: xr.Dataset) -> xr.Dataset:
     through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol.
     100:12, 1978). Both are 0 without a channel. `flow_residual` is the relative difference of the flow by outlet and by
     dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap is
-    not-a-number. Raises UnusableDataError for a dataset without these fields or a run that is not ok.
+    not-a-number. Raises UnusableDataError for a dataset without these fields, a run that is not ok, or more nodes than
+    memory takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
     hydraulic, residual = xr.apply_ufunc(
@@ -109,7 +111,12 @@ def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, ou
     upper = coo_array((coupling, (one, other)), shape=(n, n))
     matrix = csc_array(diags_array(np.ones(n)) - upper - upper.T)
     # symmetric and diagonally dominant: pivots stay on the diagonal
-    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    try:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except MemoryError:
+        raise UnusableDataError(
+            f"given channels of {n} nodes, whose flow takes more memory than there is; allowed: a map of fewer nodes"
+        ) from None
     pressure = scale * factors.solve(scale * inlet)
     # a diagonal rounded leaks: behind narrow places pressures are refined by the flows through faces, which do not
     for _ in range(_REFINEMENTS):

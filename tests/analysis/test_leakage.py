@@ -1,11 +1,15 @@
 """Flow through gaps by the Reynolds equation: closed forms, duality in the plane, and a dense solve node by node."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError
 from support.solved_maps import made, pressed, wave
+
+analysis_leakage = import_module("gfmd_numba.analysis.leakage")  # the room has a function of that name
 
 OPEN = np.zeros((32, 32), dtype=bool)
 
@@ -130,3 +134,12 @@ def test_a_pressed_ridge_leaks_along_itself_only():
 def test_profiles_do_not_leak():
     with pytest.raises(UnusableDataError, match="given no results of a map's contact"):
         gfmd_numba.leakage(made(OPEN).isel(y=0))
+
+
+def test_more_nodes_than_memory_takes_are_told(monkeypatch):
+    def factorise(*arguments, **options):
+        raise MemoryError
+
+    monkeypatch.setattr(analysis_leakage, "splu", factorise)
+    with pytest.raises(UnusableDataError, match="given channels of 1024 nodes, whose flow takes more memory"):
+        gfmd_numba.leakage(made(OPEN))

@@ -30,7 +30,7 @@ def gap_percolation(dataset: xr.Dataset) -> xr.Dataset:
     dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    touching = dataset["gap"] == 0.0
+    touching = dataset["gap"] <= 0.0
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
     result["gap_connects"] = _by_direction(_connects, ~touching, nodes)
     result["contact_connects"] = _by_direction(_connects, touching, nodes)

@@ -31,7 +31,7 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     if not all(np.isfinite(field).all() for field in fields):
         raise UnusableDataError(f"given fields that are not finite; allowed: what `gfmd solve` leaves of {kind}")
     for dim in nodes if len(nodes) == 2 else ():  # clusters may go around the period
-        points = dataset[dim].attrs.get(_POINTS, dataset.sizes[dim]) if dim in dataset.coords else None
+        points = dataset[dim].attrs.get(_POINTS, dataset.sizes[dim]) if dim in dataset.coords else "unknown"
         if str(points) != str(dataset.sizes[dim]):
             given = f"{dataset.sizes[dim]} of the {points} nodes along {dim}"
             raise UnusableDataError(f"given {given}; allowed: all nodes of the period of a map")

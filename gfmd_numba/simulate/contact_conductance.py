@@ -26,7 +26,7 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     solved for, or a run that is not ok.
     """
     nodes = _nodes(contact)
-    touching = contact["gap"] == 0.0
+    touching = contact["gap"] <= 0.0
     reduced = xr.apply_ufunc(_reduced, touching, input_core_dims=[nodes], vectorize=True)
     spacing = float(contact["x"][1] - contact["x"][0])
     result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
@@ -80,7 +80,7 @@ def _nodes(contact: xr.Dataset) -> list[str]:
     if (status != 0).any():
         raise InputError("contact: given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
     for dim in nodes:
-        points = contact[dim].attrs.get(POINTS, contact.sizes[dim]) if dim in contact.coords else None
+        points = contact[dim].attrs.get(POINTS, contact.sizes[dim]) if dim in contact.coords else "unknown"
         if str(points) != str(contact.sizes[dim]):
             given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
             raise InputError(f"contact: given {given}; allowed: all nodes of the period")

@@ -1,11 +1,15 @@
 """Flow through gaps by the Reynolds equation: closed forms, duality in the plane, and a dense solve node by node."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError
 from support.solved_maps import made, pressed, wave
+
+analysis_leakage = import_module("gfmd_numba.analysis.leakage")  # the room has a function of that name
 
 OPEN = np.zeros((32, 32), dtype=bool)
 
@@ -97,6 +101,27 @@ def test_what_no_channel_connects_does_not_leak():
     assert (gfmd_numba.leakage(made(~OPEN))["flow_factor"] == 0.0).all()
 
 
+@pytest.mark.parametrize("narrow", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_two_narrow_places_resist_one_after_the_other(narrow):
+    """What is wide between them resists the less, by the cube of the ratio; their resistances add to 2 / u^3."""
+    gap = np.random.default_rng(1).uniform(0.5, 1.0, (40, 40))
+    for row in (10, 25):
+        gap[row] = 0.0
+        gap[row, 7] = narrow
+    found = gfmd_numba.leakage(made(gap == 0.0, gap))
+    assert float(found["hydraulic_gap"].sel(direction="y")) == pytest.approx(0.5 ** (1 / 3) * narrow, rel=1e-5)
+
+
+def test_a_place_too_narrow_to_tell_its_flow_is_not_a_number():
+    gap = np.ones((20, 20))
+    gap[[5, 15]] = 0.0
+    gap[[5, 15], 7] = 1e-7
+    found = gfmd_numba.leakage(made(gap == 0.0, gap)).sel(direction="y")
+    assert np.isnan(found["hydraulic_gap"])
+    assert np.isnan(found["flow_factor"])
+    assert found["flow_residual"] > 1e-3
+
+
 def test_a_pressed_ridge_leaks_along_itself_only():
     dataset = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
     found = gfmd_numba.leakage(dataset)
@@ -109,3 +134,12 @@ def test_a_pressed_ridge_leaks_along_itself_only():
 def test_profiles_do_not_leak():
     with pytest.raises(UnusableDataError, match="given no results of a map's contact"):
         gfmd_numba.leakage(made(OPEN).isel(y=0))
+
+
+def test_more_nodes_than_memory_takes_are_told(monkeypatch):
+    def factorise(*arguments, **options):
+        raise MemoryError
+
+    monkeypatch.setattr(analysis_leakage, "splu", factorise)
+    with pytest.raises(UnusableDataError, match="given channels of 1024 nodes, whose flow takes more memory"):
+        gfmd_numba.leakage(made(OPEN))

@@ -60,6 +60,10 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.of.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
+        if len(looks.of) > 1:
+            figure.supxlabel(
+                "Markers are shifted sideways, so that their error bars can be seen.", fontsize=9, color="0.35"
+            )
         if any(map(_omits_nyquist, fitted.values())) and at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             panels[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
@@ -107,7 +111,7 @@ def _draw_limit(
         position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
             counted, _ = ensemble_mean(group, "kappa_counted")
-            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45)
+            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45, zorder=1)
         mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
         if physics in fitted:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE
+from gfmd_numba.analysis.plots.style import STYLE, ordered_colours
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.theory import persson
@@ -95,11 +95,12 @@ def plot_statistics(statistics: xr.Dataset) -> Figure:
     others = set(map(str, statistics.dims)) - {"step", "pressure", "gap", "length"}
     mean = statistics.mean(others)
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
+    colours = ordered_colours(len(steps))
     with mpl.rc_context(STYLE):
         figure = Figure((12.0, 4.0), dpi=150, layout="constrained")
         pressure, gap, length = figure.subplots(1, 3)
         for i, step in enumerate(steps):
-            colour = COLOURS[i % len(COLOURS)]
+            colour = colours[i]
             label = rf"$\bar{{p}}^* = {float(step.reduced_pressure):g}$" if "reduced_pressure" in step else f"step {i}"
             pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
             pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)

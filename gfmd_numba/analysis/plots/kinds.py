@@ -13,14 +13,14 @@ from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.surface import plot_surface
 
-KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that only this kind has
+KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has
     "fields inside a body": ("von_mises", plot_body),
     "surface": ("spectral_density", plot_surface),
     "accuracy": ("study", plot_accuracy),
     "statistics of a contact": ("pressure_density", plot_statistics),
     "load curve": ("prescribed_load", plot_curve),
     "loaded body": ("normal_traction", plot_loaded_body),
-    "contact": ("gap", plot_contact),
+    "contact": ("pressure", plot_contact),
 }
 
 

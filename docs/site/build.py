@@ -32,6 +32,7 @@ def assemble(tree: Path) -> None:
     shutil.copy(HERE / "index.md", tree)
     written = tree / "docs/reference"
     written.mkdir()
+    (tree / "docs/gallery/index.md").write_text(reference.gallery_page(ROOT / "docs/gallery"))
     modules = sorted(module.name for module in pkgutil.iter_modules(theory.__path__))
     pages = {
         "keys": reference.keys_page(schemas()),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import click
@@ -163,6 +165,20 @@ A campaign has a coordinate for each parameter that its `grid` may vary, if its 
 |---|---|---|
 {axes}
 """
+
+
+def gallery_page(folder: Path) -> str:
+    """Return the page of the gallery: of each example its sentences, its picture and its code."""
+    parts = [
+        "# Gallery\n",
+        "Each example runs in a few seconds and draws the picture beside it. The tests run all of them.\n",
+    ]
+    for path in sorted(folder.glob("*.py")):
+        title, _, sentences = (ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n")
+        code = path.read_text().split('"""', 2)[2].strip()
+        parts.append(f"## {title.rstrip('.')}\n\n{sentences.strip()}\n\n![{title}]({path.stem}.png)\n")
+        parts.append(f"```python\n{code}\n```\n")
+    return "\n".join(parts)
 
 
 PYTHON_PAGE = """\

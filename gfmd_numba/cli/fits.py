@@ -71,10 +71,13 @@ def fit(
 def plot(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
 ) -> None:
-    """Draw RESULTS: kappa against the discretisations, the fields of one contact, or a load curve.
+    """Draw RESULTS, whatever command of gfmd wrote them.
 
-    Of a campaign that ran --until an error, a second picture, NAME-rounds, shows the error against processor time.
+    RESULTS is the netCDF file of a campaign, contact, load curve, surface, loaded body, accuracy study or of the fields
+    inside a body, or the output directory of a campaign. If a campaign ran --until an error, a second picture,
+    NAME-rounds, shows the error against processor time.
     """
+    from gfmd_numba.analysis.plots.kinds import picture_of
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
@@ -85,7 +88,7 @@ def plot(
     if has_rounds(dataset):
         check_output(picture_of_rounds(picture), file, file.parent / "campaign.yaml")
     with naming(file):
-        fitted = None if {"x", "prescribed_load"} & set(dataset.dims) else _fit(dataset, fixed, variable, exponents)
+        fitted = None if picture_of(dataset) is not None else _fit(dataset, fixed, variable, exponents)
         draw(dataset, fitted, picture)
         if has_rounds(dataset):
             draw_rounds(dataset, picture_of_rounds(picture))
@@ -127,15 +130,16 @@ def fit_options(
 
 
 def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
-    """Write the picture of a campaign with its fit, or of one contact or load curve without."""
-    from gfmd_numba.analysis import plot_campaign, plot_contact, plot_curve
+    """Write the picture of a campaign with its fit, or of anything else without."""
+    from gfmd_numba.analysis import plot_campaign
+    from gfmd_numba.analysis.plots.kinds import picture_of
     from gfmd_numba.storage.atomic_file import write_picture
 
     with waiting("drawing"):
         if fitted is not None:
             figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
         else:
-            figure = plot_curve(dataset) if "prescribed_load" in dataset.dims else plot_contact(dataset)
+            figure = (picture_of(dataset) or plot_campaign)(dataset)
         write_picture(path, figure, dpi=150)
     click.echo(f"picture  {printable(path)}")
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS

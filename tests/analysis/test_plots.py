@@ -196,8 +196,10 @@ def test_nothing_varied_is_an_error(campaign):
 
 def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact, tmp_path):
     figure = plot_contact(contact)
-    above, below = figure.axes
-    assert above.get_ylabel() == "Height (nm)"
+    whole, above, below = figure.axes
+    assert whole.get_ylabel() == "Height (nm)"
+    assert above.get_ylabel() == "Close-up (nm)"
+    assert whole.get_ylim()[1] >= above.lines[0].get_ydata().max()  # the whole punch
     assert below.get_ylabel() == "Pressure $p$ (MPa)"
     assert below.get_xlabel() == "Position $x$ (µm)"
     punch, body = (line.get_ydata() for line in above.lines[:2])
@@ -211,8 +213,8 @@ def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact, tmp_path
 def test_contact_without_units_is_in_lx_and_estar(contact, tmp_path):
     for name in contact.variables:
         contact[name].attrs["units"] = "1"
-    above, below = plot_contact(contact).axes
-    assert above.get_ylabel() == r"Height ($10^{-7}\,L_x$)"
+    whole, _, below = plot_contact(contact).axes
+    assert whole.get_ylabel() == r"Height ($10^{-7}\,L_x$)"
     assert "E^*" in below.get_ylabel()
 
 

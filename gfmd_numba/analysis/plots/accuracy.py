@@ -1,47 +1,79 @@
 """Work-precision diagrams: what accuracy costs in time."""
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from gfmd_numba.analysis.plots.style import STYLE, log_ticks, ordered_colours
+from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.arrays import Reals
 
 TITLES = {
     "solver residual": "Solver and residual",
     "precision": "Double and single precision",
     "damping of Verlet": "Damping and time step of Verlet",
-    "eps_c": "Continuum: 1/eps_c",
-    "eps_f": "Fractal: 1/eps_f",
-    "eps_t": "Thermodynamic: 1/eps_t",
+    "eps_c": r"Continuum: $1/\varepsilon_c$",
+    "eps_f": r"Fractal: $1/\varepsilon_f$",
+    "eps_t": r"Thermodynamic: $1/\varepsilon_t$",
     "surfaces": "Number of surfaces",
+    "effects": "Half-space in place of a slab",
 }
+_MARKERS = ("o", "s", "^", "D", "v", "P")
+_EQUAL = {"solver residual": 1e-10, "precision": 1e-10}  # errors below are drawn at this edge
+_SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
+_WRITTEN = {"eps_c", "eps_f", "eps_t", "surfaces"}  # studies whose settings stand beside the points
+_COLUMNS = 3
 
 
 def plot_accuracy(dataset: xr.Dataset) -> Figure:
-    """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand beside the points."""
-    shown = [name for name in TITLES if name in dataset["study"].values]
-    figure = Figure(figsize=(13, 4 * -(-len(shown) // 3)), layout="constrained")
-    for position, name in enumerate(shown, start=1):
-        axes = figure.add_subplot(-(-len(shown) // 3), 3, position)
-        study = dataset.isel(point=dataset["study"].values == name)
-        damping, by_residual = name == "damping of Verlet", name in ("solver residual", "precision")
-        for curve in dict.fromkeys(study["curve"].values.tolist()):
-            points = study.isel(point=study["curve"].values == curve)
-            good = points.isel(point=(points["failed"].values == 0))
-            if damping:
-                axes.plot(good["setting"], good["seconds"], "o-", label=curve, markersize=4)
-                continue
-            # what agrees to the last bit is drawn at the lower edge
-            error = np.maximum(good["error"].values, 1e-10 if by_residual else 1e-5)
-            axes.plot(good["seconds"], error, "o-", label=curve, markersize=4)
-            if not by_residual:
-                for x, y, setting in zip(good["seconds"].values, error, good["setting"].values, strict=True):
-                    label = f"{setting:g}" if name == "surfaces" else f"{1 / setting:g}"
-                    axes.annotate(label, (x, y), textcoords="offset points", xytext=(4, 4), fontsize=7)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_title(TITLES[name], fontsize=10)
-        axes.set_xlabel("damping over critical damping of the slowest mode" if damping else "processor time / s")
-        axes.set_ylabel("processor time / s" if damping else r"relative error of $\kappa$")
-        axes.grid(which="major", alpha=0.3)
-        axes.tick_params(which="minor", labelsize=6)
-        axes.legend(fontsize=7)
+    """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand beside the points.
+
+    Settings with failed surfaces are left out. Raises UnusableDataError for a dataset without studies.
+    """
+    if not {"study", "curve", "setting", "error", "seconds", "failed"} <= dataset.variables.keys():
+        raise UnusableDataError("given no studies of accuracy; allowed: what `gfmd accuracy` leaves")
+    good = dataset.isel(point=dataset["failed"].values == 0)
+    shown = [name for name in TITLES if name in good["study"].values]
+    rows = -(-len(shown) // _COLUMNS)
+    with mpl.rc_context(STYLE):
+        figure = Figure((13.0, 4.4 * max(rows, 1)), dpi=150, layout="constrained")
+        for position, name in enumerate(shown, start=1):
+            axis = figure.add_subplot(rows, min(_COLUMNS, len(shown)), position)
+            _draw(axis, name, good.isel(point=good["study"].values == name))
     return figure
+
+
+def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
+    curves = dict.fromkeys(study["curve"].values.tolist())
+    for curve, colour, marker in zip(curves, ordered_colours(len(curves)), _MARKERS, strict=False):
+        points = study.isel(point=study["curve"].values == curve)
+        x, y = _over(name, points)
+        axis.plot(x, y, marker=marker, color=colour, label=curve, ms=5, lw=1.3)
+        if name in _WRITTEN:
+            _write_settings(axis, x, y, points["setting"].values, name)
+    axis.set(xscale="log", yscale="log", title=TITLES[name])
+    axis.title.set_fontsize(11)
+    axis.set_xlabel(_SETTINGS.get(name, "Processor time (s)"))
+    axis.set_ylabel("Processor time (s)" if name == "damping of Verlet" else r"Relative error of $\kappa$")
+    axis.margins(x=0.12, y=0.12)
+    for each in (axis.xaxis, axis.yaxis):
+        log_ticks(each)
+    axis.grid(color="0.9", lw=0.6)
+    axis.legend(fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+
+
+def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
+    """What is drawn against what, of the points of one curve."""
+    setting, seconds = points["setting"].values, points["seconds"].values
+    error = np.maximum(np.abs(points["error"].values), _EQUAL.get(name, 1e-5))
+    if name == "effects":
+        return setting[np.isfinite(setting)], error[np.isfinite(setting)]  # the half-space itself has no error
+    return (setting, seconds) if name == "damping of Verlet" else (seconds, error)
+
+
+def _write_settings(axis: Axes, x: Reals, y: Reals, settings: Reals, name: str) -> None:
+    for at, height, setting in zip(x, y, settings, strict=True):
+        label = f"{setting:g}" if name == "surfaces" else f"{1 / setting:g}"
+        axis.annotate(label, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=8)

@@ -59,9 +59,14 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
         panels[0].set_ylabel(of_variable(dataset, variable))
         for axis in panels:
             axis.grid(axis="y", color="0.9", linewidth=0.8)
+            axis.set_axisbelow(True)
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.of.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
+        if len(looks.of) > 1:
+            figure.supxlabel(
+                "Markers are shifted sideways, so that their error bars can be seen.", fontsize=9, color="0.35"
+            )
         if any(map(_omits_nyquist, fitted.values())) and at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             panels[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
@@ -109,9 +114,9 @@ def _draw_limit(
         position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
             counted, _ = ensemble_mean(group, "kappa_counted")
-            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45)
+            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45, zorder=1)
         mean, error = ensemble_mean(group, variable)
-        axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=5.5, capsize=2.5, lw=1.3)
+        axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=4, capsize=3, lw=1.3)
         if physics in fitted:
             _draw_curve(axis, fitted[physics], limit, look)
     title, label = _PANELS[limit]
@@ -131,6 +136,6 @@ def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) 
     for each, fit in fitted.items():
         look = looks.of[each]
         position, value, error = looks.position(each), float(fit["kappa_tfc"]), float(fit["kappa_tfc_error"])
-        axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=6.5, capsize=3, lw=1.3)
+        axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=4.5, capsize=3, lw=1.3)
     axis.set_xticks(range(len(looks.coloured)), [f"{value:g}" for value in looks.coloured])
     axis.set(title="TFC limit", xlabel=looks.label, xlim=(-0.6, len(looks.coloured) - 0.4))

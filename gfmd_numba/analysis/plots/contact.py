@@ -34,7 +34,8 @@ def _of_steps(dataset: xr.Dataset) -> str:
     for name, symbol, natural in _PRESCRIBED:
         if name in dataset and dataset[name].any():
             factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
-            said += f", {symbol} = {factor * float(dataset[name][-1]):.4g}" + (f" {unit}" if unit else "")
+            times = r"$\times$" if unit.startswith("$10^") else " "
+            said += f", {symbol} = {factor * float(dataset[name][-1]):.4g}" + (f"{times}{unit}" if unit else "")
     return said
 
 
@@ -56,22 +57,29 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     low, high = factor * body.values, factor * punch.values
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 5.4), dpi=150, layout="constrained")
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
-        # valleys of the punch rise far above the contact: the view follows the body
+        figure = Figure((9.0, 6.6), dpi=150, layout="constrained")
+        whole, above, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 6, 4])
+        whole.fill_between(x, high, high.max(), color="0.82", lw=0)
+        whole.plot(x, high, color="0.35", lw=0.8)
+        whole.plot(x, low, color=COLOURS[0], lw=1.2)
+        whole.set(ylabel=f"Height ({unit})")
+        whole.margins(y=0.0)
+        # valleys of the punch rise far above the contact: the close-up below follows the body
         span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
         bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
         above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
         above.plot(x, high, color="0.35", lw=1.0)
         above.plot(x, low, color=COLOURS[0], lw=1.2)
-        above.set(ylabel=f"Height ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
+        above.set(ylabel=f"Close-up ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
+        whole.axhspan(bottom, top, color=COLOURS[5], alpha=0.25, lw=0, zorder=0, label="range of the close-up")
+        figure.align_ylabels()
         below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         below.plot(x, pressure, color=COLOURS[1], lw=0.9)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
         below.set(xlabel=x_label, ylabel=pressure_label)
         if pressure.min() >= 0:
             below.set_ylim(bottom=0)
-        handles = [*above.get_legend_handles_labels()[0], *below.get_legend_handles_labels()[0]]
-        figure.legend(handles=handles, loc="outside upper right", ncols=3)
+        handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)  # above stands the step
     return figure

@@ -5,9 +5,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
@@ -43,12 +42,10 @@ def plot_curve(dataset: xr.Dataset) -> Figure:
             drawn = _draw(axis, dataset, name, text, free, factor * over.values)
             if logarithmic and drawn.size and drawn.min() > 0.0:
                 axis.set_yscale("log")
-                if drawn.max() < 100.0 * drawn.min():  # too few powers of ten to read values between them
-                    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-                    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-                    axis.yaxis.set_minor_formatter(NullFormatter())
+                log_ticks(axis.yaxis)
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
                 axis.set_xscale("log")
+                log_ticks(axis.xaxis)
         for axis in figure.axes[2:]:
             axis.set_xlabel(f"{label} ({unit})")
         counts = dataset["n_realisations"]

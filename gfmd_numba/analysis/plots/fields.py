@@ -1,12 +1,14 @@
-"""Picture of the body under a contact: pressure above, von Mises's stress below."""
+"""Picture of the body under a contact: pressure, von Mises's stress, and a close-up of its largest value."""
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.arrays import Reals
 
 _DEEPEST = 0.5  # of L_x: below, the waves have died out
 
@@ -25,15 +27,34 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     z = dataset["z"].values * unit
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
+    deepest, beside = np.unravel_index(int(np.argmax(mises)), mises.shape)
     with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 6.4), dpi=150, layout="constrained")
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1, 3])
+        figure = Figure((9.0, 9.0), dpi=150, layout="constrained")
+        above, whole, close = figure.subplots(3, 1, height_ratios=[1.2, 3, 2.4])
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
-        above.set(ylabel=pressure_label)
-        # stresses at the edges of contacts are far above all others: the colours follow the rest
-        levels = np.linspace(0.0, np.quantile(mises, 0.998) or 1.0, 25)
-        drawn = below.contourf(x, z, mises, levels, cmap="cividis", extend="max")
-        below.set(xlabel=x_label, ylabel=x_label.replace("Position $x$", "Height $z$"), xlim=(x[0], x[-1]))
-        figure.colorbar(drawn, ax=below, label=mises_label, format="%.3g", ticks=levels[::6])
+        above.set(ylabel=pressure_label, xlabel=x_label, xlim=(x[0], x[-1]), ylim=(min(0.0, pressure.min()), None))
+        # stresses at the edges of contacts are far above all others: these colours follow the rest
+        z_label = x_label.replace("Position $x$", "Height $z$")
+        _draw(figure, whole, x, z, mises, float(np.quantile(mises, 0.998)), mises_label)
+        whole.set(xlabel=x_label, ylabel=z_label, aspect="equal")
+        # and these show the largest one
+        width, peak = (x[-1] + x[1]) / 8.0, float(mises.max())
+        near = np.abs(x - np.clip(x[beside], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
+        shallow = z >= min(1.5 * z[deepest], -width / 3.0)
+        _draw(figure, close, x[near], z[shallow], mises[np.ix_(shallow, near)], peak, mises_label)
+        close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
+        unit_of_stress = mises_label.partition("(")[2].rstrip(")")
+        length = x_label.partition("(")[2].rstrip(")")
+        at = f"$x$ = {x[beside]:.4g}, $z$ = {z[deepest]:.3g} {length}"
+        close.set_title(f"Close-up of the largest stress, {peak:.4g} {unit_of_stress} at {at}", fontsize=11)
+        close.set(xlabel=x_label, ylabel=z_label, aspect="equal")
     return figure
+
+
+def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: float, label: str) -> None:
+    levels = np.linspace(0.0, most or 1.0, 25)
+    drawn = axis.contourf(
+        x, z, values, levels, cmap="cividis", extend="max" if values.max() > levels[-1] else "neither"
+    )
+    figure.colorbar(drawn, ax=axis, label=label, format="%.3g", ticks=levels[::6])

@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from gfmd_numba.analysis.names import has_names, plain, shown
-from gfmd_numba.analysis.plots.style import COLOURS, with_unit
+from gfmd_numba.analysis.plots.style import COLOURS, ordered_colours, with_unit
 from gfmd_numba.analysis.selection import axes, groups, key
 
 _MARKERS = ("o", "s", "^", "D", "v", "P")
@@ -51,11 +51,12 @@ def looks(dataset: xr.Dataset) -> Looks:
     found = Looks({each: {} for each in sorted(keys)}, names, column, _label(dataset[names[column]]))
     coloured, others = found.coloured, found.others
     told = sorted({column, *varied})
+    palette = COLOURS if has_names(dataset[names[column]]) else ordered_colours(len(coloured))
     for each, look in found.of.items():
-        style = others.index(_without(each, column))
+        style, colour = others.index(_without(each, column)), coloured.index(each[column])
         look |= {
-            "color": COLOURS[coloured.index(each[column]) % len(COLOURS)],
-            "marker": _MARKERS[style % len(_MARKERS)],
+            "color": palette[colour % len(palette)],
+            "marker": _MARKERS[(style if len(others) > 1 else colour) % len(_MARKERS)],
             "linestyle": _DASHES[style % len(_DASHES)],
             "label": _told([(dataset[names[i]], each[i]) for i in told]),
         }

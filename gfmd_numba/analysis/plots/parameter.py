@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.looks import looks as looks_of
-from gfmd_numba.analysis.plots.style import LINE, STYLE, of_variable, scaled, with_unit
+from gfmd_numba.analysis.plots.style import LINE, STYLE, log_ticks, of_variable, scaled, with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
@@ -42,6 +42,8 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
             joined = {"linestyle": "none"} if has_names(dataset[name]) else {}
             panel.errorbar(ordered["_value"].values, mean, error, ms=5.5, capsize=2.5, lw=1.3, **look | joined)
         panel.set_ylabel(of_variable(dataset, variable))
+        if panel.get_xscale() == "log":
+            log_ticks(panel.xaxis)
         panel.grid(axis="y", color="0.9", linewidth=0.8)
         if len(looks.of) > 1:
             handles = [Line2D([], [], **look) for look in looks.of.values()]

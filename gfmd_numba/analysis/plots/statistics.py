@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE
+from gfmd_numba.analysis.plots.style import STYLE, ordered_colours
 from gfmd_numba.arrays import Reals
 
 
@@ -32,8 +32,9 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
     counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
+    colours = ordered_colours(len(steps))
     for i, step in enumerate(steps):
-        colour = COLOURS[i % len(COLOURS)]
+        colour = colours[i]
         label = rf"$\bar{{p}}^* = {float(step.reduced_pressure):g}$" if "reduced_pressure" in step else f"step {i}"
         pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
         pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)

@@ -2,8 +2,12 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axis import Axis
+from matplotlib.colors import to_hex
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.si_prefix import si_prefix
@@ -18,6 +22,23 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
 }
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
+
+
+def ordered_colours(count: int) -> list[str]:
+    """Return colours of ordered values, from dark to light, so that they are told apart in grey too."""
+    if count == 1:
+        return [COLOURS[0]]
+    return [to_hex(mpl.colormaps["viridis"](float(place))) for place in np.linspace(0.0, 0.78, count)]
+
+
+def log_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis so that values can be read: with plain numbers, and between few powers of ten."""
+    low, high = axis.get_view_interval()
+    if high < 100.0 * low:
+        axis.set_major_locator(MaxNLocator(4) if high < 4.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_minor_formatter(NullFormatter())
+    if high < 100.0 * low or (low >= 1e-4 and high < 1e5):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def of_variable(dataset: xr.Dataset, variable: str) -> str:

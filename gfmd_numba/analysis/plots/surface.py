@@ -5,6 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 
@@ -39,11 +40,21 @@ def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
     q, density = dataset["wavenumber"].values, dataset["spectral_density"].values
-    # a power of n independent waves scatters by 1 / sqrt(n)
-    spread = 1.0 / np.sqrt(dataset["waves"].values)
     inside = density > 1e-14 * density.max()
-    bars = np.clip(density * spread, 0.0, 0.9 * density)[inside]
-    axis.errorbar(q[inside], density[inside], bars, fmt="o", ms=4, lw=1.0, color=COLOURS[0], label="surface")
+    # the mean power of n independent waves is distributed as chi^2 with 2 n degrees of freedom
+    waves, mean = dataset["waves"].values[inside], density[inside]
+    low, high = (mean * waves / gammaincinv(waves, quantile) for quantile in (0.84, 0.16))
+    bars = np.maximum([mean - low, high - mean], 0.0)
+    axis.errorbar(
+        q[inside],
+        mean,
+        bars,
+        fmt="o",
+        ms=4,
+        lw=1.0,
+        color=COLOURS[0],
+        label="surface, with the 68 % range of its ensemble",
+    )
     if "spectral_density_theory" in dataset:
         theory = dataset["spectral_density_theory"].values
         drawn = theory > 1e-14 * theory.max()

@@ -1,0 +1,31 @@
+"""The table of what can be drawn without a fit: what tells a kind of dataset, and its picture."""
+
+from collections.abc import Callable
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from gfmd_numba.analysis.contact_statistics import plot_statistics
+from gfmd_numba.analysis.plots.accuracy import plot_accuracy
+from gfmd_numba.analysis.plots.contact import plot_contact
+from gfmd_numba.analysis.plots.curve import plot_curve
+from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.surface import plot_surface
+
+KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has
+    "fields inside a body": ("von_mises", plot_body),
+    "surface": ("spectral_density", plot_surface),
+    "accuracy": ("study", plot_accuracy),
+    "statistics of a contact": ("pressure_density", plot_statistics),
+    "load curve": ("prescribed_load", plot_curve),
+    "loaded body": ("normal_traction", plot_loaded_body),
+    "contact": ("pressure", plot_contact),
+}
+
+
+def picture_of(dataset: xr.Dataset) -> Callable[[xr.Dataset], Figure] | None:
+    """Function that draws this kind of dataset; None for one that is drawn with its fit: a campaign."""
+    if "case" in dataset.dims:
+        return None
+    return next((draw for variable, draw in KINDS.values() if variable in dataset.variables), None)

@@ -1,0 +1,100 @@
+"""`gfmd plot` draws whatever gfmd writes, and its pictures can be read in grey and without blank axes."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import gfmd_numba
+from gfmd_numba.analysis import plot_accuracy
+from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
+from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
+from support.command_line import gfmd
+
+SCENE = {
+    "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
+    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+    "interface": {"hard_wall": {}},
+    "loading": {"reduced_pressure": 0.1},
+}
+FILE = {"scene": SCENE, "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 1}}
+
+
+def _contact():
+    return gfmd_numba.solve(FILE)
+
+
+def _studies():
+    return xr.Dataset(
+        {
+            "study": ("point", ["eps_c"] * 2 + ["effects"] * 2),
+            "curve": ("point", ["counted"] * 2 + ["half-space for a slab"] * 2),
+            "setting": ("point", [0.5, 0.25, 0.1, np.inf]),
+            "error": ("point", [0.2, 0.1, 0.01, 0.0]),
+            "seconds": ("point", [1.0, 1.2, 1.0, 1.0]),
+            "failed": ("point", [0, 0, 0, 0]),
+        }
+    )
+
+
+WRITTEN = {
+    "contact": _contact,
+    "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
+    "load curve": lambda: gfmd_numba.load_curve(FILE, [0.1, 0.2]),
+    "statistics of a contact": lambda: gfmd_numba.contact_statistics(_contact()),
+    "surface": lambda: gfmd_numba.make_surface(
+        {"surface": {"method": "psd", "hurst": 0.8, "rms_height": 0.01, "points": 64, "cut_on": 0.1, "roll_off": 0.5}}
+    ),
+    "loaded body": lambda: gfmd_numba.solve(
+        {"scene": {"body": SCENE["body"], "boundary": {"normal_traction": 0.01}}, "points": 16}
+    ),
+    "accuracy": _studies,
+}
+
+
+def test_every_kind_is_tried():
+    assert WRITTEN.keys() == KINDS.keys()
+
+
+@pytest.mark.parametrize("kind", WRITTEN)
+def test_plot_draws_what_was_written(kind, tmp_path):
+    dataset = WRITTEN[kind]()
+    assert picture_of(dataset) is KINDS[kind][1]
+    dataset.to_netcdf(tmp_path / "written.nc")
+    said = gfmd("plot", tmp_path / "written.nc")
+    assert said.exit_code == 0, said.output
+    assert (tmp_path / "written.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize("count", range(2, 8))
+def test_ordered_colours_fall_apart_in_grey(count):
+    lightness = [np.dot(to_rgb(colour), (0.2126, 0.7152, 0.0722)) for colour in ordered_colours(count)]
+    assert (np.diff(lightness) > 0.4 / count).all()
+
+
+@pytest.mark.parametrize(("low", "high"), [(1.01, 1.4), (1.1, 4.5), (0.3, 9.0), (0.02, 50.0), (1e-9, 1e-3)])
+def test_a_logarithmic_axis_has_at_least_two_labels_that_do_not_collide(low, high):
+    figure = Figure((4.0, 3.0), layout="constrained")
+    axis = figure.subplots()
+    axis.set(xscale="log", xlim=(low, high))
+    log_ticks(axis.xaxis)
+    figure.draw_without_rendering()
+    labels = [label for label in axis.get_xticklabels() if label.get_text()]
+    boxes = [
+        label.get_window_extent() for label, at in zip(labels, axis.get_xticks(), strict=False) if low <= at <= high
+    ]
+    assert len(boxes) >= 2
+    assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
+
+
+def test_the_studies_of_accuracy_leave_no_panel_empty_and_no_default_colour():
+    figure = plot_accuracy(_studies())
+    assert [axis.get_title() for axis in figure.axes] == [
+        r"Continuum: $1/\varepsilon_c$",
+        "Half-space in place of a slab",
+    ]
+    assert all(axis.lines for axis in figure.axes)
+    assert figure.axes[1].lines[0].get_xdata().tolist() == [0.1]  # the half-space itself has no error

@@ -66,8 +66,8 @@ def run(
     If a run was interrupted, the same command resumes it and repeats no finished work.
 
     With --until, the campaign runs in rounds. The first round is a pilot of 20 to 40 realisations of every case. Each
-    later round has as many of each case as the results so far ask for. The run ends when the fit says that the limit has
-    the error that you want.
+    later round has as many of each case as the results so far ask for. The run ends when the fit says that the limit
+    has the error you want.
     """
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import Choice, StoppedError

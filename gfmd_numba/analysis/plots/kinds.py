@@ -5,12 +5,12 @@ from collections.abc import Callable
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.contact_statistics import plot_statistics
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 
 KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has

@@ -308,20 +308,26 @@ def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: b
 def refined_pressure(
     coarse: Reals, m: int, load: float, free_mean: bool, n: int, fine: Reals, p: Reals
 ) -> None:
-    """Interpolate a pressure of m nodes to n, keep it on nodes nearer to a contact node, and scale it to the load."""
-    for j in range(n):
-        p[j] = 0.0
+    """Interpolate a pressure of m nodes to n, less the pressure `fine`, on nodes nearer to a contact node; balance it.
+
+    Where nothing is left the fine pressure does not count.
+    """
     total = 0.0
-    for i in range(m):
-        here = coarse[i]
-        there = coarse[i + 1] if i + 1 < m else coarse[0]
-        if not (here > 0.0 or there > 0.0):
-            continue
-        for j in range(-(-i * n // m), -(-(i + 1) * n // m)):
-            x = (j * m - i * n) / n
-            if (x <= 0.5 and here > 0.0) or (x >= 0.5 and there > 0.0):
-                p[j] = max((1.0 - x) * here + x * there - fine[j], 0.0)
-                total += p[j]
+    for share in (1.0, 0.0):
+        for j in range(n):
+            p[j] = 0.0
+        for i in range(m):
+            here = coarse[i]
+            there = coarse[i + 1] if i + 1 < m else coarse[0]
+            if not (here > 0.0 or there > 0.0):
+                continue
+            for j in range(-(-i * n // m), -(-(i + 1) * n // m)):
+                x = (j * m - i * n) / n
+                if (x <= 0.5 and here > 0.0) or (x >= 0.5 and there > 0.0):
+                    p[j] = max((1.0 - x) * here + x * there - share * fine[j], 0.0)
+                    total += p[j]
+        if total > 0.0:
+            break
     if free_mean:
         for j in range(n):
             p[j] *= load * n / total

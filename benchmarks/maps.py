@@ -1,7 +1,8 @@
 """Maps: kappa beside the literature, time, memory and transforms up to 4096^2, and Tamaas beside it at 1024^2.
 
 `python benchmarks/maps.py` prints kappa and the ratio to Tamaas (pip install tamaas; skipped without it);
-`python benchmarks/maps.py 2048` solves one map of that size, for its time and memory. One thread each.
+`python benchmarks/maps.py 2048 0.8 0.007` solves one map of that size, H and p*, for its time and memory, and
+`python benchmarks/maps.py tamaas 0.2 3` three maps at that p* with Tamaas beside it. One thread each.
 """
 
 import resource
@@ -18,6 +19,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.roughness.generators import RandomSurface
@@ -113,35 +115,45 @@ def line_contact(hurst, nx, load, profiles=600):
     return found["kappa"]
 
 
-def one_transform(nx):
-    """Seconds of one planned transform, median of pairs."""
-    field, row, pairs = Convolution(1, nx, nx), np.arange(1), []
-    for _ in range(7):
-        begun = time.perf_counter()
-        field.forward(row)
-        field.inverse(row)
-        pairs.append(time.perf_counter() - begun)
-    return float(np.median(pairs)) / 2.0
+def one_pair(nx):
+    """Processor seconds of a planned transform and its inverse, in two buffers and in one; medians of seven."""
+    two, one, row = Convolution(1, nx, nx), InPlaceTransform((nx, nx), storage(1, (nx, nx))[0]), np.arange(1)
+
+    def both():
+        two.forward(row)
+        two.inverse(row)
+
+    def in_place():
+        one.forward()
+        one.inverse()
+
+    return tuple(float(np.median([seconds(transform)[0] for _ in range(7)])) for transform in (both, in_place))
 
 
-def one_map(nx):
+def seconds(action, *arguments):
+    """Processor time, of which others on the machine take less than of the clock, and the result."""
+    begun = time.process_time()
+    result = action(*arguments)
+    return time.process_time() - begun, result
+
+
+def one_map(nx, hurst, load):
     """Time and memory of one map, in a process that has compiled its kernels."""
-    solution.solve(problem(0.8, 4, 32, 0.007), range(1))
+    for small in (64, 256):
+        solution.solve(problem(hurst, 8, small, load), range(1))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for hurst in (0.8, 0.3):
-        begun = time.perf_counter()
-        made = solution.solve(problem(hurst, nx // 4, nx, 0.007), range(1))
-        seconds, solved = time.perf_counter() - begun, made.equilibrium
-        after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        floor = solved.n_transforms[0] * one_transform(nx)
-        memory = after - before
-        print(
-            f"{nx}^2, H = {hurst}, p* = 0.007: {seconds:.2f} s, {solved.wall_time[0]:.2f} s of them in the solver, "
-            f"{solved.wall_time[0] / floor:.2f} times its {solved.n_transforms[0]} transforms, "
-            f"{solved.n_iterations[0]} Newton steps, residual {solved.residual[0]:.0e}, "
-            f"{Status(solved.status[0]).name}; at most {memory / 1024:.0f} MB, {memory * 1024 / nx**2:.0f} B a node",
-            flush=True,
-        )
+    made = solution.solve(problem(hurst, nx // 4, nx, load), range(1))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    body, numerics = stiffness.half_space(grid.magnitudes((nx, nx))), Options("active_set_newton", residual=RESIDUAL)
+    taken, solved = seconds(equilibrate, made.punch, body, load, numerics)
+    two, one = one_pair(nx)
+    print(
+        f"{nx}^2, H = {hurst}, p* = {load}: {taken:.2f} s, {taken / two:.0f} pairs of transforms ({taken / one:.0f} of "
+        f"those in place), {solved.n_transforms[0]} transforms, {solved.n_iterations[0]} steps, residual "
+        f"{solved.residual[0]:.0e}, {Status(solved.status[0]).name}; at most {memory / 1024:.0f} MB, "
+        f"{memory * 1024 / nx**2:.0f} B a node, surface and result included",
+        flush=True,
+    )
 
 
 def beside_tamaas(nx=1024, load=0.007, repetitions=3):
@@ -152,26 +164,23 @@ def beside_tamaas(nx=1024, load=0.007, repetitions=3):
         return
     tamaas.set_log_level(tamaas.LogLevel.error)
     body = stiffness.half_space(grid.magnitudes((nx, nx)))
+    numerics = Options("active_set_newton", residual=RESIDUAL)
+    equilibrate(self_affine.maps(0.8, 2, 8, 64, 2018, range(1)), body[:64, :33], load, numerics)  # compiles kernels
     for hurst in (0.8, 0.3):
         ratios, different = [], 0
         for surface in range(repetitions):
             heights = self_affine.maps(hurst, 2, nx // 4, nx, 2018, range(surface, surface + 1))
             punch = heights.max() - heights
-            numerics = Options("active_set_newton", residual=RESIDUAL)
-            begun = time.perf_counter()
-            found = equilibrate(punch, body, load, numerics)
-            here = time.perf_counter() - begun
+            here, found = seconds(equilibrate, punch, body, load, numerics)
             model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [nx, nx])
             model.E, model.nu = 1.0, 0.0
             peer = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-punch[0]), 1e-8)
-            begun = time.perf_counter()
-            peer.solve(load)
-            there = time.perf_counter() - begun
+            there, _ = seconds(peer.solve, load)
             ratios.append(there / here)
             different += np.count_nonzero((np.asarray(model.traction).reshape(nx, nx) > 0.0) != found.touching[0])
         print(
-            f"{nx}^2, H = {hurst}, p* = {load}: Tamaas takes {np.median(ratios):.1f} times as long "
-            f"({min(ratios):.1f} to {max(ratios):.1f}, {repetitions} surfaces; the last {there:.1f} and {here:.1f} s), "
+            f"{nx}^2, H = {hurst}, p* = {load}: Tamaas takes {np.median(ratios):.0f} times as long "
+            f"({min(ratios):.0f} to {max(ratios):.0f}, {repetitions} surfaces; the last {there:.1f} and {here:.2f} s), "
             f"{different} nodes differ",
             flush=True,
         )
@@ -179,10 +188,14 @@ def beside_tamaas(nx=1024, load=0.007, repetitions=3):
 
 def main():
     if len(sys.argv) > 1:
-        return one_map(int(sys.argv[1]))
-    for size in (512, 1024, 2048, 4096):
-        subprocess.run([sys.executable, __file__, str(size)], check=True)
-    beside_tamaas()
+        if sys.argv[1] == "tamaas":
+            return beside_tamaas(load=float(sys.argv[2]), repetitions=int(sys.argv[3]))
+        return one_map(int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]))
+    for load in ("0.007", "0.2"):
+        for hurst in ("0.8", "0.3"):
+            for size in ("512", "1024", "2048", "4096"):
+                subprocess.run([sys.executable, __file__, size, hurst, load], check=True)
+        beside_tamaas(load=float(load))
     kappa_beside_the_literature()
     kappa_over_nayaks_parameter()
     kappa_over_anisotropy()

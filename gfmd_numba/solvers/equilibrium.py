@@ -247,12 +247,12 @@ def _iterate(
         pressure = solver.restoring  # of rows that have ended, which need it no more
         solver.certificate.pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
         where = rows[done]
-        shape = (len(done), *solver.field.shape)
-        result.displacement[where] = solver.displacement[done, :n].reshape(shape)
-        result.pressure[where] = pressure[done, :n].reshape(shape)
-        result.touching[where] = result.pressure[where] > 0.0
-        if result.plastic is not None:
-            result.plastic[where] = result.pressure[where] >= solver.certificate.hardness
+        for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
+            result.displacement[row] = solver.displacement[i, :n].reshape(solver.field.shape)
+            result.pressure[row] = pressure[i, :n].reshape(solver.field.shape)
+            np.greater(result.pressure[row], 0.0, out=result.touching[row])
+            if result.plastic is not None:
+                np.greater_equal(result.pressure[row], solver.certificate.hardness, out=result.plastic[row])
         if result.tangential is not None and solver.tangential is not None:
             displacement, restoring = solver.tangential
             result.tangential.displacement[where] = displacement[done, :n]

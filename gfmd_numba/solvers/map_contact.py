@@ -67,7 +67,7 @@ class MapContact:
         self._places = np.empty(down * across, dtype=np.int64)
         kernels.mark_loaded(transform.rows, wall.shape[1], self._marks)
         self.tiles = self._listed()
-        self.pressure, self._gap, self._residual, self._change, self._direction, self._soft = self._values()
+        self.pressure = self._zeros()
         kernels.take_tiles(transform.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
@@ -116,9 +116,7 @@ class MapContact:
             if tolerance <= goal and (not changed or not iterations):
                 break
             if changed:
-                np.subtract(self.pressure, before, out=self._direction)
-                self._soften(self._direction)
-                np.add(gap, self._soft, out=self._gap)
+                np.add(gap, self._softened(self.pressure - before), out=self._gap)
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
         self.coarse_transforms += level.transforms_since(counted)
@@ -128,50 +126,51 @@ class MapContact:
         if self.count == 0:
             return 0
         level = self._level
-        p, gap, r, z, t, st = (
-            _flat(values)
-            for values in (self.pressure, self._gap, self._residual, self._change, self._direction, self._soft)
-        )
+        residual, change, direction = self._zeros(), self._zeros(), self._zeros()
+        p, gap, r, z, t = (_flat(values) for values in (self.pressure, self._gap, residual, change, direction))
+        st = np.zeros_like(t)
         contact = _flat(self.contact)
         level.inverse.factor(self.contact)
         kernels.closing_residual(gap, contact, r, self.count, self.free_mean)
-        t[:] = 0.0
         last = step = 0.0
         for iteration in range(_ITERATIONS):
-            level.inverse.solve(self._residual, self._change)
+            level.inverse.solve(residual, change)
             energy, error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)
             if not error > tolerance:
                 return iteration
             kernels.tile_direction(z, st, t, step, last)
             last = energy
-            self._soften(self._direction)
+            st = _flat(self._softened(direction))
             step = kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
         return _ITERATIONS
 
-    def _soften(self, pressure: Reals) -> None:
+    def _softened(self, pressure: Reals) -> Reals:
         """Displacement that a pressure on the tiles causes there."""
+        displacement = self._zeros()
         if not self._exact:
-            self._level.compliance.apply(pressure, self._soft)
-            return
+            self._level.compliance.apply(pressure, displacement)
+            return displacement
         rows, nx = self.transform.rows, self.wall.shape[1]
         kernels.put_tiles(pressure, self.tiles, rows, nx)
         self.transform.soften(self._level.stiffness)
-        kernels.take_tiles(rows, self.tiles, nx, self._soft)
+        kernels.take_tiles(rows, self.tiles, nx, displacement)
+        return displacement
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
         overlap = -float(self._gap[:-1][~self.contact[:-1]].min(initial=0.0))
         if self.count == 0:
             return np.inf if overlap > self._rounding else 0.0
-        r, z, p, contact = _flat(self._residual), _flat(self._change), _flat(self.pressure), _flat(self.contact)
+        residual, change = self._zeros(), self._zeros()
+        r, z, p, contact = _flat(residual), _flat(change), _flat(self.pressure), _flat(self.contact)
         self._level.inverse.factor(self.contact)
         kernels.closing_residual(_flat(self._gap), contact, r, self.count, self.free_mean)
-        self._level.inverse.solve(self._residual, self._change)
+        self._level.inverse.solve(residual, change)
         error = kernels.tile_error(r, z, p, contact, self.count, self._rounding, self.free_mean)[1]
         return float(max(error, overlap * self._level.inverse.stiffest / p.max()))
 
-    def _values(self) -> tuple[Reals, ...]:
-        return tuple(np.zeros((self.tiles.size + 1, TILE, TILE)) for _ in range(6))
+    def _zeros(self) -> Reals:
+        return np.zeros((self.tiles.size + 1, TILE, TILE))
 
     def _listed(self) -> Indices:
         """Marked tiles, whose places are then known."""
@@ -185,7 +184,7 @@ class MapContact:
         self.tiles = self._listed()
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
         kernels.surround(self.tiles, self._places, *(n // TILE for n in self.wall.shape), self._around)
-        self.pressure, self._gap, self._residual, self._change, self._direction, self._soft = self._values()
+        self.pressure, self._gap = self._zeros(), self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         kernels.move_tiles(pressure, places, self.tiles, self.pressure)
         kernels.move_tiles(contact, places, self.tiles, self.contact)

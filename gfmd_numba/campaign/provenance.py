@@ -1,14 +1,19 @@
 """Where results come from, and a digest of what they say."""
 
+from __future__ import annotations
+
 import hashlib
 import os
 import platform
 import subprocess
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
+
+if TYPE_CHECKING:  # a worker has no use for it, and would take a third of its start to import it
+    import xarray as xr
 
 _PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
 _OF_THE_RUN = ("wall_time", "case_seconds", "round_cpu_seconds")  # differ from run to run

@@ -67,6 +67,12 @@ def test_solve_loads_no_cluster_no_pictures_and_no_statistics(tmp_path):
     assert said.endswith("[]\n")
 
 
+def test_a_worker_loads_no_datasets_and_no_statistics():
+    names = ("xarray", "pandas", "netCDF4", "matplotlib", "scipy.optimize", "scipy.stats", "pint")
+    script = "import sys, gfmd_numba.campaign.execution; print([name for name in {} if name in sys.modules])"
+    assert python(script.format(names)) == "[]\n"
+
+
 @pytest.mark.parametrize("collecting", [True, False])
 def test_imports_are_not_looked_through_for_garbage(collecting):
     before = gc.isenabled()

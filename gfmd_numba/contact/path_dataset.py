@@ -66,7 +66,7 @@ def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient
     found = {
         "energy_lost": (
             "energy",
-            "energy per nominal area that jumps lost since the last step: work less stored energy",
+            "work since the last step, force linear between solutions, less stored energy, per area",
             followed.lost,
         ),
         "stability": ("1", "smallest curvature of the energy over that of the bodies alone", followed.stability),

@@ -22,6 +22,7 @@ _FLAT = 1e-6  # curvature over that of the body alone below which a direction is
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
+_FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
 
 
@@ -51,6 +52,9 @@ class TruncatedNewton:
         self._punch = aligned_rows(rows, n)
         self._punch[:, :n] = batch.punch.reshape(rows, -1)
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
+        # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
+        self._reach = law.strength / law.softening if law.softening > 0.0 else 0.0
+        self._bound = self.wall.copy() if self._reach > 0.0 else self.wall
         (self._source,) = self.field.sources
         self._u, self._elastic, self.restoring = (aligned_rows(rows, n) for _ in range(3))
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
@@ -167,7 +171,7 @@ class TruncatedNewton:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
         i, n = row[0], self.field.n
         u, trial = self._u[i], self._source[i]
-        kernels.descent_trial(u, self.wall[i], self._direction, step, n, trial)
+        kernels.descent_trial(u, self._bound[i], self._direction, step, n, trial)
         self.field.apply(self._stiffness, row)
         work, slope, size = kernels.descent_work(
             u, trial, self._elastic[i], self.field.result[i], self.restoring[i], self.load[i], n, self._closing
@@ -184,7 +188,11 @@ class TruncatedNewton:
         self._punch[i, :n] -= mean
         self._level[i] += mean
         self._elastic[i, :n] = self.field.result[i, :n]
-        traction = self._law.traction(self._punch[i, :n] - self._u[i, :n])
+        gap = self._punch[i, :n] - self._u[i, :n]
+        if self._reach > 0.0:
+            closing = np.maximum(gap - _FAR * self._reach, self._reach)
+            np.minimum(self.wall[i, :n], self._u[i, :n] + closing, out=self._bound[i, :n])
+        traction = self._law.traction(gap)
         self.restoring[i, :n] = self._elastic[i, :n] - traction
         self._strongest[i] = np.abs(traction).max()
 

@@ -8,6 +8,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
@@ -114,6 +115,22 @@ def test_a_fold_is_passed_downhill_and_the_surfaces_part():
     assert found[0].touching.any()
     assert not found[-1].touching.any()
     assert tension[-1] < 1e-3 * max(tension)
+
+
+def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics():
+    heights = self_affine.profiles(0.8, 2, 32, 512, 4, range(6))
+    punch, body = heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(512))
+    law = Interactions(True, ExponentialLaw(0.1 * np.pi * 256 * 3e-3**2, 3e-3))
+    at_once, dynamics = (
+        equilibrate(punch, body, 0.01, Options(solver), law) for solver in ("truncated_newton", "verlet")
+    )
+    start = None
+    for load in np.geomspace(1e-4, 0.01, 12):
+        found = equilibrate(punch, body, load, Options("truncated_newton"), law, start)
+        start = following(found, punch, 0.0)
+    for other in (dynamics, found):
+        assert (other.status == 0).all()
+        np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
 
 
 def test_a_start_in_which_the_law_repels_beyond_all_measure_is_let_go():

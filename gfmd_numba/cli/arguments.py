@@ -136,7 +136,7 @@ def check_output(output: Path, *inputs: Path) -> None:
         raise InputError(f"--output: given {output}; allowed: a file in an existing folder, unlike {output.parent}")
     folder = Path(os.path.realpath(output)).parent  # in which a temporary file is written first
     if not os.access(folder, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
-        raise InputError(f"--output: given {output}, which may not be written; allowed: a file that may be")
+        raise InputError(f"--output: given {output}, which you may not write; allowed: a file that you may write")
     if not may_be_replaced(output):
         raise InputError(
             f"--output: given {output}, which gfmd did not write; allowed: a new file, or one that gfmd wrote "
@@ -162,7 +162,7 @@ def beside(output: Path, kind: str, suffix: str) -> Path:
     if not may_be_replaced(file):
         raise InputError(
             f"{file}: given a file that gfmd did not write, where its {kind} would go; "
-            "allowed: no such file, or one of gfmd's that nobody changed since (move it, or choose another --output)"
+            "allowed: no such file, or one that gfmd wrote and nobody changed (move it, or choose another --output)"
         )
     return file
 

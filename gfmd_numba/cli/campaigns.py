@@ -170,8 +170,10 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
             if may_be_replaced(path):
                 drawing(path)
             else:
-                click.echo(f"note     {path} is not of gfmd and stays as it is (`gfmd plot -o` draws elsewhere)")
+                click.echo(
+                    f"note     {path} was not written by gfmd and stays as it is (`gfmd plot -o` draws elsewhere)"
+                )
     except OSError as error:
-        click.echo(f"gfmd: {error}; the results are whole, `gfmd plot {picture.parent}` draws them", err=True)
+        click.echo(f"gfmd: {error}; the results are complete, and `gfmd plot {picture.parent}` draws them", err=True)
         return False
     return True

@@ -55,7 +55,7 @@ def solve(file: Path, output: Path) -> None:
         say("gfmd:", doubt, width=6, err=True)
     failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
     if failed:
-        say("gfmd:", f"the run is {', '.join(failed)}: those numbers are not to be used", width=6, err=True)
+        say("gfmd:", f"the run is {', '.join(failed)}: do not use these numbers", width=6, err=True)
         for _, sentence in endings(steps["status"]):
             say("gfmd:", sentence, width=6, err=True)
         sys.exit(SOME_FAILED)

@@ -139,7 +139,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
         for _, sentence in endings(dataset["status"]):
             say("gfmd:", sentence, width=6, err=True)
     if "interrupted" in dataset.attrs:
-        told = f"interrupted {dataset.attrs['interrupted']}; the files hold these; the same command begins anew"
+        told = f"interrupted {dataset.attrs['interrupted']}; the files hold these loads; the same command begins again"
         say("gfmd:", told, width=6, err=True)
         sys.exit(INTERRUPTED)
     if failed.any():

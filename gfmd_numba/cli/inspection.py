@@ -200,5 +200,5 @@ def _examine_workers() -> str:
 
     with local(2) as client:
         if client.submit(provenance.versions).result(timeout=60) != provenance.versions():
-            raise RuntimeError("they have other packages than this process")
+            raise RuntimeError("their packages differ from those of this process")
         return f"{len(client.nthreads())} started"

@@ -78,7 +78,7 @@ def verify(directory: Path) -> None:
     for name in verdict.damaged:
         say("damaged", f"{name}: `gfmd run` computes it again")
     for name in verdict.foreign:
-        say("foreign", f"{name}: of no case of this campaign; it is not used")
+        say("foreign", f"{name}: belongs to no case of this campaign and is not used")
     planned = campaign_in(directory)
     file = directory / f"{planned.campaign.name}.nc"
     altered = False

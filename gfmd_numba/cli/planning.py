@@ -55,7 +55,7 @@ def plan(
     click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
-        say("shared", f"{count} cases differ from another one in {whose} alone, which changes no number", width=14)
+        say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)
@@ -69,7 +69,7 @@ def plan(
     for effect in planned.effects[:_MOST_EFFECTS]:
         say(effect.state, f"{effect.name}: {effect.reason}", width=14)
     if len(planned.effects) > _MOST_EFFECTS:
-        click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more of that kind")
+        click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more effects of that kind")
 
 
 _MOST_EFFECTS = 50
@@ -159,7 +159,7 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
             with waiting(f"planning for {goal:.1%}"):
                 price = f"{duration(accuracy.design(planned, found, goal, None).seconds)} for the contacts"
         except UnusableDataError:
-            price = "not to be had with these levels"
+            price = "cannot be reached with these levels"
         click.echo(f"price         {goal:.1%}: {price}")
     if write is not None:
         text, name = accuracy.rewritten(planned, chosen, target)

@@ -96,6 +96,6 @@ def _show(outcome: Outcome, show: Show) -> bool:
         say(
             "note",
             f"{outcome.n_unused} more simulations of an earlier run lie in {outcome.results.parent}: this target does "
-            "not ask for them, and they stay for a smaller one",
+            "not need them, and they are kept for a smaller one",
         )
     return well

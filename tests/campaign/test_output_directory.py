@@ -54,7 +54,7 @@ def test_files_of_others_in_an_output_directory_survive_a_run(tmp_path):
         (out / name).write_text("precious")
     said = gfmd("run", path, "-o", out, "--workers=0")
     assert said.exit_code == 0
-    assert "small.png is not of gfmd and stays as it is" in said.output
+    assert "small.png was not written by gfmd and stays as it is" in said.output
     for name in ("notes.tmp", "thesis.tex", "shards/mine.tmp", "small.png"):
         assert (out / name).read_text() == "precious"
 

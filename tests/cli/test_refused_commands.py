@@ -75,4 +75,4 @@ def test_an_output_that_cannot_be_written_is_told_before_solving(tmp_path, monke
     message = refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "no" / "out.nc")
     assert f"allowed: a file in an existing folder, unlike {tmp_path / 'no'}" in message
     monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
-    assert "may not be written" in refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+    assert "which you may not write" in refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")

@@ -102,7 +102,7 @@ def test_a_picture_that_does_not_fit_on_the_disk_leaves_the_results(folder, monk
     monkeypatch.setattr("gfmd_numba.cli.campaigns.draw", full)
     said = gfmd(["run", str(folder / "campaign.yaml"), "-o", str(folder / "out"), "--workers=0"])
     assert said.exit_code == 3
-    assert "No space left on device: 'small.png'; the results are whole, `gfmd plot " in unfolded(said.stderr)
+    assert "No space left on device: 'small.png'; the results are complete, and `gfmd plot " in unfolded(said.stderr)
 
 
 @pytest.fixture

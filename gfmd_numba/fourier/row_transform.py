@@ -1,7 +1,6 @@
 """Transforms of profiles one after the other, with one plan for all of them."""
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
@@ -90,7 +90,7 @@ class DecayNewton:
         self._steps_left -= 1
 
     def residual(self, active: Rows) -> Reals:
-        """Relative violation of the contact conditions, infinite where it is not expected to be small and may become so."""
+        """Relative violation of the contact conditions, infinite where it is not yet expected to be small enough."""
         residual = np.full(active.size, np.inf)
         sure = (self._expected[active] <= _SURE * self._residual) | (self._steps_left <= 0)
         if sure.any():
@@ -226,7 +226,7 @@ class _Level:
         model, sum_ = self.model, self.model.preconditioner
         change, _ = kernels.decay_contact(
             pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, wider,
-            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
-            self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
+            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights,
+            sum_.white, sum_.floor, self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
         )  # fmt: skip
         return float(change)

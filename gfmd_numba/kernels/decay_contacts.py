@@ -16,7 +16,6 @@ _WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
 _MANY = 0.01  # share of a contact under tension from which on one iteration is enough
-_FEW = 0.03  # share of it up to which nodes leave while others join
 _DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
 _ROUNDS = 3  # in which nodes may join at the last tolerance, before the gap is found anew
@@ -245,7 +244,6 @@ def decay_contact(
                     touches[i] = new[i] > 0.0
                     new[i] = scale * new[i] if new[i] > 0.0 else 0.0
                     t[k] += new[i]
-            if leaving > _FEW * touching:
                 decay_product(contact_rows, touching, near, weights, white, mean, t, st)
                 for k in range(touching):
                     gap[inside[k]] = st[k] - r[k]
@@ -267,8 +265,8 @@ def decay_contact(
             joining = join_deepest(gap, touches, nodes, count, approach - misfit)
             if tolerance <= final:
                 rounds += 1
-            settled = leaving + joining == 0 or rounds > _ROUNDS
-            if leaving + joining > 0 or tolerance <= final:
+            settled = joining == 0 or rounds > _ROUNDS
+            if joining > 0 or tolerance <= final:
                 break
             tolerance = final
         if settled and tolerance <= final:
@@ -305,9 +303,7 @@ def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: b
 
 
 @jit
-def refined_pressure(
-    coarse: Reals, m: int, load: float, free_mean: bool, n: int, fine: Reals, p: Reals
-) -> None:
+def refined_pressure(coarse: Reals, m: int, load: float, free_mean: bool, n: int, fine: Reals, p: Reals) -> None:
     """Interpolate a pressure of m nodes to n, less the pressure `fine`, on nodes nearer to a contact node; balance it.
 
     Where nothing is left the fine pressure does not count.

@@ -50,7 +50,7 @@ _models: OrderedDict[tuple[int, bool, bytes], DecayModel | None] = OrderedDict()
 
 def decay_model(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
     """Model of a stiffness `[n // 2 + 1]` on n nodes, None where decays are far from it; made once for both."""
-    key = (n, free_mean, blake2b(np.ascontiguousarray(stiffness)).digest())
+    key = (n, free_mean, blake2b(stiffness.tobytes()).digest())
     if key not in _models:
         _models[key] = _made(stiffness, n, free_mean)
         if len(_models) > _KEPT:
@@ -109,9 +109,9 @@ def _fit(compliance: Reals, n: int, rates: Reals, signs: Reals) -> tuple[Reals, 
     """Weights of the decays and of the node itself, by least squares of the relative error, and the largest error."""
     half = n // 2
     near_zero, near_nyquist = np.geomspace(1, half, 2 * _SAMPLES), half + 1 - np.geomspace(1, half, _SAMPLES)
-    fitted = np.unique(np.round(np.concatenate((near_zero, near_nyquist))).astype(np.int64))
-    index = np.unique(np.concatenate((fitted, (fitted[:-1] + fitted[1:]) // 2)))
-    fitted = np.isin(index, fitted)
+    sampled = np.unique(np.round(np.concatenate((near_zero, near_nyquist))).astype(np.int64))
+    index = np.unique(np.concatenate((sampled, (sampled[:-1] + sampled[1:]) // 2)))
+    fitted = np.isin(index, sampled)
     symbols = _symbols(np.pi * index / n, rates, signs)
     ratios = np.column_stack((symbols, np.ones(len(index)))) / compliance[index, np.newaxis]
     scale = np.sqrt((ratios[fitted] ** 2).sum(axis=0))

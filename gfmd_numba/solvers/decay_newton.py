@@ -16,6 +16,7 @@ from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.decay_model import DecayModel
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import SOLVERS
 
 Rows = npt.NDArray[np.int64]
 
@@ -49,6 +50,8 @@ class DecayNewton:
         self.pressure, self.displacement, self.restoring = (aligned_rows(rows, n) for _ in range(3))
         self.certificate = Certificate(rows)
         self._residual = options.residual
+        limit = SOLVERS[options.solver].gives_up_after
+        self._steps_left = options.max_iterations if limit is None else min(options.max_iterations, limit)
         self._transforms = np.zeros(rows)
         self._expected = np.full(rows, np.inf)
         self._looks = np.zeros(rows, dtype=np.bool_)
@@ -73,17 +76,23 @@ class DecayNewton:
         for i in active:
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
             change = self._level.solve(
-                self.pressure[i], self.wall[i], self.load[i], self._rounding[i], self._free_mean, self._target[i] if self._looks[i] else _COARSE_ERROR,
+                self.pressure[i],
+                self.wall[i],
+                self.load[i],
+                self._rounding[i],
+                self._free_mean,
+                self._target[i] if self._looks[i] else _COARSE_ERROR,
                 _WIDER if self._looks[i] or not self._free_mean else 0.0,
             )
             self._expected[i] = self._model.error * change if self._looks[i] else np.inf
             self._looks[i] = True
         self._transforms[active] += 2
+        self._steps_left -= 1
 
     def residual(self, active: Rows) -> Reals:
         """Relative violation of the contact conditions, infinite where it is not yet expected to be small enough."""
         residual = np.full(active.size, np.inf)
-        sure = self._expected[active] <= _SURE * self._residual
+        sure = (self._expected[active] <= _SURE * self._residual) | (self._steps_left <= 0)
         if sure.any():
             looked = active[sure]
             residual[sure] = self._violation(looked)
@@ -135,9 +144,13 @@ class DecayNewton:
             if other.coarser is not None:
                 other.field.apply(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
-            other.solve(other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider)
+            other.solve(
+                other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider
+            )
             pressure = self.pressure[i] if finer is level else finer.pressure
-            kernels.refined_pressure(other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure)
+            kernels.refined_pressure(
+                other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure
+            )
         self._transforms[i] += cost
 
 
@@ -194,18 +207,26 @@ class _Level:
             return
         field, known = self.field, self.coarser.field.half
         field.spectrum[:known] = 0.0
-        np.multiply(spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:])
+        np.multiply(
+            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:]
+        )
         field.inverse(self.fine)
 
     def solve(
-        self, pressure: Reals, wall: Reals, load: float, rounding: float, free_mean: bool, target: float,
+        self,
+        pressure: Reals,
+        wall: Reals,
+        load: float,
+        rounding: float,
+        free_mean: bool,
+        target: float,
         wider: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
         model, sum_ = self.model, self.model.preconditioner
         change, _ = kernels.decay_contact(
             pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, wider,
-            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights, sum_.white, sum_.floor,
-            self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
+            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights,
+            sum_.white, sum_.floor, self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
         )  # fmt: skip
         return float(change)

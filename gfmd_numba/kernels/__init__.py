@@ -27,6 +27,18 @@ from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
+from gfmd_numba.kernels.maps import (
+    close_map,
+    level_of_contact,
+    mark_contact,
+    mark_loaded,
+    move_tiles,
+    open_map,
+    pack_rows,
+    put_tiles,
+    refine_pressure,
+    take_tiles,
+)
 from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.spectral import couple, multiply, soften, stiffen
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
@@ -38,22 +50,12 @@ from gfmd_numba.kernels.tile_newton import (
     tile_update,
 )
 from gfmd_numba.kernels.tiles import (
-    close_map,
     gather_back,
-    level_of_contact,
     list_tiles,
-    mark_contact,
-    mark_loaded,
-    move_tiles,
-    open_map,
-    pack_rows,
-    put_tiles,
-    refine_pressure,
     soften_tiles,
     spread,
     sum_tiles,
     surround,
-    take_tiles,
     tile_stencil,
 )
 

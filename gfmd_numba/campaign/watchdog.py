@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+_AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
+
 
 class TooLongError(Exception):
     """A block took longer than the campaign's `case_timeout`."""
@@ -25,7 +27,7 @@ def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
         yield
     elif threading.current_thread() is threading.main_thread() and hasattr(signal, "setitimer"):
         before = signal.signal(signal.SIGALRM, _expire)
-        signal.setitimer(signal.ITIMER_REAL, timeout)
+        signal.setitimer(signal.ITIMER_REAL, timeout, _AGAIN)
         try:
             yield
         finally:

@@ -1,11 +1,14 @@
-"""The longest time-out that a campaign may have is one that every timer takes."""
+"""The longest time-out that a campaign may have is one that every timer takes, and no alarm is lost."""
 
+import signal
+import time
+import weakref
 from threading import Thread
 
 import pytest
 
 from gfmd_numba.campaign.file import LONGEST_TIMEOUT, load_campaign
-from gfmd_numba.campaign.watchdog import watched
+from gfmd_numba.campaign.watchdog import TooLongError, watched
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign
 
@@ -39,3 +42,27 @@ def test_the_longest_timeout_overflows_no_timer(tmp_path):
     thread.start()
     thread.join()
     assert ended
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_alarm_that_falls_into_a_collection_of_garbage_is_repeated():
+    """Python swallows what is raised there."""
+
+    class Garbage:
+        pass
+
+    def collected(_):
+        begun = time.perf_counter()
+        while time.perf_counter() < begun + 0.3:
+            pass
+
+    def block():
+        garbage = Garbage()
+        kept = weakref.ref(garbage, collected)
+        del garbage
+        assert kept() is None
+        time.sleep(30)
+
+    with pytest.raises(TooLongError), watched(0.1):
+        block()

@@ -159,7 +159,7 @@ def test_adhesion_knows_no_unit(scale, modulus):
 
 def test_a_shorter_range_of_the_same_work_pulls_in_more():
     """From a range far beyond the roughness, with no effect but a load, down to far below a node spacing."""
-    found = [gfmd_numba.solve(adhesive(1e-4, length)) for length in (10.0, 0.1, 0.02, 1 / 256, 1 / 1024)]
+    found = [gfmd_numba.solve(adhesive(1e-4, length)) for length in (10.0, 0.1, 0.02, 1 / 256, 1 / 800)]
     assert all(int(each["status"]) == Status.ok for each in found)
     area = [float(each["contact_area_fraction_counted"]) for each in found]
     assert area == sorted(area)

@@ -17,13 +17,15 @@ _BINS = 60
 
 
 def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
-    """Distributions over the nodes of line contacts as `gfmd solve` leaves them, `[..., pressure | gap | length]`.
+    """Return distributions of pressure, gap and segment length over the nodes of line contacts.
 
-    Pressures are in units of their rms fluctuation in full contact (g E*/2 for a half-space), gaps in rms heights of
-    the punch, lengths in L_x. `pressure_density` integrates to the fraction of nodes that touch, `gap_density` to
-    the rest; `pressure_density_persson` is (4.9); `segments` counts the stretches of contact whose number of nodes
-    lies between two powers of 2, at their geometric mean. Dims other than `x` (`step`, or one along which results
-    were concatenated) stay. Raises UnusableDataError for a dataset without these fields or a run that is not ok.
+    The dataset is what `gfmd solve` leaves. The results have the shapes `[..., pressure]`, `[..., gap]` and
+    `[..., length]`. Pressures are in units of their rms fluctuation in full contact (g E*/2 for a half-space), gaps in
+    rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the fraction of nodes that touch,
+    `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9). `segments` counts the stretches of
+    contact whose number of nodes lies between two powers of 2, at their geometric mean. Dimensions other than `x`, like
+    `step` or one along which results were concatenated, stay. Raises UnusableDataError for a dataset without these
+    fields, or of a run that is not ok.
     """
     needed = {"x", "height", "pressure", "gap", "mean_pressure", "full_contact_pressure", "status"}
     if not needed <= dataset.variables.keys() or "y" in dataset.dims:

@@ -14,16 +14,16 @@ _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows
 
 
 def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
-    """Stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces, with its error.
+    """Return the stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces.
 
-    Takes a campaign of several `reduced_pressure` (cases equal but for the load) or the `step` of load paths, perhaps
-    of several realisations. K, in Pa/m (E*/L_x without units), is beyond the uniform compression of the bodies; it
-    is the difference of the mean pressures over that of the mean gaps, and its standard error (nan for one surface)
-    that of these differences on the realisations that are ok at both loads. It stands at the logarithmic mean of the
-    two loads, exactly so where K is proportional to p, as it is at light loads (Akarapu, Sharp and Robbins, PRL 106,
-    204301, 2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)).
-    Where the dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p, in which each surface
-    has its own. Raises UnusableDataError for results without two loads of the same surfaces.
+    Takes a campaign of several `reduced_pressure`, whose cases are equal except for the load, or the `step` of load
+    paths, perhaps of several realisations. K, in Pa/m (E*/L_x without units), leaves out the uniform compression of the
+    bodies. It is the difference of the mean pressures over that of the mean gaps. Its standard error (nan for one
+    surface) is that of these differences over the realisations that are ok at both loads. K stands at the logarithmic
+    mean of the two loads, where it is exact if K is proportional to p, as at light loads (Akarapu, Sharp and Robbins,
+    PRL 106, 204301, 2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011:
+    K = p / (gamma h_rms)). If the dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p,
+    with the h_rms of each surface. Raises UnusableDataError for results without two loads of the same surfaces.
     """
     along = "case" if "case" in dataset.dims else "step"
     if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:

@@ -28,6 +28,7 @@ _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
 _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
 _DENSE = 0.2  # share of the nodes in contact from which on transforms are cheaper than sums over decays
 _SMALL = 2**12  # nodes up to which they are not
+_SURELY = 256  # nodes of a coarser grid beyond which twice that share tells as much
 _FIRST = np.zeros(1, dtype=np.int64)
 _LARGE = 2**17  # nodes beyond which arrays are not kept
 _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
@@ -70,8 +71,7 @@ class DecayNewton:
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
         self._dense: dict[int, ActiveSetNewton] = {}
         for i in range(rows):
-            self._guess(i, float(start[i]))
-            if np.count_nonzero(self.pressure[i]) > _DENSE * n and n > _SMALL:
+            if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > _DENSE * n):
                 self._dense[i] = ActiveSetNewton(_row(batch, i), options)
 
     @property
@@ -152,12 +152,15 @@ class DecayNewton:
             residual[self._impossible[active]] = np.inf
         return residual
 
-    def _guess(self, i: int, start: float) -> None:
-        """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own."""
+    def _guess(self, i: int, start: float) -> bool:
+        """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own.
+
+        Returns whether a coarser grid has so much contact already that it will be dense.
+        """
         level = self._level
         if level.coarser is None:
             self.pressure[i, : self.field.n] = start
-            return
+            return False
         level.displacement[: self.field.n] = self.wall[i]
         level.field.forward(level.displacement)
         levels = [level]
@@ -179,11 +182,18 @@ class DecayNewton:
             other.solve(
                 other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider
             )
+            if (
+                self.field.n > _SMALL
+                and other.n > _SURELY
+                and np.count_nonzero(other.pressure) > 2.0 * _DENSE * other.n
+            ):
+                return True
             pressure = self.pressure[i] if finer is level else finer.pressure
             kernels.refined_pressure(
                 other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure
             )
         self._transforms[i] += cost
+        return False
 
 
 def _row(batch: Batch, i: int) -> Batch:

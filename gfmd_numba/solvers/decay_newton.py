@@ -29,7 +29,6 @@ _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
 _DENSE = 0.2  # share of the nodes in contact from which on transforms are cheaper than sums over decays
 _SMALL = 2**12  # nodes up to which they are not
 _SURELY = 256  # nodes of a coarser grid beyond which twice that share tells as much
-_FIRST = np.zeros(1, dtype=np.int64)
 _LARGE = 2**17  # nodes beyond which arrays are not kept
 _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
@@ -69,24 +68,26 @@ class DecayNewton:
         self._stiffest = float(model.stiffness.max()) * n
         start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
-        self._dense: dict[int, ActiveSetNewton] = {}
+        dense = []
         for i in range(rows):
             if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > _DENSE * n):
-                self._dense[i] = ActiveSetNewton(_row(batch, i), options)
+                dense.append(i)
+        self._dense = {i: k for k, i in enumerate(dense)}
+        self._by_transforms = ActiveSetNewton(_rows(batch, dense), options) if dense else None
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
         transforms = np.ceil(self._transforms).astype(np.int64)
-        for i, solver in self._dense.items():
-            transforms[i] += solver.n_transforms[0]
+        if self._by_transforms is not None:
+            transforms[list(self._dense)] += self._by_transforms.n_transforms
         return transforms
 
     def advance(self, active: Rows) -> None:
         """Correct the contact and pressure of each active row by one pair of transforms."""
         for i in active:
-            if i in self._dense:
-                self._dense[i].advance(_FIRST)
+            if self._by_transforms is not None and i in self._dense:
+                self._by_transforms.advance(np.array([self._dense[i]]))
                 continue
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
             self._transforms[i] += 2
@@ -113,22 +114,22 @@ class DecayNewton:
             residual[sure] = self._violation(looked)
             self._target[looked[residual[sure] > self._residual]] *= _TIGHTEN
         for k, i in enumerate(active):
-            if i in self._dense:
-                residual[k] = self._of_dense(i)
+            if self._by_transforms is not None and i in self._dense:
+                residual[k] = self._of_dense(i, self._dense[i], self._by_transforms)
         return residual
 
-    def _of_dense(self, i: int) -> float:
-        """Residual of a row in dense contact, with all that it leaves behind."""
-        solver, n = self._dense[i], self.field.n
-        residual = float(solver.residual(_FIRST)[0])
-        self.displacement[i, :n], self.restoring[i, :n] = solver.displacement[0, :n], solver.restoring[0, :n]
-        self.load[i] = solver.load[0]
+    def _of_dense(self, i: int, k: int, solver: ActiveSetNewton) -> float:
+        """Residual of a row in dense contact, row k of another solver, with all that it leaves behind."""
+        n = self.field.n
+        residual = float(solver.residual(np.array([k]))[0])
+        self.displacement[i, :n], self.restoring[i, :n] = solver.displacement[k, :n], solver.restoring[k, :n]
+        self.load[i] = solver.load[k]
         for mine, found in zip(
             (self.certificate.worst, self.certificate.peak, self.certificate.imbalance),
             (solver.certificate.worst, solver.certificate.peak, solver.certificate.imbalance),
             strict=True,
         ):
-            mine[i] = found[0]
+            mine[i] = found[k]
         return residual
 
     def _violation(self, active: Rows) -> Reals:
@@ -196,11 +197,11 @@ class DecayNewton:
         return False
 
 
-def _row(batch: Batch, i: int) -> Batch:
-    """One row of a batch alone."""
-    row = slice(i, i + 1)
-    load = None if batch.load is None else batch.load[row]
-    return replace(batch, punch=batch.punch[row], load=load, start=batch.start.rows(row))
+def _rows(batch: Batch, some: list[int]) -> Batch:
+    """Some rows of a batch alone."""
+    rows = np.array(some)
+    load = None if batch.load is None else batch.load[rows]
+    return replace(batch, punch=batch.punch[rows], load=load, start=batch.start.rows(rows))
 
 
 class _Kept(local):

@@ -102,7 +102,7 @@ def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
         for residual in _RESIDUALS:
             values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)
             yield _point("solver residual", solver.replace("_", " "), residual, values, exact)
-    if "active_set_newton" in solvers:  # single precision knows the hard wall only
+    if "active_set_newton" in solvers and problem.interface.hardness is None:
         yield from _precision(problem, exact, [name for name in _OF_EACH_PRECISION if name in solvers])
     if "verlet" not in solvers:
         return

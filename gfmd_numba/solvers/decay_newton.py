@@ -1,6 +1,7 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
 from collections import OrderedDict
+from dataclasses import replace
 from threading import local
 from typing import Any
 
@@ -12,6 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.decay_model import DecayModel
 from gfmd_numba.solvers.iteration import Batch
@@ -24,6 +26,9 @@ _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
 _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
+_DENSE = 0.2  # share of the nodes in contact from which on transforms are cheaper than sums over decays
+_SMALL = 2**12  # nodes up to which they are not
+_SURELY = 256  # nodes of a coarser grid beyond which twice that share tells as much
 _LARGE = 2**17  # nodes beyond which arrays are not kept
 _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
@@ -63,18 +68,29 @@ class DecayNewton:
         self._stiffest = float(model.stiffness.max()) * n
         start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
+        dense = []
         for i in range(rows):
-            self._guess(i, float(start[i]))
+            if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > _DENSE * n):
+                dense.append(i)
+        self._dense = {i: k for k, i in enumerate(dense)}
+        self._by_transforms = ActiveSetNewton(_rows(batch, dense), options) if dense else None
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        return np.ceil(self._transforms).astype(np.int64)
+        transforms = np.ceil(self._transforms).astype(np.int64)
+        if self._by_transforms is not None:
+            transforms[list(self._dense)] += self._by_transforms.n_transforms
+        return transforms
 
     def advance(self, active: Rows) -> None:
         """Correct the contact and pressure of each active row by one pair of transforms."""
         for i in active:
+            if self._by_transforms is not None and i in self._dense:
+                self._by_transforms.advance(np.array([self._dense[i]]))
+                continue
             self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
+            self._transforms[i] += 2
             change = self._level.solve(
                 self.pressure[i],
                 self.wall[i],
@@ -86,17 +102,34 @@ class DecayNewton:
             )
             self._expected[i] = self._model.error * change if self._looks[i] else np.inf
             self._looks[i] = True
-        self._transforms[active] += 2
         self._steps_left -= 1
 
     def residual(self, active: Rows) -> Reals:
         """Relative violation of the contact conditions, infinite where it is not yet expected to be small enough."""
         residual = np.full(active.size, np.inf)
         sure = (self._expected[active] <= _SURE * self._residual) | (self._steps_left <= 0)
+        sure &= [i not in self._dense for i in active]
         if sure.any():
             looked = active[sure]
             residual[sure] = self._violation(looked)
             self._target[looked[residual[sure] > self._residual]] *= _TIGHTEN
+        for k, i in enumerate(active):
+            if self._by_transforms is not None and i in self._dense:
+                residual[k] = self._of_dense(i, self._dense[i], self._by_transforms)
+        return residual
+
+    def _of_dense(self, i: int, k: int, solver: ActiveSetNewton) -> float:
+        """Residual of a row in dense contact, row k of another solver, with all that it leaves behind."""
+        n = self.field.n
+        residual = float(solver.residual(np.array([k]))[0])
+        self.displacement[i, :n], self.restoring[i, :n] = solver.displacement[k, :n], solver.restoring[k, :n]
+        self.load[i] = solver.load[k]
+        for mine, found in zip(
+            (self.certificate.worst, self.certificate.peak, self.certificate.imbalance),
+            (solver.certificate.worst, solver.certificate.peak, solver.certificate.imbalance),
+            strict=True,
+        ):
+            mine[i] = found[k]
         return residual
 
     def _violation(self, active: Rows) -> Reals:
@@ -120,12 +153,15 @@ class DecayNewton:
             residual[self._impossible[active]] = np.inf
         return residual
 
-    def _guess(self, i: int, start: float) -> None:
-        """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own."""
+    def _guess(self, i: int, start: float) -> bool:
+        """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own.
+
+        Returns whether a coarser grid has so much contact already that it will be dense.
+        """
         level = self._level
         if level.coarser is None:
             self.pressure[i, : self.field.n] = start
-            return
+            return False
         level.displacement[: self.field.n] = self.wall[i]
         level.field.forward(level.displacement)
         levels = [level]
@@ -147,11 +183,25 @@ class DecayNewton:
             other.solve(
                 other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider
             )
+            if (
+                self.field.n > _SMALL
+                and other.n > _SURELY
+                and np.count_nonzero(other.pressure) > 2.0 * _DENSE * other.n
+            ):
+                return True
             pressure = self.pressure[i] if finer is level else finer.pressure
             kernels.refined_pressure(
                 other.pressure, other.n, self.load[i], self._free_mean, finer.n, finer.fine, pressure
             )
         self._transforms[i] += cost
+        return False
+
+
+def _rows(batch: Batch, some: list[int]) -> Batch:
+    """Some rows of a batch alone."""
+    rows = np.array(some)
+    load = None if batch.load is None else batch.load[rows]
+    return replace(batch, punch=batch.punch[rows], load=load, start=batch.start.rows(rows))
 
 
 class _Kept(local):

@@ -7,6 +7,7 @@ import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator, lobpcg
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import NormalLaw
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
@@ -28,7 +29,7 @@ def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals
     def filtered(symbol: Reals, x: Reals) -> Reals:
         whole = np.zeros((n, x.shape[1]))
         whole[free] = x
-        return np.asarray(np.fft.irfft(symbol[:, np.newaxis] * np.fft.rfft(whole, axis=0), n, axis=0)[free])
+        return grid.signal(symbol * grid.coefficients(whole.T), n).T[free]
 
     def operator(product: object) -> LinearOperator:
         return LinearOperator((len(free), len(free)), matvec=product, matmat=product, dtype=np.float64)

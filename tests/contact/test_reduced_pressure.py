@@ -102,7 +102,7 @@ def test_a_measured_wave_and_a_random_surface_add_up_in_squares(measured):
 
 
 def test_the_meaning_stands_in_schema_and_file(tmp_path):
-    meaning = "g the rms gradient asked for"
+    meaning = "g is the rms gradient asked for"
     for record, at in ((SceneFile, "Loading"), (SceneFile, "Step"), (Campaign, "Grid")):
         description = record.model_json_schema()["$defs"][at]["properties"]["reduced_pressure"]["description"]
         assert meaning in description, at

@@ -58,8 +58,10 @@ def test_every_solver_has_the_same_surface(name):
     punch = 0.01 * (1.0 - np.cos(2.0 * np.pi * np.arange(32) / 32))[np.newaxis]
     stiffness = 0.5 * 2.0 * np.pi * np.arange(17.0)
     solver = begin(Batch(punch, stiffness, np.array([0.01]), HARD_WALL, Start.at_rest(punch)), Options(name))
-    solver.advance(np.arange(1))
-    assert np.isfinite(solver.residual(np.arange(1))).all()
+    for _ in range(5):  # a residual not yet expected to be small may stay unknown
+        solver.advance(np.arange(1))
+        residual = solver.residual(np.arange(1))
+    assert np.isfinite(residual).all()
     assert solver.tangential is None
     assert solver.n_transforms[0] > 0
 

@@ -11,7 +11,7 @@ from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.options import Options
 
-_STEPS = 8  # of the frictionless contact
+_STEPS, _SETTLED = 8, 0.02  # of the frictionless contact, at most; share of it that may still change
 
 
 @dataclass
@@ -33,8 +33,10 @@ class FrictionGuess:
         rows, n = batch.punch.shape
         normal = replace(batch, stiffness=batch.coupled_stiffness.condensed(), interface=HARD_WALL)
         solver = ActiveSetNewton(normal, replace(options, solver="active_set_newton"))
+        active = np.arange(rows)
         for _ in range(_STEPS):
-            solver.advance(np.arange(rows))
+            solver.advance(active)
+            active = active[solver.changed[active] > _SETTLED * solver.touching[active]]
         pressure = solver.pressure[:, :n].copy()
         slip, shear = np.zeros((rows, n), dtype=np.int64), np.zeros((rows, n))
         return cls(pressure > 0.0, slip, pressure, shear, solver.n_transforms.copy())

@@ -155,16 +155,17 @@ class FrictionalNewton:
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
         self._products.tangential[i, :n] = np.where(bears & (slip * slid <= 0.0), anchor, u[0])
         better = revised(contact, slip, shear, pressure, wall - u[1], slid, self._friction, self._rounding[i])
-        if middle >= 0:
-            better[1][middle] = 0
-        other = self._to_change(i, np.flatnonzero((better[0] != contact) | (better[1] != slip)))
+        if middle >= 0:  # nothing held the body, so that all may have slipped the wrong way
+            better[1][:] = np.sign(slid) * better[0]
+        wrong = np.flatnonzero((better[0] != contact) | (better[1] != slip))
+        other = self._to_change(i, wrong, whole=middle >= 0)
         contact[other], slip[other] = better[0][other], better[1][other]
         guess.pressure[i] = np.maximum(pressure, 0.0)
         bound = self._friction * guess.pressure[i]
         guess.shear[i] = np.clip(shear, -bound, bound)
 
-    def _to_change(self, i: int, wrong: Indices) -> Indices:
-        """Those of the nodes guessed wrong in a row that are to change: all, or one where that leads nowhere."""
+    def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
+        """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""
         if wrong.size > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         if wrong.size < self._fewest[i]:
@@ -172,7 +173,7 @@ class FrictionalNewton:
         else:
             self._patience[i] -= 1
         self._changed[i] = wrong.size
-        return wrong if self._patience[i] >= 0 else wrong[-1:]
+        return wrong if whole or self._patience[i] >= 0 else wrong[-1:]
 
     @property
     def _spent(self) -> int:

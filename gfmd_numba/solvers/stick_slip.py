@@ -37,18 +37,19 @@ class StickSlip:
         if self._sticks:
             self._tangential.factor(self.stuck, self._sticks)
         rows, sums = [], []
-        if total is not None:
+        if total is not None and self._touches:
             rows.append((self._join(1.0, 0.0), self._join(1.0, 0.0)))
             sums.append(total)
         if drifts and self._sticks:
             rows.append((self._join(0.0, 1.0), self._join(self.drag, 1.0)))
             sums.append(0.0)
-        self._normal_is_free, self._drifts = total is not None, drifts and self._sticks > 0
+        self._normal_is_free, self._drifts = total is not None and self._touches > 0, drifts and self._sticks > 0
         shape = len(rows), self._touches + self._sticks
         self._sums = np.array([row[1] for row in rows]).reshape(shape)
         self._uniform = np.array([self._inverse(row[0]) for row in rows]).reshape(shape)
         self._prescribed = np.array(sums)
-        self._response = self._sums @ self._uniform.T  # of the sums to uniform displacements
+        # uniform displacements that sums of the tractions take: two unknowns at most, and nothing to factor
+        self._taken = np.linalg.inv(self._sums @ self._uniform.T)
 
     def unknowns(self, pressure: Reals, tangential: Reals) -> Reals:
         """Unknowns `[unknown]` nearest to tractions `[n]` that have the prescribed sums."""
@@ -84,7 +85,7 @@ class StickSlip:
             u[0] += uniform[-1]
 
     def _solved(self, sums: Reals) -> Reals:
-        return np.asarray(np.linalg.solve(self._response, sums)) if sums.size else sums
+        return np.asarray(self._taken @ sums)
 
     def _inverse(self, displacement: Reals) -> Reals:
         x = np.empty_like(displacement)

@@ -7,6 +7,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers import frictional_newton
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
@@ -166,6 +167,16 @@ def test_a_run_that_is_cut_short_says_so():
     assert result.status[0] == Status.not_converged
     assert 1e-8 < result.residual[0] < np.inf
     assert result.pressure.mean() == pytest.approx(0.2, rel=0.2)
+
+
+def test_a_guess_that_goes_to_and_fro_ends(monkeypatch):
+    """A contact of few spots on a half-space, where each hands the task of holding the body on to the next."""
+    punch, stiffness = rough(256, 384, waves=128), ElasticBody(0.3, None).coupled_stiffness(256)
+    result = press(punch, stiffness, 0.04, 0.092)
+    assert result.status[0] == Status.ok
+    assert largest_violation(stiffness, punch, 0.04, 0.092, result) < 2e-8
+    monkeypatch.setattr(frictional_newton, "_PATIENCE", 1000)
+    assert press(punch, stiffness, 0.04, 0.092).status[0] == Status.not_converged
 
 
 def test_an_infinite_friction_is_left_to_the_dynamics():

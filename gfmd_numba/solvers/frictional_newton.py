@@ -151,6 +151,8 @@ class FrictionalNewton:
             middle = middle_slip(u[0] - anchor, pressure, contact)
             u[0] -= u[0, middle] - anchor[middle]
         slid = u[0] - anchor
+        if middle >= 0:
+            slid[middle] = 0.0  # whatever rounding leaves of it
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
         self._products.tangential[i, :n] = np.where(bears & (slip * slid <= 0.0), anchor, u[0])

@@ -119,7 +119,10 @@ def test_a_rigid_mean_is_the_limit_of_one_that_is_nearly_rigid(aspect_ratio):
 def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch():
     punch = rough(128, 2)
     stiffness = ElasticBody(0.5, 0.5).coupled_stiffness(128)
-    assert press(punch - 1.01 * punch.mean(), stiffness, None, 0.3).status[0] == Status.unstable
+    for options in (NEWTON, Options("frictional_newton")):  # the dynamics knows no rigid mean, and is not begun
+        result = press(punch - 1.01 * punch.mean(), stiffness, None, 0.3, options=options)
+        assert result.status[0] == Status.unstable
+        assert result.n_iterations[0] <= 100
 
 
 def test_layers_whose_compliance_is_no_sum_of_decays_are_solved_too():
@@ -177,6 +180,9 @@ def test_a_guess_that_goes_to_and_fro_ends(monkeypatch):
     assert largest_violation(stiffness, punch, 0.04, 0.092, result) < 2e-8
     monkeypatch.setattr(frictional_newton, "_PATIENCE", 1000)
     assert press(punch, stiffness, 0.04, 0.092).status[0] == Status.not_converged
+    damped = press(punch, stiffness, 0.04, 0.092, options=Options("frictional_newton"))  # which takes over
+    assert damped.status[0] == Status.ok
+    assert damped.n_iterations[0] > 100
 
 
 def test_an_infinite_friction_is_left_to_the_dynamics():

@@ -88,7 +88,10 @@ def test_what_does_not_know_single_precision_refuses_it(effect):
         "loading": {"reduced_pressure": 0.05},
     }
     numerics = {"precision": "single", "residual": 1e-3}
-    with pytest.raises(InputError, match=r"numerics.precision: given '?single'?; allowed: 'double'; 'single' needs a frictionless hard wall"):
+    with pytest.raises(
+        InputError,
+        match=r"numerics.precision: given '?single'?; allowed: 'double'; 'single' needs a frictionless hard wall",
+    ):
         gfmd_numba.solve(
             {"scene": scene, "numerics": numerics, "discretisation": {"eps_c": 0.25, "eps_f": 0.125, "eps_t": 0.5}}
         )

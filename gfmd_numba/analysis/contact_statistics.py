@@ -17,15 +17,15 @@ _BINS = 60
 def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     """Return distributions over the nodes of solved contacts, `[..., pressure | gap | length or area]`.
 
-    The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2 for a
-    half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the fraction of
-    nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
-    `contact_area_fraction_persson` is (4.16). On profiles, `segments` counts the stretches of contact whose number of
-    nodes lies between two powers of 2, at their geometric mean. On maps, `clusters` counts groups of nodes that share
-    sides in the same way, over their `area`. `perimeter` is the length of the edges of all clusters, by Crofton's
-    formula in four directions: within 5 % for edges of one direction, and exact on average over all. `mean_gap` is in
-    rms heights. Dimensions other than `y` and `x`, like `step` or one along which results were concatenated, stay.
-    Raises UnusableDataError for a dataset without these fields, or of a run that is not ok.
+    The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2
+    for a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the
+    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9),
+    and `contact_area_fraction_persson` is (4.16). On profiles, `segments` counts the stretches of contact whose
+    number of nodes lies between two powers of 2, at their geometric mean. On maps, `clusters` counts groups of nodes
+    that share sides in the same way, over their `area`. `perimeter` is the length of the edges of all clusters, by
+    Crofton's formula in four directions: within 5 % for edges of one direction, and exact on average over all.
+    `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which results were
+    concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is not ok.
     """
     nodes = check_fields(dataset, _NEEDED)
     touching = dataset["gap"] == 0.0

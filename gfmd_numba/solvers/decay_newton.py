@@ -28,7 +28,7 @@ _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
 _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
 _DENSE = 0.2  # share of the nodes in contact from which on transforms are cheaper than sums over decays
 _SMALL = 2**12  # nodes up to which they are not
-_SURELY = 256  # nodes of a coarser grid beyond which twice that share tells as much
+_NEXT = 4  # times as many nodes at most as a coarser grid on which twice that share tells as much
 _LARGE = 2**17  # nodes beyond which arrays are not kept
 _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
@@ -185,7 +185,7 @@ class DecayNewton:
             )
             if (
                 self.field.n > _SMALL
-                and other.n > _SURELY
+                and _NEXT * other.n >= self.field.n
                 and np.count_nonzero(other.pressure) > 2.0 * _DENSE * other.n
             ):
                 return True

@@ -1,7 +1,5 @@
 """Layers in a scene: what a file may say, what it reduces to, and that every solver, campaigns and fields know them."""
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -97,8 +95,8 @@ def test_layers_on_their_own_material_are_one_problem_with_the_half_space():
 
 def test_nothing_is_said_of_layers_where_there_are_none(monkeypatch):
     hashed = []
-    dumps = json.dumps
-    monkeypatch.setattr(problem.json, "dumps", lambda content, **kw: hashed.append(content) or dumps(content, **kw))
+    encode = problem._JSON.encode
+    monkeypatch.setattr(problem._JSON, "encode", lambda content: hashed.append(content) or encode(content))
     reduced({"poissons_ratio": 0.3, "aspect_ratio": 0.1})[0].identity  # noqa: B018
     reduced(HARD_ON_SOFT)[0].identity  # noqa: B018
     bodies = [content["body"] for content in hashed if "body" in content]

@@ -131,9 +131,9 @@ def test_conjugate_gradients_take_over(monkeypatch):
     heights = self_affine.profiles(0.3, 2, 255, 1024, 1, range(3))
     punch = heights.max(axis=1, keepdims=True) - heights
     alone = solve(punch, body(1024, *HALF_SPACE), 0.007, "conjugate_gradients")
-    hasty = replace(table.SOLVERS["active_set_newton"], gives_up_after=2)
+    hasty = replace(table.SOLVERS["active_set_newton"], gives_up_after=1)
     monkeypatch.setitem(table.SOLVERS, "active_set_newton", hasty)
     result = solve(punch, body(1024, *HALF_SPACE), 0.007)
     np.testing.assert_array_equal(result.pressure, alone.pressure)
-    np.testing.assert_array_equal(result.n_iterations, alone.n_iterations + 2)
+    np.testing.assert_array_equal(result.n_iterations, alone.n_iterations + 1)
     assert (result.n_transforms > alone.n_transforms).all()

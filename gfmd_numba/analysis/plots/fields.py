@@ -41,7 +41,7 @@ def plot_body(dataset: xr.Dataset) -> Figure:
         # and these show the largest one
         width, peak = (x[-1] + x[1]) / 8.0, float(mises.max())
         near = np.abs(x - np.clip(x[beside], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
-        shallow = z >= min(1.5 * z[deepest], -width / 3.0)
+        shallow = z >= min(1.5 * z[deepest], -width / 3.0, np.sort(z)[-2])  # two depths at least
         _draw(figure, close, x[near], z[shallow], mises[np.ix_(shallow, near)], peak, mises_label)
         close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")

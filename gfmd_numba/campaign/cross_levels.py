@@ -10,6 +10,7 @@ from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import distinct, expand
 from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.law_resolution import is_resolved
 from gfmd_numba.campaign.limits import CROSS, Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.scene import InputError
@@ -61,11 +62,13 @@ def _usable(
     """Cross levels of two limits that the campaign may have, the coarsest first."""
     for chosen in sorted(product(one[1], other[1]), key=prod, reverse=True):
         level = dict(zip((one[0], other[0]), chosen, strict=True))
+        crossed = _with(campaign, [level])
         try:
-            load_campaign(_with(campaign, [level]))
+            load_campaign(crossed)
         except InputError:  # waves that are not whole, or too coarse a grid
             continue
-        yield level
+        if is_resolved(expand(crossed)):
+            yield level
 
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:

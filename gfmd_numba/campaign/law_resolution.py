@@ -20,6 +20,11 @@ def unresolved(cases: Sequence[Case]) -> str:
     return f"in {len(doubtful)} of {len(cases)} cases {law_resolution.doubt(worst.problem, worst.discretisation)}"
 
 
+def is_resolved(cases: Sequence[Case]) -> bool:
+    """Whether the grid of every case resolves its law, or there is none."""
+    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in cases)
+
+
 def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]) -> None:
     """Raise InputError, at the value of the grid that is to blame, for a case that does not resolve its law at all."""
     if not campaign.scene.interface.reaches_across:

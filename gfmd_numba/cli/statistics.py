@@ -36,7 +36,9 @@ _SHOWN = {  # words, and the unit of a contact without units
 
 @main.command()
 @file_argument
-@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path))
+@click.option(
+    "-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write"
+)
 @click.option(
     "--percolation", is_flag=True, help="Whether channels connect the sides of a map, and how narrow they get"
 )

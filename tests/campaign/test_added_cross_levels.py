@@ -42,7 +42,7 @@ def test_a_cross_level_whose_grid_does_not_resolve_a_law_gives_way_in_units_too(
     in_units = {
         "youngs_modulus: 70e9": "youngs_modulus: 70 GPa",
         "scene:": "case_timeout: 2 min\nscene:\n  length: 0.2 mm",
-        "{hard_wall: {}}": "{hard_wall: {}, exponential: {work_of_adhesion: 50 mJ/m^2, range: 2.5 um}}",
+        "{hard_wall: {}}": "{hard_wall: {}, exponential: {work_of_adhesion: 3 kJ/m^2, range: 0.2 um}}",
         "reduced_pressure: 0.05": "pressure: 10 MPa",
     }
     assert added(tmp_path, in_units) == ({"eps_c": 1 / 2, "eps_f": 1 / 32},)

@@ -56,7 +56,8 @@ def test_a_fit_prints_what_the_contacts_took_where_cases_share_them(tmp_path, cl
     # compiling loads kernels, tiny contacts that the results do not count
     assert seconds <= clock[0]
     assert results["case_seconds"].sum() == pytest.approx(3 * seconds)
-    stored = [shards.read(file)["seconds"].item() for file in (tmp_path / "out").glob("shards/*.shard")]
+    finished = shards.Finished(tmp_path / "out")
+    stored = [finished.read(name)["seconds"].sum() for name in finished]
     assert seconds == pytest.approx(sum(stored))
     told = f"; {duration(seconds)} of processor time for the contacts"
     assert told in said

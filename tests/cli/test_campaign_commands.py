@@ -113,6 +113,6 @@ def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
     path = tmp_path / "campaign.yaml"
     path.write_text(text)
     said = unfolded(gfmd("plan", path, "--pilot=1").output)
-    assert "cases differ from another one in poissons_ratio and aspect_ratio alone" in said
+    assert "cases differ from another case only in poissons_ratio and aspect_ratio" in said
     assert re.search(r"CPU time +\S+ m?s, with 90 % probability below", said)
     assert re.search(r"dropped +slab of aspect ratio 1.5, .* at most \S+, below numerics.effects = 0.0001", said)

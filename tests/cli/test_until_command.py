@@ -124,9 +124,10 @@ def test_a_campaign_without_limits_is_refused(tmp_path):
 def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
     said = unfolded(gfmd("run", "--help").stdout)
     assert (
-        "Run until the limit has this error, with as many realisations as it takes: those in FILE are not used" in said
+        "Run until the limit has this error. gfmd chooses the numbers of realisations; those in FILE are not used"
+        in said
     )
-    assert "Processor time for --until, like 20min" in said
+    assert "Processor time that --until may spend, like 20min" in said
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")

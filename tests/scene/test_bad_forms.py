@@ -32,7 +32,8 @@ FORMS = {
     "unknown choice": (
         ("solver: auto", "solver: verlett"),
         "bad.yaml:10:20: numerics.solver: given 'verlett'; allowed: one of 'auto', 'active_set_newton', "
-        "'conjugate_gradients', 'verlet', 'gronbech_jensen', 'fire'; did you mean 'verlet'?",
+        "'conjugate_gradients', 'truncated_newton', 'frictional_newton', 'verlet', 'gronbech_jensen', 'fire'; did you "
+        "mean 'verlet'?",
     ),
     "unknown method": (
         ("method: psd", "method: pds"),

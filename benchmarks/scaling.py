@@ -1,5 +1,11 @@
-"""Transforms and seconds against nx, for each solver as far as it is worth waiting for."""
+"""Processor time of a contact over that of one transform pair, against nx, load and body: one thread.
 
+python benchmarks/scaling.py [nx ...]
+
+Solves and pairs alternate in one run: median and range of the ratios. Other solvers go as far as is worth waiting for.
+"""
+
+import sys
 import time
 
 import numpy as np
@@ -11,35 +17,54 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 
-LOAD, SAMPLES = 0.007, 2**17
-LARGEST = {"active_set_newton": 2**20, "conjugate_gradients": 2**15, "verlet": 2**15}
+SAMPLES, REPETITIONS, SEED = 2**17, 7, 2026
+GRIDS = (2**13, 2**15, 2**17, 2**20)
+LARGEST = {"active_set_newton": 2**20, "conjugate_gradients": 2**15, "verlet": 2**13}
+BODIES = {
+    "half-space": stiffness.half_space,
+    "slab, a = 0.1": lambda q: stiffness.slab(q, 0.33, 0.1),
+}
 
 
-def pair_seconds(nx):
-    field, row = Convolution(1, nx), np.arange(1)
-    taken = []
-    for _ in range(9):
-        started = time.perf_counter()
+def pair_seconds(field, times):
+    row = np.arange(1)
+    begun = time.thread_time()
+    for _ in range(times):
         field.forward(row)
         field.inverse(row)
-        taken.append(time.perf_counter() - started)
-    return np.median(taken)
+    return (time.thread_time() - begun) / times
 
 
-print(f"half-space, p* = {LOAD}, lambda_l = L_x/2, eps_c^-1 = 2, residual 1e-8; medians over the surfaces")
-for hurst in (0.8, 0.3):
-    for solver, largest in LARGEST.items():
-        print(f"H = {hurst}, {solver}: nx, transform pairs (coarser grids by cost), seconds, over those of its pairs")
-        for nx in 2 ** np.arange(13, 21):
-            if nx > largest:
-                break
-            surfaces = max(1, SAMPLES // int(nx))
-            heights = self_affine.profiles(hurst, 2, int(nx) // 4, int(nx), 2018, range(surfaces))
-            punch = heights.max(axis=1, keepdims=True) - heights
-            body = stiffness.half_space(grid.wavenumbers(int(nx)))
-            equilibrate(punch[:1], body, LOAD, Options(solver, max_iterations=1))
-            result = equilibrate(punch, body, LOAD, Options(solver))
-            assert (result.status == 0).all()
-            pairs, seconds = np.median(result.n_transforms) / 2, result.wall_time.mean()
-            floor = result.n_transforms.mean() / 2 * pair_seconds(int(nx))
-            print(f"  2^{int(np.log2(nx))} {pairs:8.0f} {seconds:10.4f} {seconds / floor:6.1f}", flush=True)
+def measured(solver, nx, hurst, load, body):
+    """Ratios to a pair, transform pairs and nodes in contact of some surfaces."""
+    surfaces = max(1, SAMPLES // nx)
+    heights = self_affine.profiles(hurst, 2, nx // 4, nx, SEED, range(surfaces))
+    punch = heights.max(axis=1, keepdims=True) - heights
+    symbol, field = BODIES[body](grid.wavenumbers(nx)), Convolution(1, nx)
+    field.sources[0][:, :nx] = heights[:1]
+    equilibrate(punch[:1], symbol, load, Options(solver))
+    ratios = []
+    for _ in range(REPETITIONS if solver == "active_set_newton" else 1):
+        pair = pair_seconds(field, max(4, SAMPLES // nx))
+        begun = time.thread_time()
+        result = equilibrate(punch, symbol, load, Options(solver))
+        ratios.append((time.thread_time() - begun) / surfaces / pair)
+        assert (result.status == 0).all()
+    return ratios, result.n_transforms / 2, result.touching.sum(axis=1)
+
+
+if __name__ == "__main__":
+    print("solver, body, p*, H, nx: solve over one pair (range), transform pairs (most), nodes in contact")
+    for nx in [int(argument) for argument in sys.argv[1:]] or GRIDS:
+        for solver, largest in LARGEST.items():
+            for load, body in ((0.007, "half-space"), (0.3, "half-space"), (0.007, "slab, a = 0.1")):
+                if nx > largest or (solver != "active_set_newton" and (load, body) != (0.007, "half-space")):
+                    continue
+                for hurst in (0.8, 0.3):
+                    ratios, pairs, nodes = measured(solver, nx, hurst, load, body)
+                    print(
+                        f"  {solver}, {body}, {load}, {hurst}, {nx}: {np.median(ratios):.1f} "
+                        f"({min(ratios):.1f} to {max(ratios):.1f}), {np.median(pairs):.1f} ({pairs.max():.1f}), "
+                        f"{nodes.mean():.0f}",
+                        flush=True,
+                    )

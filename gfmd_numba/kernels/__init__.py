@@ -40,7 +40,7 @@ from gfmd_numba.kernels.maps import (
     take_tiles,
 )
 from gfmd_numba.kernels.near_field import near_field_pressure
-from gfmd_numba.kernels.spectral import couple, multiply, soften, stiffen
+from gfmd_numba.kernels.spectral import couple, multiply, power, soften, stiffen
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 from gfmd_numba.kernels.tile_newton import (
     closing_residual,
@@ -104,6 +104,7 @@ __all__ = [
     "open_gap",
     "open_map",
     "pack_rows",
+    "power",
     "prescribed_step",
     "prescribed_violation",
     "put_tiles",

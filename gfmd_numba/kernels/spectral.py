@@ -15,6 +15,16 @@ def multiply(spectrum: Complexes, symbol: Reals, active: Indices) -> None:
 
 
 @jit
+def power(spectrum: Complexes, symbol: Reals) -> float:
+    """Sum of the squares of a spectrum times a real symbol, without that of the mean."""
+    total = 0.0
+    for k in range(1, symbol.size):
+        wave = spectrum[k] * symbol[k]
+        total += wave.real**2 + wave.imag**2
+    return total
+
+
+@jit
 def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Indices, rows: int) -> None:
     """Restoring tractions of tangential (row i) and normal (row rows + i) displacement, in place (6.57).
 

@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from dataclasses import replace
+from math import sqrt
 from threading import local
 from typing import Any
 
@@ -26,8 +27,9 @@ _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
 _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
-_DENSE = 0.2  # share of the nodes in contact from which on transforms are cheaper than sums over decays
-_SMALL = 2**12  # nodes up to which they are not
+_DENSE = 0.25  # share of the nodes in contact from which on transforms are cheaper than sums over decays
+_HEAVY = 0.32  # load over the rms pressure of full contact at which that share is expected, by (4.16)
+_SMALL = 2**10  # nodes up to which they are not
 _NEXT = 4  # times as many nodes at most as a coarser grid on which twice that share tells as much
 _LARGE = 2**17  # nodes beyond which arrays are not kept
 _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the contact may join it
@@ -164,6 +166,8 @@ class DecayNewton:
             return False
         level.displacement[: self.field.n] = self.wall[i]
         level.field.forward(level.displacement)
+        if self._free_mean and self.field.n > _SMALL and self._would_be_dense(float(self.load[i])):
+            return True
         levels = [level]
         while levels[-1].coarser is not None:
             levels.append(levels[-1].coarser)
@@ -195,6 +199,10 @@ class DecayNewton:
             )
         self._transforms[i] += cost
         return False
+
+    def _would_be_dense(self, load: float) -> bool:
+        """Whether a load is heavy for the wall whose spectrum the grid holds."""
+        return load > _HEAVY * sqrt(2.0 * kernels.power(self._level.field.spectrum, self._model.stiffness))
 
 
 def _rows(batch: Batch, some: list[int]) -> Batch:

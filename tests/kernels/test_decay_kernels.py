@@ -41,6 +41,12 @@ def test_a_product_with_decays_is_that_with_their_matrix_and_all_images(product,
     np.testing.assert_allclose(found, matrix @ source, atol=1e-5 * abs(weights).sum())
 
 
+@pytest.mark.parametrize("sum_squares", both(kernels.power))
+def test_a_power_is_the_sum_of_squares_without_the_mean(sum_squares, rng):
+    spectrum, symbol = rng.normal(size=9) + 1j * rng.normal(size=9), rng.normal(size=9)
+    assert sum_squares(spectrum, symbol) == pytest.approx((abs(spectrum * symbol)[1:] ** 2).sum(), rel=1e-13)
+
+
 @pytest.mark.parametrize("solve", both(kernels.least_squares))
 def test_least_squares_are_those_of_lapack(solve, rng):
     matrix, right, found = rng.normal(size=(20, 5)), rng.normal(size=20), np.empty(5)

@@ -1,99 +1,24 @@
 """Compiled active-set steps of a profile whose compliance is a sum of decays: no transforms, no work on open nodes.
 
-Candidates are the nodes that may come into contact, listed around the period behind the widest gap between them.
-Arrays over them, and over those in contact, hold as many values as there are, in longer arrays.
+The first values of an array over candidates belong to the candidates, those of an array over the contact to its nodes;
+what follows them has no meaning.
 """
 
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.active_sets import newton_error, without_mean
+from gfmd_numba.kernels.candidates import candidates, distances_around, join_deepest
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.decay_sums import POWERS, decay_product, far_powers
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve, exponential_sum_solve_two
 
-_WIDER = 2.0
 _LOOSE = 0.03  # relative error allowed in the first pressure on a new contact
 _TIGHTEN = 0.1  # factor on that error after each step
 _MANY = 0.01  # share of a contact under tension from which on one iteration is enough
-_DEEP = 0.6  # share of the deepest overlap of a stretch from which on its nodes join the contact
 _STEPS = 30  # contacts tried for one gap
 _ROUNDS = 3  # in which nodes may join at the last tolerance, before the gap is found anew
 _ITERATIONS = 60  # of conjugate gradients for each
-
-
-@jit
-def candidates(
-    p: Reals, sp: Reals, wall: Reals, n: int, free_mean: bool, wider: float, nodes: Indices, spare: Indices
-) -> tuple[int, float]:
-    """List the candidates under the pressure p whose displacement is sp; their number, and the approach.
-
-    They are the nodes with pressure and those less open than these are, at most, from being closed.
-    """
-    count = 0
-    approach = 0.0
-    for j in range(n):
-        if p[j] > 0.0:
-            spare[count] = j
-            approach += wall[j] + sp[j]
-            count += 1
-    approach = approach / count if free_mean and count > 0 else 0.0
-    misfit = 0.0
-    for k in range(count):
-        misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
-    widest = approach + (wider * misfit / count if count > 0 else 0.0)
-    if wider > 0.0:
-        count = 0
-        for j in range(n):
-            if wall[j] + sp[j] <= widest or p[j] > 0.0:
-                spare[count] = j
-                count += 1
-    begin_behind_widest_gap(spare, count, n, nodes)
-    return count, approach
-
-
-@jit
-def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indices) -> None:
-    """Copy nodes in ascending order so that they begin behind the widest gap between two."""
-    start = 0
-    widest = 0
-    for k in range(count):
-        before = ascending[k - 1] if k > 0 else ascending[count - 1] - n
-        if ascending[k] - before > widest:
-            widest = ascending[k] - before
-            start = k
-    for k in range(count):
-        nodes[k] = ascending[(start + k) % count]
-
-
-@jit
-def distances_around(nodes: Indices, count: int, n: int, distances: Indices) -> None:
-    """Distances of nodes around a period from the one before, of the first from the last."""
-    for k in range(count):
-        distance = nodes[k] - (nodes[k - 1] if k > 0 else nodes[count - 1])
-        distances[k] = distance if distance > 0 else distance + n
-
-
-@jit
-def join_deepest(gap: Reals, touches: Flags, nodes: Indices, count: int, closed: float) -> int:
-    """Bring into contact what overlaps, of each stretch of overlapping nodes the deepest part; how many nodes did."""
-    joining = 0
-    k = 0
-    while k < count:
-        if touches[k] or not gap[k] < closed:
-            k += 1
-            continue
-        first = k
-        deepest = gap[k]
-        k += 1
-        while k < count and not touches[k] and gap[k] < closed and nodes[k] == nodes[k - 1] + 1:
-            deepest = min(deepest, gap[k])
-            k += 1
-        for m in range(first, k):
-            if gap[m] - closed <= _DEEP * (deepest - closed):
-                touches[m] = True
-                joining += 1
-    return joining
 
 
 @jit

@@ -1,13 +1,35 @@
 """The certificate of a contact: how far displacement and traction are from static equilibrium."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.fourier import grid
 
 Rows = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class RigidMean:
+    """The condition of bodies that keep their volume, like an incompressible slab: the mean displacement is zero.
+
+    `stiffest` turns a mean displacement into a traction, in E*/L_x. `impossible` `[realisation]` is where the mean of
+    the punch is prescribed below zero, so that there is no room for the body.
+    """
+
+    stiffest: float
+    impossible: Flags
+
+    @classmethod
+    def of(cls, punch: Reals, stiffness: Reals) -> "RigidMean | None":
+        """Return the condition for punches `[realisation, (y,) x]`; None where the stiffness at q = 0 is finite."""
+        if np.isfinite(stiffness.flat[0]):
+            return None
+        mean = punch.reshape(len(punch), -1).mean(axis=1)
+        return cls(float(stiffness[np.isfinite(stiffness)].max()), mean < 0.0)
 
 
 class Certificate:
@@ -15,16 +37,25 @@ class Certificate:
 
     `worst`: traction on a free node or tension on a touching one. `peak`: the largest pressure of the wall.
     `imbalance`: the mean traction that nothing carries. With a `hardness` no more than that is a pressure: a touching
-    node violates it by what is above, a penetrating one by any difference from it, and none other may penetrate.
+    node violates it by what is above, a penetrating one by any difference from it, and none other may penetrate. With a
+    `rigid_mean` a mean displacement is a violation too.
     """
 
-    def __init__(self, rows: int, hardness: float = np.inf) -> None:
-        self.hardness = hardness
+    def __init__(self, rows: int, hardness: float = np.inf, rigid_mean: RigidMean | None = None) -> None:
+        self.hardness, self.rigid_mean = hardness, rigid_mean
         self.worst, self.peak, self.imbalance = np.zeros((3, rows))
 
     def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
         kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
+        self.look_at_mean(u, active, n)
+
+    def look_at_mean(self, u: Reals, active: Rows, n: int) -> None:
+        """Count a mean displacement of bodies that keep their volume as a violation."""
+        if self.rigid_mean is not None:
+            drift = self.rigid_mean.stiffest * np.abs(u[active, :n].mean(axis=1))
+            self.worst[active] = np.maximum(self.worst[active], drift)
+            self.worst[self.rigid_mean.impossible] = np.inf
 
     def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""

@@ -15,7 +15,7 @@ from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decay_model import DecayModel
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
@@ -55,7 +55,8 @@ class DecayNewton:
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
         self.pressure, self.displacement, self.restoring = (aligned_rows(rows, n) for _ in range(3))
-        self.certificate = Certificate(rows)
+        rigid_mean = RigidMean.of(batch.punch, batch.normal_stiffness)
+        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
         self._steps_left = options.max_iterations if limit is None else min(options.max_iterations, limit)
@@ -64,10 +65,7 @@ class DecayNewton:
         self._looks = np.zeros(rows, dtype=np.bool_)
         self._target = np.full(rows, _EXACT * options.residual)
         stiffness = batch.normal_stiffness
-        self._rigid_mean = not np.isfinite(stiffness[0])
-        self._impossible = self._rigid_mean & (batch.punch.mean(axis=1) < 0.0)
-        softest = stiffness[1] if self._free_mean or self._rigid_mean else stiffness[0]
-        self._stiffest = float(model.stiffness.max()) * n
+        softest = stiffness[1] if self._free_mean or rigid_mean else stiffness[0]
         start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
         dense = []
@@ -143,17 +141,10 @@ class DecayNewton:
             )
             field.apply(self._model.stiffness, self.displacement[i], self.restoring[i])
         self._transforms[active] += 4
-        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+        if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
         self.certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
-        if self._rigid_mean:
-            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
-            self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
-        residual = self.certificate.residual(self.load, active)
-        if self._rigid_mean:
-            self.certificate.worst[self._impossible] = np.inf
-            residual[self._impossible[active]] = np.inf
-        return residual
+        return self.certificate.residual(self.load, active)
 
     def _guess(self, i: int, start: float) -> bool:
         """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own.

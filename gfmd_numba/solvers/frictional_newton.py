@@ -5,7 +5,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
 from gfmd_numba.solvers.friction_sets import middle_slip, revised
@@ -55,10 +55,8 @@ class FrictionalNewton:
         self.wall, self._anchor = aligned_rows(rows, n), aligned_rows(rows, n)
         self.wall[:, :n] = punch
         self._anchor[:, :n] = start.tangential + start.dragged
-        self.certificate = Certificate(rows)
-        self._free_mean, self._rigid_mean = batch.load is not None, batch.has_rigid_mean
-        self._impossible = punch.mean(axis=1) < 0.0  # a rigid mean leaves no room below that of the punch
-        self._stiffest = float(stiffness.k33[1:].max())
+        self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
+        self._free_mean = batch.load is not None
         self._drifts = stiffness.k11[0] == 0.0
         compliance = stiffness.compliance()
         self._inverses = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
@@ -93,7 +91,7 @@ class FrictionalNewton:
         Costs four transforms for each row whose guess hardly changes any more; others are measured by their last step.
         """
         n, products, certificate, guess = self.field.n, self._products, self.certificate, self._guess
-        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+        if certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = guess.pressure[active].mean(axis=1)
         stands = (self._changed[active] == 0) | (self._moved[active] < _CLOSE * self._asked)
         products.restore(active[stands])
@@ -105,10 +103,7 @@ class FrictionalNewton:
             products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
             self.wall, self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
-        if self._rigid_mean:
-            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
-            certificate.worst[active] = np.maximum(certificate.worst[active], drift)
-            certificate.worst[self._impossible] = np.inf
+        certificate.look_at_mean(self.displacement, active, n)
         residual = certificate.residual(self.load, active)
         self._last[active[stands & (residual > self._asked)]] *= _TIGHTEN
         unsure = np.maximum(self._moved[active], 10.0 * self._asked)

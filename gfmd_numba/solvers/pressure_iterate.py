@@ -6,7 +6,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 
 Rows = npt.NDArray[np.int64]
@@ -24,16 +24,14 @@ class PressureIterate:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         punch, stiffness = batch.punch.reshape(rows, -1), batch.normal_stiffness.ravel()
         self.free_mean = batch.load is not None
-        self._rigid_mean = not np.isfinite(stiffness[0])
-        # an incompressible slab keeps its volume: below the mean of the punch there is no room for it
-        self._impossible = punch.mean(axis=1) < 0.0
+        rigid_mean = RigidMean.of(punch, stiffness)
         self.field = Convolution(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
         self.restoring = self.field.result
         self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
-        softest = stiffness[1] if self.free_mean or self._rigid_mean else stiffness[0]
+        softest = stiffness[1] if self.free_mean or rigid_mean else stiffness[0]
         start = -softest * punch.min(axis=1) if batch.load is None else batch.load
         self.load = batch.loads
         hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
@@ -45,10 +43,9 @@ class PressureIterate:
         with np.errstate(divide="ignore"):
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
         self.compliance = self.field.symbol(compliance)
-        self._stiffest = float(stiffness[np.isfinite(stiffness)].max())
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n, punch.dtype)
-        self.certificate = Certificate(rows, self.hardness)
+        self.certificate = Certificate(rows, self.hardness, rigid_mean)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 
     @property
@@ -64,14 +61,7 @@ class PressureIterate:
         field, n = self.field, self.field.n
         kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement, self.hardness)
         field.apply(self._stiffness, active, source=2)
-        if self._rigid_mean:  # no displacement tells the mean pressure: it is the multiplier of a zero mean
+        if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
         self.certificate.look(self.displacement, field.result, self.wall, self.load, active, n)
-        if self._rigid_mean:
-            drift = self._stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
-            self.certificate.worst[active] = np.maximum(self.certificate.worst[active], drift)
-        residual = self.certificate.residual(self.load, active)
-        if self._rigid_mean:
-            self.certificate.worst[self._impossible] = np.inf
-            residual[self._impossible[active]] = np.inf
-        return residual
+        return self.certificate.residual(self.load, active)

@@ -10,6 +10,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.decay_model import decay_model
 from gfmd_numba.solvers.decay_newton import DecayNewton
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
@@ -140,3 +141,25 @@ def test_profiles_are_solved_by_decays_and_bodies_far_from_them_are_not():
         stiff[0] = 0.0
         solver = begin(Batch(punch, stiff, np.full(2, 0.01), HARD_WALL, Start.at_rest(punch)), NEWTON)
         assert isinstance(solver, DecayNewton) == by_decays
+
+
+def test_dense_and_sparse_contacts_of_a_batch_do_not_know_of_each_other(monkeypatch):
+    """Dense ones are found by transforms, as sums over decays would cost more there."""
+    n, load = 2048, 0.01
+    punch, body = punches(0.8, n, 2018, 4), stiffness.half_space(grid.wavenumbers(n))
+    punch *= np.array([[1.0], [0.02], [0.5], [0.04]])
+    solved = []
+    monkeypatch.setattr(
+        "gfmd_numba.solvers.decay_newton.ActiveSetNewton.advance",
+        lambda self, active, advance=ActiveSetNewton.advance: (solved.append(active.size), advance(self, active)),
+    )
+    together = equilibrate(punch, body, load, NEWTON)
+    assert (together.status == Status.ok).all()
+    assert solved
+    for i in range(4):
+        alone = equilibrate(punch[i : i + 1], body, load, NEWTON)
+        np.testing.assert_array_equal(alone.displacement[0], together.displacement[i])
+        np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
+        assert alone.n_transforms[0] == together.n_transforms[i]
+        expected = equilibrate(punch[i : i + 1], body, load, Options("conjugate_gradients"))
+        np.testing.assert_array_equal(alone.touching, expected.touching)

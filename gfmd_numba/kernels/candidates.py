@@ -32,9 +32,8 @@ def candidates(
     if wider > 0.0:
         count = 0
         for j in range(n):
-            if wall[j] + sp[j] <= widest or p[j] > 0.0:
-                spare[count] = j
-                count += 1
+            spare[count] = j  # stays if j is one: without a branch, which would often be guessed wrong
+            count += (wall[j] + sp[j] <= widest) | (p[j] > 0.0)
     begin_behind_widest_gap(spare, count, n, nodes)
     return count, approach
 

@@ -39,6 +39,7 @@ def decay_contact(
     mean: float,
     near: Reals,
     rates: Reals,
+    coarse_near: Reals,
     coarse_weights: Reals,
     coarse_white: float,
     floor: float,
@@ -99,7 +100,18 @@ def decay_contact(
             distances_around(contact, touching, n, distances)
             far_powers(powers, near, distances, touching, free, contact_rows)
             exponential_sum_factor(
-                contact, touching, n, rates, coarse_weights, coarse_white, floor, decay, lower, diagonal, carried
+                contact,
+                touching,
+                n,
+                rates,
+                coarse_near,
+                coarse_weights,
+                coarse_white,
+                floor,
+                decay,
+                lower,
+                diagonal,
+                carried,
             )
             if free_mean:
                 without_mean(r, touching)

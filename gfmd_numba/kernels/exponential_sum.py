@@ -16,6 +16,7 @@ def exponential_sum_factor(
     count: int,
     n: int,
     rates: Reals,
+    near: Reals,
     weights: Reals,
     white: float,
     floor: float,
@@ -26,34 +27,41 @@ def exponential_sum_factor(
 ) -> None:
     """Factor the sum on the first `count` of the nodes, which follow each other around a period of n.
 
-    `decay` and `lower` are `[node, rate]`, `carried` `[rate, rate]` is scratch. Pivots below `floor` are lifted to
-    it: the factors then are those of some positive definite matrix, whatever the weights.
+    `near` `[distance, rate]` are decays over short distances. `decay` and `lower` are `[node, rate]`, `carried` `[rate,
+    rate]` is scratch. Pivots below `floor` are lifted to it: the factors then are those of some positive definite
+    matrix, whatever the weights.
     """
     terms = rates.size
     carried[:] = 0.0
     for i in range(count):
+        last = 0.0
         if i > 0:
+            last = diagonal[i - 1]
             distance = (nodes[i] - nodes[i - 1]) % n
-            if i > 1 and distance == (nodes[i - 1] - nodes[i - 2]) % n:
-                decay[i] = decay[i - 1]
+            if distance < near.shape[0]:
+                for s in range(terms):
+                    decay[i, s] = near[distance, s]
             else:
                 for s in range(terms):
                     decay[i, s] = np.exp(-rates[s] * distance)
-            for s in range(terms):
-                pivot = diagonal[i - 1] * lower[i - 1, s]
-                for r in range(s + 1):
-                    carried[s, r] = decay[i, s] * decay[i, r] * (carried[s, r] + pivot * lower[i - 1, r])
-                    carried[r, s] = carried[s, r]
+        for s in range(terms):
+            lower[i, s] = 1.0
         pivot = white
-        for s in range(terms):
+        for s in range(terms if i > 0 else 0):  # the lower triangle tells the upper one
+            added = last * lower[i - 1, s]
             known = 0.0
-            for r in range(terms):
+            for r in range(s):
+                carried[s, r] = decay[i, s] * decay[i, r] * (carried[s, r] + added * lower[i - 1, r])
                 known += carried[s, r] * weights[r]
-            lower[i, s] = 1.0 - known
-            pivot += weights[s] * (1.0 - known)
-        diagonal[i] = max(pivot, floor)
+                lower[i, r] -= carried[s, r] * weights[s]
+            carried[s, s] = decay[i, s] * decay[i, s] * (carried[s, s] + added * lower[i - 1, s])
+            lower[i, s] -= known + carried[s, s] * weights[s]
         for s in range(terms):
-            lower[i, s] /= diagonal[i]
+            pivot += weights[s] * lower[i, s]
+        diagonal[i] = max(pivot, floor)
+        share = 1.0 / diagonal[i]
+        for s in range(terms):
+            lower[i, s] *= share
 
 
 @jit

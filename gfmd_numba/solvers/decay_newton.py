@@ -275,7 +275,7 @@ class _Level:
         model, sum_ = self.model, self.model.preconditioner
         change, _ = kernels.decay_contact(
             pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, wider,
-            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.weights,
+            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.near, sum_.weights,
             sum_.white, sum_.floor, self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
         )  # fmt: skip
         return float(change)

@@ -117,7 +117,8 @@ def test_decays_are_those_of_dense_algebra(factor, solve, signed, rng):
     assert np.linalg.eigvalsh(dense).min() > 0.1
     decay, lower = np.full((2, count, terms), np.nan)
     diagonal, z, y, carried = np.empty(count), np.empty(count), rng.normal(size=count), np.empty((terms, terms))
-    factor(nodes, count, n, rates, weights, 0.5, 1e-3, decay, lower, diagonal, carried)
+    near = np.exp(-np.outer(np.arange(2), rates))
+    factor(nodes, count, n, rates, near, weights, 0.5, 1e-3, decay, lower, diagonal, carried)
     solve(y, count, weights, decay, lower, diagonal, z, carried[0])
     np.testing.assert_allclose(z, np.linalg.solve(dense, y), rtol=1e-11)
 
@@ -130,6 +131,7 @@ def test_pivots_are_lifted_to_the_floor(factor):
         3,
         9,
         np.array([0.1]),
+        np.empty((0, 1)),
         np.array([-1.0]),
         0.5,
         0.2,

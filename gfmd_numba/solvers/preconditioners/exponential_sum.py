@@ -12,6 +12,7 @@ Rows = npt.NDArray[np.int64]
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
 _STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
+_NEAR = 64  # distances below which decays are tabulated
 _FAINT = 1e-9  # decay over a period beyond which only neighbours across the cut would feel it
 
 
@@ -40,6 +41,7 @@ class ExponentialSum:
         felt = image > faint
         self.rates = np.concatenate((rates, -rates[felt]))
         self.weights = np.concatenate((weights, (image * weights)[felt]))
+        self.near = np.exp(-np.outer(np.arange(min(n, _NEAR)), self.rates))
         self.floor = 0.1 * float(compliance.min())
         self._n = n
         self._decay, self._lower = np.empty((2, 0, self.rates.size))
@@ -74,7 +76,7 @@ class ExponentialSum:
             self._decay, self._lower = np.empty((2, count, self.rates.size))
             self._diagonal = np.empty(count)
         kernels.exponential_sum_factor(
-            nodes, count, self._n, self.rates, self.weights, self.white, self.floor,
+            nodes, count, self._n, self.rates, self.near, self.weights, self.white, self.floor,
             self._decay, self._lower, self._diagonal, self._carried,
         )  # fmt: skip
         self._count = count

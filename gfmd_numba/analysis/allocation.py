@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.group_means import means_of
@@ -191,7 +191,7 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
         level=level,
         kappa=kappa,
         # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / chi2.ppf(1 - _CONFIDENCE, freedom)),
+        doubt=float((freedom + len(level) - 1) / chdtri(freedom, _CONFIDENCE)),
         freedom=freedom,
     )
 

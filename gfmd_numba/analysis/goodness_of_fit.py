@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtri
 
 from gfmd_numba.analysis.group_means import scatter_of
 from gfmd_numba.analysis.linear_fit import Means, known_before, misfit_form
@@ -37,6 +37,6 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
         contrasts = expected**2 / squares
         searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
         expected *= max(1.0, contrasts - searched) / contrasts
-        limit = expected * f_distribution.ppf(0.95, max(1.0, contrasts - searched), freedom)
+        limit = expected * fdtri(max(1.0, contrasts - searched), freedom, 0.95)
         ratios.append(chi2 / limit)
     return max(1.0, min(ratios, default=1.0))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from gfmd_numba.analysis.allocation import Ensemble, ensembles, level_of_case, relative_errors
 
@@ -44,7 +44,7 @@ def predictions(
     np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
     found = []
     for ensemble in ensembles(results, variable, fixed or {}):
-        factor = float(np.sqrt(ensemble.freedom / chi2.ppf(1 - _CONFIDENCE, ensemble.freedom)))
+        factor = float(np.sqrt(ensemble.freedom / chdtri(ensemble.freedom, _CONFIDENCE)))
         # the doubt is about the scatter of surfaces, not about what is known before
         sober = replace(ensemble, doubt=factor**2)
         error, of_surfaces = relative_errors(sober, of_level)

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from scipy.stats import t as student
+from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
@@ -211,11 +211,11 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
     def beyond(end: float) -> float:
-        return float(weight @ student.cdf((end - value) / deviation, freedom))
+        return float(weight @ stdtr(freedom, (end - value) / deviation))
 
     ends = []
     for share in (_TAIL, 1.0 - _TAIL):
-        reach = abs(student.ppf(_TAIL / 100, freedom)) * deviation
+        reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
         low, high = float((value - reach).min()), float((value + reach).max())
         for _ in range(60):
             middle = (low + high) / 2.0

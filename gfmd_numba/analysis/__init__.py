@@ -10,6 +10,7 @@ from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
@@ -34,6 +35,7 @@ __all__ = [
     "plot_campaign",
     "plot_contact",
     "plot_curve",
+    "plot_fit",
     "plot_rounds",
     "plot_statistics",
     "plot_surface",

@@ -73,9 +73,9 @@ def plot(
 ) -> None:
     """Draw RESULTS, whatever command of gfmd wrote them.
 
-    RESULTS is the netCDF file of a campaign, contact, load curve, surface, loaded body, accuracy study or of the fields
-    inside a body, or the output directory of a campaign. If a campaign ran --until an error, a second picture,
-    NAME-rounds, shows the error against processor time.
+    RESULTS is the output directory of a campaign, or the netCDF file of a campaign, a fit, a contact, a load curve, a
+    surface, a loaded body, an accuracy study, or the fields inside a body. If a campaign ran --until an error, a
+    second picture, NAME-rounds, shows the error against processor time.
     """
     from gfmd_numba.analysis.plots.kinds import picture_of
     from gfmd_numba.campaign.results import read_results, results_file

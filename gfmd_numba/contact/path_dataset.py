@@ -78,10 +78,11 @@ def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     """What speaks against a step, or all steps, of a path, a sentence a line."""
-    steep = "" if given.surfaces.bodies is None else rough_bodies_dataset.doubt(given.surfaces.bodies, dataset)
+    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order
+    rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
-    return "\n".join([*implausible, *filter(None, (steep, coarse, _beyond_elasticity(given, dataset)))])
+    return "\n".join([*implausible, *filter(None, (rough, coarse, _beyond_elasticity(given, dataset)))])
 
 
 def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:

@@ -6,7 +6,7 @@ import xarray as xr
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.rough_surfaces import BODIES
-from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
+from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
@@ -67,15 +67,30 @@ def add_bodies(
     refuse_nonfinite(found)
 
 
-def doubt(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
-    """What is to be said of slopes above the thesis's limit; nothing of lower ones."""
+def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
+    """What is to be said of slopes above the thesis's limit, and of films at order 0, a sentence a line."""
+    return "\n".join(filter(None, (_of_slopes(bodies, found), _of_films(bodies) if order == 0 else "")))
+
+
+def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
     steepest = max(float(statistics.rms_gradient(body.heights)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
     error, unit = float(found["expected_error"].max()), found["expected_error"].units
     largest = float(abs(found["displacement"]).max()) or 1.0
-    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.1e}"
+    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
     return (
         f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
-        f"displacements are expected to be off by {off} of the largest"
+        f"displacements are expected to be off by {off}, beside the error of the grid"
+    )
+
+
+def _of_films(bodies: tuple[RoughBody, ...]) -> str:
+    change = max(map(change_of_thickness, bodies))
+    if change < THICKNESS:
+        return ""
+    return (
+        f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
+        "out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; take a "
+        "numerics.topography_order of 1 or 2"
     )

@@ -11,10 +11,12 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.topography import Response
+from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 _MOST_ROUNDS = 30
 
 
@@ -25,6 +27,15 @@ class RoughBody:
     elastic: ElasticBody
     heights: Reals
     share: float
+
+
+def change_of_thickness(body: RoughBody) -> float:
+    """Largest height over the thickness in waves so long that the body is a film to them, q z_m <= 1; 0 if none are."""
+    if body.elastic.aspect_ratio is None:
+        return 0.0
+    waves = grid.coefficients(body.heights)
+    waves[2.0 * np.pi * np.arange(waves.size) * body.elastic.aspect_ratio > 1.0] = 0.0
+    return float(abs(grid.signal(waves, body.heights.size)).max()) / body.elastic.aspect_ratio
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ SENTENCES: dict[IntEnum, str] = {
     Status.ok: "The contact conditions hold to the residual that was asked for.",
     Status.not_converged: (
         "The residual was not reached within max_iterations: raise numerics.max_iterations or numerics.residual, "
-        "or choose another numerics.solver."
+        "or choose another numerics.solver. Where an elastic body is rough and steep, lower numerics.topography_order."
     ),
     Status.unstable: (
         "Tractions grew without bound: lower numerics.time_step, or press an incompressible slab no deeper than its "

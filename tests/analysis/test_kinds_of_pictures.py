@@ -9,9 +9,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import gfmd_numba
-from gfmd_numba.analysis import plot_accuracy
+from gfmd_numba.analysis import UnusableDataError, plot_accuracy, plot_fit
 from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
+from support import synthetic_campaigns
 from support.command_line import gfmd
 
 SCENE = {
@@ -40,6 +41,12 @@ def _studies():
     )
 
 
+def _fit(hursts=(0.3, 0.8)):
+    made_up = synthetic_campaigns.campaign(hursts, realisations=20)
+    dataset = synthetic_campaigns.noisy(made_up, np.random.default_rng(1))
+    return gfmd_numba.fit_tfc(dataset, fixed=synthetic_campaigns.ALPHA)
+
+
 WRITTEN = {
     "contact": _contact,
     "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
@@ -52,6 +59,7 @@ WRITTEN = {
         {"scene": {"body": SCENE["body"], "boundary": {"normal_traction": 0.01}}, "points": 16}
     ),
     "accuracy": _studies,
+    "fit": _fit,
 }
 
 
@@ -98,3 +106,24 @@ def test_the_studies_of_accuracy_leave_no_panel_empty_and_no_default_colour():
     ]
     assert all(axis.lines for axis in figure.axes)
     assert figure.axes[1].lines[0].get_xdata().tolist() == [0.1]  # the half-space itself has no error
+
+
+@pytest.mark.parametrize("hursts", [(0.3, 0.8), (0.8,)])
+def test_the_picture_of_a_fit_shows_every_limit_with_its_error(hursts):
+    fit = _fit(hursts)
+    (axis,) = plot_fit(fit).axes
+    (drawn,) = axis.containers
+    assert drawn.lines[0].get_xdata().tolist() == list(hursts)
+    np.testing.assert_array_equal(drawn.lines[0].get_ydata(), fit["kappa_tfc"])
+    bars = np.array([[low[1], high[1]] for low, high in drawn.lines[2][0].get_segments()])
+    np.testing.assert_allclose(np.ptp(bars, axis=1), 2 * fit["kappa_tfc_error"])
+
+
+def test_a_refused_group_is_left_out_of_the_picture_of_a_fit():
+    fit = _fit()
+    fit["fit_status"] = ("group", ["refused", "ok"])
+    (axis,) = plot_fit(fit).axes
+    assert axis.containers[0].lines[0].get_xdata().tolist() == [0.8]
+    fit["fit_status"] = ("group", ["refused", "refused"])
+    with pytest.raises(UnusableDataError, match="refused in every group"):
+        plot_fit(fit)

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness, plot_curve
+from gfmd_numba.analysis import contact_stiffness, plot_curve, plot_fit
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run
 from gfmd_numba.scene import InputError
@@ -96,6 +96,7 @@ def test_options_of_a_fit_are_checked(tmp_path):
         (gfmd_numba.leakage, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
         (gfmd_numba.contact_conductance, "contact: given no results of a contact; allowed: what gfmd_numba.solve"),
         (contact_stiffness, "given no results of several loads; allowed: a campaign's, or those of a path"),
+        (plot_fit, "given no fit; allowed: what `gfmd fit -o` leaves"),
         (plot_curve, "given no load curve; allowed: what `gfmd curve` leaves"),
     ],
 )

@@ -115,6 +115,23 @@ def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
         spectral.psd_power(spectrum, 32, largest)
 
 
+@pytest.mark.parametrize(("hurst", "octave", "shortest"), [(0.3, 2.05, 3.08), (0.5, 1.57, 2.47), (0.8, 1.31, 2.18)])
+@pytest.mark.parametrize("largest", [2047, 1000])  # all waves of the grid, or those down to a cut-on
+def test_a_filter_folds_shorter_waves_into_the_last_octave(largest, hurst, octave, shortest):
+    """Its power is that of the spectrum at all k + m (2 largest + 1), and so too large near the shortest wave."""
+    model = ExponentialSpectrum(1, hurst, 0.02)
+    found, spectrum = (
+        each(model, 4096, largest)[1 : largest + 1] for each in (spectral.filter_power, spectral.psd_power)
+    )
+    k = np.arange(1, largest + 1)
+    folds = np.arange(-100, 101)[:, np.newaxis] * (2 * largest + 1)
+    np.testing.assert_allclose(found, 2 * np.pi * model.psd(2 * np.pi * abs(k + folds)).sum(axis=0), rtol=0.06)
+    last = k > largest // 2
+    assert found[last].sum() / spectrum[last].sum() == pytest.approx(octave, abs=0.05)
+    assert found[-1] / spectrum[-1] == pytest.approx(shortest, abs=0.05)
+    assert (found / spectrum)[k < largest / 8].max() < 1.07
+
+
 def test_a_period_too_short_for_the_correlation_is_refused():
     with pytest.raises(ValueError, match="negative at wave index"):
         spectral.filter_power(ExponentialSpectrum(1, 0.9, 1.0), 64, 31, 1.0)

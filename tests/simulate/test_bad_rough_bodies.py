@@ -23,6 +23,31 @@ def test_steep_topographies_are_doubted():
         assert gfmd_numba.solve(scene(roughness=ROUGH | {"rms_gradient": 0.05})).status == 0
 
 
+def film(folder, order, amplitude=0.02, thickness=0.05):
+    """A flat punch comes down by a third of the amplitude, which is given over the thickness of the body."""
+    height = amplitude * thickness
+    wave = measured(folder, height * np.cos(2 * np.pi * X))
+    body = BODY | {"aspect_ratio": thickness, "roughness": wave}
+    return gfmd_numba.solve(scene(order, {"displacement": height / 3}, body=body))
+
+
+def test_order_0_is_doubted_in_thin_films_and_off_by_as_much_as_it_says(tmp_path):
+    with pytest.warns(UserWarning, match=r"changes its thickness by up to 0\.02 of it, which order 0 leaves out"):
+        doubted = film(tmp_path, 0)
+    with warnings.catch_warnings(action="error"):
+        right = film(tmp_path, 2)
+        assert film(tmp_path, 0, amplitude=0.009).validity == ""
+        assert film(tmp_path, 0, amplitude=0.004, thickness=1.0).validity == ""
+    assert float(doubted.peak_pressure / right.peak_pressure) - 1 == pytest.approx(0.02, rel=0.1)
+
+
+def test_vertical_walls_end_not_converged_at_the_default_order(tmp_path):
+    """The rectangle of thesis (5.17), whose slope has no bound."""
+    body = BODY | {"aspect_ratio": 1.0, "roughness": measured(tmp_path, np.where(abs(X - 0.5) <= 0.05, 0.01, 0.0))}
+    with pytest.warns(UserWarning, match="rms gradient"):
+        assert [int(gfmd_numba.solve(scene(order, body=body)).status) for order in (0, 1, 2)] == [0, 0, 1]
+
+
 def test_steep_bodies_that_just_touch_are_at_rest():
     with pytest.warns(UserWarning, match=r"off by 0\.0e\+00 L_x"):
         contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))

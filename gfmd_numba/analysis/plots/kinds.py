@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
@@ -19,6 +20,7 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
     "accuracy": ("study", plot_accuracy),
     "statistics of a contact": ("pressure_density", plot_statistics),
     "load curve": ("prescribed_load", plot_curve),
+    "fit": ("kappa_tfc", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),
     "contact": ("pressure", plot_contact),
 }

@@ -1,4 +1,6 @@
-"""Figure of a campaign without limits: means against a parameter, drawn without pyplot so that no state is shared."""
+"""Figure of means, or of limits, against a parameter, drawn without pyplot so that no state is shared."""
+
+from collections.abc import Callable
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +14,7 @@ from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.style import LINE, STYLE, log_ticks, of_variable, scaled, with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
+from gfmd_numba.arrays import Reals
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 
@@ -22,14 +25,19 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
     A parameter of names, like files, is taken only where no number is varied, and no line joins its values.
     UnusableDataError for a dataset in which no parameter is varied.
     """
-    sizes = {name: np.unique(dataset[name]).size for name in axes(dataset)}
-    name = max(sizes, key=lambda each: (sizes[each] > 1 and not has_names(dataset[each]), sizes[each]))
-    if sizes[name] == 1:
+    if all(np.unique(dataset[name]).size == 1 for name in axes(dataset)):
         raise UnusableDataError(
             "given results in which no discretisation is varied, and no other parameter; "
             "allowed: results of a campaign with limits or a grid"
         )
-    others = dataset.drop_vars(name)
+    return over_parameter(dataset, lambda cases: ensemble_mean(cases, variable), of_variable(dataset, variable))
+
+
+def over_parameter(dataset: xr.Dataset, values_of: Callable[[xr.Dataset], tuple[Reals, Reals]], label: str) -> Figure:
+    """Draw the values (case) of cases, with their errors, against the parameter that has most values."""
+    sizes = {name: np.unique(dataset[name]).size for name in axes(dataset)}
+    name = max(sizes, key=lambda each: (sizes[each] > 1 and not has_names(dataset[each]), sizes[each]))
+    others = dataset.drop_vars(name) if len(sizes) > 1 else dataset
     looks = looks_of(others)
     with mpl.rc_context(STYLE):
         figure = Figure((5.6, 4.6), dpi=150, layout="constrained")
@@ -38,10 +46,10 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
         for parameters, group in groups(others.assign_coords(_value=("case", values))):
             look = looks.of[key(parameters)]
             ordered = group.sortby("_value")
-            mean, error = ensemble_mean(ordered, variable)
+            value, error = values_of(ordered)
             joined = {"linestyle": "none"} if has_names(dataset[name]) else {}
-            panel.errorbar(ordered["_value"].values, mean, error, ms=5.5, capsize=2.5, lw=1.3, **look | joined)
-        panel.set_ylabel(of_variable(dataset, variable))
+            panel.errorbar(ordered["_value"].values, value, error, ms=5.5, capsize=2.5, lw=1.3, **look | joined)
+        panel.set_ylabel(label)
         if panel.get_xscale() == "log":
             log_ticks(panel.xaxis)
         panel.grid(axis="y", color="0.9", linewidth=0.8)

@@ -11,7 +11,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign import execution, shards
-from gfmd_numba.campaign.execution import Workers, perform
+from gfmd_numba.campaign.block_work import perform
+from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.shards import Finished, are_stored, path_of, store

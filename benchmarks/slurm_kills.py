@@ -61,7 +61,7 @@ def kill_jobs(run: subprocess.Popen[bytes], kills: int, output: Path, environmen
         for job in running(environment) - killed:
             log = next(output.glob(f"jobs/*-{job}.err"), None)
             if log is not None and "Registered to" in log.read_text():
-                time.sleep(1.0)  # it has blocks by now
+                time.sleep(1.0 + len(killed) % 8)  # it has blocks by now, and may have handed some back
                 how = [] if len(killed) % 2 else ["--signal=KILL", "--full"]
                 subprocess.run(["scancel", *how, job], env=environment, check=True)
                 killed.add(job)

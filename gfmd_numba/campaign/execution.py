@@ -1,6 +1,6 @@
 """Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from numbers import Integral
@@ -62,7 +62,7 @@ def workers_of(given: object) -> Workers:
         return Workers(int(given))
     if is_client(given):
         return Workers(client=given)
-    if isinstance(given, str | Path | dict):
+    if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
         return Workers(cluster=load_cluster(given))
     raise InputError(
         f"workers: given {brief(given)}; allowed: a number of processes from 0, a dask.distributed.Client, or a "

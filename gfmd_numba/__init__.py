@@ -109,7 +109,7 @@ def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Da
 def run(
     campaign: str | Path | Mapping[str, Any] | Campaign,
     output: str | Path | None = None,
-    workers: int | Client = 0,
+    workers: int | Client | str | Path | Mapping[str, Any] = 0,
     until: Mapping[str, float] | None = None,
     budget: float | str | None = None,
 ) -> xr.Dataset:
@@ -118,9 +118,10 @@ def run(
     `campaign` is a file, a mapping of its content, or a record. The output directory is by default named after the
     campaign. `workers` is the number of local worker processes; 0 works in this process. Worker processes import the
     calling script, so that the call must then stand under `if __name__ == "__main__":`. If `workers` is a dask client,
-    its cluster does the work. With `until={"kappa": 0.01}` the campaign runs in rounds until kappa in the limit has a
-    relative standard error of 1 %, with as many realisations as that takes. `budget` bounds the processor time (s, or
-    text like `20min`). The attribute `ended` says how the rounds ended; a warning says if the error was not reached.
+    its cluster does the work. If it is a cluster file, or a mapping of its content, jobs of a queueing system do the
+    work. With `until={"kappa": 0.01}` the campaign runs in rounds until kappa in the limit has a relative standard
+    error of 1 %, with as many realisations as that takes. `budget` bounds the processor time (s, or text like `20min`).
+    The attribute `ended` says how the rounds ended; a warning says if the error was not reached.
     Raises InputError for a campaign or arguments that make no sense.
     """
     from gfmd_numba.campaign.execution import workers_of

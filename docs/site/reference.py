@@ -14,6 +14,7 @@ _FILES = {
     "scene": ("Scene files", "For `gfmd solve`, `curve` and `check`, and for `gfmd_numba.solve` and `load_curve`."),
     "boundary": ("Files of a loaded body", "For a body that is loaded without a punch: `gfmd solve` and `check`."),
     "surface": ("Surface files", "For `gfmd surface` and `check`, and for `gfmd_numba.make_surface`."),
+    "cluster": ("Cluster files", "For `gfmd run --cluster` and `check`, and for the `workers` of `gfmd_numba.run`."),
 }
 _KEYS = """\
 # Keys of the YAML files

@@ -8,17 +8,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
 from multiprocessing import resource_tracker
-from pathlib import Path
 from threading import Event, Thread
 from typing import Any
-from uuid import uuid4
 
-from gfmd_numba.campaign.provenance import versions
+from gfmd_numba.campaign.provenance import difference, versions
 from gfmd_numba.scene import InputError
 
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-_OF_A_RUN = {
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+OF_A_RUN = {
     "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
     # the web servers of scheduler and workers cannot be switched off, but they need not say anything
     "distributed.scheduler.http.routes": [],
@@ -37,9 +35,9 @@ def local(count: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
-    os.environ.update(dict.fromkeys(_THREADS, "1"))  # inherited: two workers never compete for a core
+    os.environ.update(ONE_THREAD)  # inherited: two workers never compete for a core
     with (
-        dask.config.set(_OF_A_RUN),
+        dask.config.set(OF_A_RUN),
         _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
         LocalCluster(
             n_workers=count,
@@ -103,8 +101,8 @@ def _unreachable(address: str, error: Exception) -> InputError:
     )
 
 
-def check_workers(client: Any, directory: Path, option: str) -> None:
-    """Raise InputError unless there are workers, with the same packages, that see where the output directory is."""
+def check_workers(client: Any, option: str) -> None:
+    """Raise InputError unless there are workers, with the same packages as here."""
     if not client.nthreads():
         raise InputError(f"{option}: given a cluster without workers; allowed: one with `dask worker`s connected to it")
     ours = versions()
@@ -115,24 +113,8 @@ def check_workers(client: Any, directory: Path, option: str) -> None:
             f"{option}: given workers without gfmd-numba ({error}); allowed: the same installation as here"
         ) from None
     for worker, installed in theirs.items():
-        for name, here in ours.items():
-            if installed.get(name) != here:
-                raise InputError(
-                    f"{option}: given {worker} with {name} {installed.get(name)}; allowed: {here}, as here"
-                )
-    folder = next(folder for folder in (directory.resolve(), *directory.resolve().parents) if folder.is_dir())
-    token = folder / f".{uuid4().hex}.tmp"
-    token.touch()
-    try:
-        seeing = client.run(os.path.exists, str(token))
-    finally:
-        token.unlink()
-    for worker, sees in seeing.items():
-        if not sees:
-            raise InputError(
-                f"{option}: given {worker}, which does not see {folder}; "
-                "allowed: an --output that all workers share under the same path"
-            )
+        if wrong := difference(installed, ours):
+            raise InputError(f"{option}: given {worker} with {wrong}")
 
 
 @contextmanager

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gfmd_numba.campaign import failures
-from gfmd_numba.campaign.execution import SECONDS, held
+from gfmd_numba.campaign.block_work import SECONDS
+from gfmd_numba.campaign.execution import held
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.shards import Finished

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import psutil
 
+from gfmd_numba.campaign.block_work import Task
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
+from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.conditions import meeting
 from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.cost import Cost, Told, predict
-from gfmd_numba.campaign.execution import Task, compile_kernels, held
+from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
@@ -149,6 +151,16 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
         f"--workers: given {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} GB in "
         f"all, where {available / 1e9:.1f} GB of memory are free; allowed: {remedy}, or {smaller}"
     )
+
+
+def check_memory_of_jobs(todo: Iterable[Block], cluster: Cluster) -> None:
+    """Raise InputError unless the workers of a job can solve blocks in its memory."""
+    needed = cluster.cores * (_largest(todo) + PROGRAM_BYTES)
+    if needed > cluster.memory:
+        raise InputError(
+            f"--cluster: given jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; allowed: a memory of "
+            f"at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
+        )
 
 
 def _largest(todo: Iterable[Block]) -> int:

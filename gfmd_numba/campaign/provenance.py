@@ -6,6 +6,7 @@ import hashlib
 import os
 import platform
 import subprocess
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +23,14 @@ _OF_THE_RUN = ("wall_time", "case_seconds", "round_cpu_seconds")  # differ from 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that make a result."""
     return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+
+
+def difference(installed: Mapping[str, str], expected: Mapping[str, str]) -> str:
+    """First package whose version is not that expected, in words; empty if there is none."""
+    for name, here in expected.items():
+        if installed.get(name) != here:
+            return f"{name} {installed.get(name)}; allowed: {here}, as here"
+    return ""
 
 
 def machine() -> str:

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
+from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, split
 from gfmd_numba.campaign.collection import collect, note
-from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, held, unfinished
+from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute, held
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
-from gfmd_numba.campaign.plan import Plan, check_memory, plan, tasks
+from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene.source import Source
 
@@ -105,7 +106,9 @@ def finish(
 
     if not todo:
         return True
-    if workers.address is None:
+    if workers.cluster is not None:
+        check_memory_of_jobs(todo, workers.cluster)
+    elif not workers.elsewhere:
         check_memory(todo, workers.count)
     begun = time.perf_counter()
     compile_kernels(planned.problems)
@@ -115,7 +118,7 @@ def finish(
         predicted_cpu_seconds_p50=predicted.quantile(0.5),
         predicted_cpu_seconds_p90=predicted.quantile(0.9),
     )
-    execute(tasks(todo, predicted, workers.count), directory, workers, planned.campaign.case_timeout, finished)
+    execute(tasks(todo, predicted, workers.most), directory, workers, planned.campaign.case_timeout, finished)
     note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
     return not (new and choice.fail_fast)
 

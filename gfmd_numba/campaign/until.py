@@ -8,11 +8,11 @@ from pathlib import Path
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign.block_work import Failures
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.cluster import local
 from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
-from gfmd_numba.campaign.execution import Failures, Workers, check
+from gfmd_numba.campaign.execution import Workers, check, started
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
 from gfmd_numba.campaign.goal import Goal
@@ -108,8 +108,8 @@ class _Run:
                 while not state.ended:
                     rounds.write(self.directory, state)  # what is decided stands before it is done
                     todo, done = self._blocks(state, choice)
-                    if todo and workers.count and not workers.on_cluster:
-                        workers = replace(workers, client=stack.enter_context(local(workers.count)))
+                    if todo:
+                        workers = stack.enter_context(started(workers, self.directory))
                     planned = with_realisations(self.planned, state.now.realisations)
                     if self.told is not None:
                         self.told(state, planned, sum(block.stop - block.first for block in todo))

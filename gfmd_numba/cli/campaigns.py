@@ -27,7 +27,7 @@ from gfmd_numba.text.printable import printable
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.execution import Failures
+    from gfmd_numba.campaign.block_work import Failures
 
 
 @main.command()
@@ -42,6 +42,12 @@ if TYPE_CHECKING:
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Have the dask cluster at this address do the work")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
+@click.option(
+    "--cluster",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="CLUSTER.yaml",
+    help="Have jobs of a queueing system do the work, as this file describes them",
+)
 @conditions_option
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
@@ -54,6 +60,7 @@ def run(
     workers: int,
     scheduler: str | None,
     insecure: bool,
+    cluster: Path | None,
     only: tuple[tuple[str, str], ...],
     limit: int | None,
     retry_failed: bool,
@@ -69,14 +76,16 @@ def run(
     later round has as many of each case as the results so far ask for. The run ends when the fit says that the limit
     has the error you want.
     """
+    from gfmd_numba.campaign.cluster_file import load_cluster
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
     from gfmd_numba.cli.until import check_options, run_rounds
 
     check_options(until, budget, only, limit)
+    _check_workers_options()
     choice = Choice(dict(only), limit, retry_failed, fail_fast)
-    who = Workers(workers, scheduler, insecure)
+    who = Workers(workers, scheduler, insecure, cluster=None if cluster is None else load_cluster(cluster))
     try:
         if until is not None:
             reached = run_rounds(file, output, who, choice, until, budget, show_results)
@@ -89,6 +98,20 @@ def run(
         sys.exit(SOME_FAILED)
     if not reached:
         sys.exit(SOME_FAILED)
+
+
+def _check_workers_options() -> None:
+    """Raise a usage error for options that name workers of two kinds."""
+    context = click.get_current_context()
+    given = [
+        name
+        for name in ("workers", "scheduler", "cluster")
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+    ]
+    if len(given) > 1:
+        raise click.UsageError(f"--{given[1]}: given with --{given[0]}; allowed: one of them, as it says who works")
+    if context.params["insecure"] and "scheduler" not in given:
+        raise click.UsageError("--insecure: given without --scheduler; allowed: beside it, as it is about its address")
 
 
 def show_results(results: Path, failures: Failures) -> bool:

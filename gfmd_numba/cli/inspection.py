@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @main.command()
 @file_argument
 def check(file: Path) -> None:
-    """Check a campaign, scene or surface FILE.
+    """Check a campaign, scene, surface or cluster FILE.
 
     Prints what the file describes, with the size, modulus and load that it gives. If something is wrong, the message
     names the line, the column, what was given and what is allowed. Nothing is computed.
@@ -34,6 +34,8 @@ def check(file: Path) -> None:
     keys = document.data.keys() if isinstance(document.data, dict) else set()
     if {"name", "realisations", "reference", "limits", "grid"} & keys:
         kind, doubt = _check_campaign(document)
+    elif {"jobs", "walltime"} & keys:
+        kind, doubt = _check_cluster(document)
     elif "surface" in keys:
         kind, doubt = _check_surface(document)
     else:
@@ -56,6 +58,13 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     kind = f"a campaign of {campaign.n_cases} cases"
     kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
     return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), validity
+
+
+def _check_cluster(document: Document) -> tuple[str, str]:
+    from gfmd_numba.campaign.cluster_file import load_cluster
+
+    cluster = load_cluster(document)
+    return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", ""
 
 
 def _check_surface(document: Document) -> tuple[str, str]:
@@ -88,7 +97,9 @@ def _check_scene(document: Document) -> tuple[str, str]:
 
 @main.command()
 @click.argument(
-    "kind", type=click.Choice(["campaign", "scene", "boundary", "surface", "combinations"]), default="campaign"
+    "kind",
+    type=click.Choice(["campaign", "scene", "boundary", "surface", "cluster", "combinations"]),
+    default="campaign",
 )
 def schema(kind: str) -> None:
     """Print the JSON Schema of a KIND of file.
@@ -110,6 +121,7 @@ def schemas() -> dict[str, dict[str, Any]]:
     """Return the JSON Schemas of all kinds of files, with the names of the solvers."""
     from pydantic import BaseModel
 
+    from gfmd_numba.campaign.cluster_file import Cluster
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
@@ -120,6 +132,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         "scene": SceneFile,
         "boundary": BoundaryFile,
         "surface": SurfaceFile,
+        "cluster": Cluster,
     }
     described = {kind: record.model_json_schema() for kind, record in records.items()}
     for schema_of_kind in described.values():

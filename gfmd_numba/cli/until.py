@@ -13,7 +13,8 @@ from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.execution import Failures, Workers
+    from gfmd_numba.campaign.block_work import Failures
+    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.run import Choice

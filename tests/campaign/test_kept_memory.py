@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from gfmd_numba.campaign import execution
+from gfmd_numba.campaign import block_work
 from gfmd_numba.campaign.kept_memory import keep_freed_memory
 
 FAULTS = """
@@ -54,6 +54,6 @@ def test_nothing_happens_without_a_library_that_knows_it(monkeypatch):
 def test_only_a_process_of_workers_keeps_memory(tmp_path, monkeypatch, mortal):
     """That of the user keeps its own ways."""
     kept = threading.Event()
-    monkeypatch.setattr(execution, "keep_freed_memory", kept.set)
-    execution.perform((), tmp_path, None, mortal=mortal)
+    monkeypatch.setattr(block_work, "keep_freed_memory", kept.set)
+    block_work.perform((), tmp_path, None, mortal=mortal)
     assert kept.is_set() == mortal

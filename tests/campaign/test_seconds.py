@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import gfmd_numba
-from gfmd_numba.campaign import execution, shards
+from gfmd_numba.campaign import block_work, execution, shards
 from gfmd_numba.cli import main
 from gfmd_numba.cli.tables import duration
 from support.campaigns import campaign
@@ -36,8 +36,9 @@ def clock(monkeypatch):
 
         return call
 
-    for name in ("solve", "measure"):
-        monkeypatch.setattr(execution, name, timed(getattr(execution, name)))
+    for module in (block_work, execution):
+        for name in ("solve", "measure"):
+            monkeypatch.setattr(module, name, timed(getattr(module, name)))
     return spent
 
 

@@ -56,7 +56,8 @@ def test_a_plain_installation_brings_what_is_imported_and_no_more():
         name.lower() for module in _imported(ROOT / "gfmd_numba") for name in distributions.get(module, [module])
     }
     required = {name for r in _requirements() for name in NAMED_BY.get(r.name, {r.name.lower()})}
-    optional = {Requirement(PROJECT["project"]["optional-dependencies"]["instruments"][0]).name.lower()}
+    extras = PROJECT["project"]["optional-dependencies"]
+    optional = {Requirement(extras[name][0]).name.lower() for name in ("instruments", "cluster")} | {"dask_jobqueue"}
     with_another = {"pydantic_core"}  # which pydantic pins
     by_name = {
         "pyfftw",

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 import gfmd_numba
 from gfmd_numba import analysis
+from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.cli import main
 from gfmd_numba.cli.inspection import schemas
@@ -17,7 +18,7 @@ from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.scene import BoundaryFile, SceneFile
 from gfmd_numba.scene.surface_file import SurfaceFile
 
-FILES = {"campaign": Campaign, "scene": SceneFile, "boundary": BoundaryFile, "surface": SurfaceFile}
+FILES = {"campaign": Campaign, "scene": SceneFile, "boundary": BoundaryFile, "surface": SurfaceFile, "cluster": Cluster}
 
 
 def _records_in(annotation):

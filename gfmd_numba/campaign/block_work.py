@@ -1,0 +1,114 @@
+"""A task of a run, done by one process: its blocks solved one after another, and stored or handed back."""
+
+import time
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from tempfile import gettempdir
+
+import numpy as np
+
+from gfmd_numba.campaign import shards
+from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.provenance import difference, versions
+from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
+from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.scene import InputError
+
+SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
+
+Task = tuple[Block, ...]  # what a worker does at a time
+Failures = dict[str, Failure]
+Measured = dict[str, shards.Arrays]  # by name of the block
+
+_installed = cache(versions)
+
+
+def perform(task: Task, directory: Path, timeout: float | None, together: int = 1, mortal: bool = True) -> Failures:
+    """Solve blocks one after another and store their measures, so many `together`; returns what failed.
+
+    Blocks that are stored and sound are left alone. A `mortal` process ends itself if nothing else stops a block after
+    `timeout` seconds. An OSError is raised: a disk that fails one block fails them all.
+    """
+    if mortal:
+        keep_freed_memory()
+    failures: Failures = {}
+    for first in range(0, len(task), together):
+        some = task[first : first + together]
+        if shards.are_stored(directory, [block.name for block in some]):
+            continue
+        measured: Measured = {}
+        try:
+            for block in some:
+                late = trace(directory, block.name) if mortal else None
+                _sort(block, _outcome(block, timeout, late), measured, failures)
+        finally:  # also what an interrupt leaves
+            shards.store(directory, measured)
+    return failures
+
+
+def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
+    """Solve blocks one after another and return their measures and what failed, without the output directory.
+
+    Traces of blocks that took longer than `timeout` seconds lie in this machine's folder of temporary files, under
+    the name of the `run`: the process that finds one does not try the block again. Raises InputError on a worker whose
+    packages have other versions than `expected`.
+    """
+    if wrong := difference(_installed(), expected):
+        raise InputError(f"cluster: given a worker with {wrong}")
+    keep_freed_memory()
+    measured: Measured = {}
+    failures: Failures = {}
+    for block in task:
+        late = _own_trace(run, block.name)
+        _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), measured, failures)
+    return measured, failures
+
+
+def expired_here(run: str, names: Iterable[str]) -> list[str]:
+    """Blocks that ended a process of this machine in `compute`, as they took too long; forgets them."""
+    return [name for name in names if expired(_own_trace(run, name))]
+
+
+def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
+    """Blocks that are not stored, or not as they were written."""
+    finished = shards.Finished(directory)
+    return [block for block in blocks if not finished.is_sound(block.name)]
+
+
+def trace(directory: Path, name: str) -> Path:
+    """File by which a process that had to end itself tells which block it was at, in an output directory."""
+    return directory / "shards" / f"{name}.late.tmp"
+
+
+def too_long(timeout: float | None) -> Failure:
+    """Failure of a block that took longer than `timeout` seconds."""
+    return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
+
+
+def _own_trace(run: str, name: str) -> Path:
+    return Path(gettempdir()) / f"gfmd-{run}-{name}.late.tmp"
+
+
+def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.Arrays | Failure:
+    """Measures of a block, or why there are none."""
+    try:
+        with watched(timeout, late):
+            begun = time.thread_time()
+            measures = measure(solve(block.problem, range(block.first, block.stop)))
+            count = block.stop - block.first
+            return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
+    except TooLongError:
+        return too_long(timeout)
+    except Exception as error:  # whatever it is, it concerns this block only
+        return Failure("crashed", f"{type(error).__name__}: {error}")
+
+
+def _sort(block: Block, outcome: shards.Arrays | Failure, measured: Measured, failures: Failures) -> None:
+    if isinstance(outcome, Failure):
+        failures[block.name] = outcome
+    else:
+        measured[block.name] = outcome

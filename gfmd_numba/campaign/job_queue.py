@@ -1,0 +1,136 @@
+"""Workers in jobs of a queueing system: submitted as long as there are blocks, and again when a job has ended."""
+
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+from uuid import uuid4
+
+from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
+from gfmd_numba.campaign.cluster_file import Cluster
+from gfmd_numba.campaign.job_supply import JobSupply
+from gfmd_numba.scene import InputError
+from gfmd_numba.text.input_error import brief
+
+FOLDER = "jobs"  # in the output directory: what jobs print, and for the time of a run the certificates of its workers
+_KEYS = "tls-"  # how the folder of keys and certificates begins, in that folder
+_ROLES = ("scheduler", "worker", "client")
+_COMMANDS = ("sbatch", "squeue", "scancel")
+_ON_CLUSTER = OF_A_RUN | {
+    "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
+}
+_PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
+
+
+def check_queue(cluster: Cluster, directory: Path) -> None:
+    """Raise InputError unless jobs of a cluster can be submitted from here, for an output directory."""
+    try:
+        from dask_jobqueue.slurm import SLURMJob
+    except ImportError:
+        raise InputError(
+            "--cluster: given without dask-jobqueue, which submits the jobs; allowed: an installation with it "
+            "(pip install 'gfmd-numba[cluster]')"
+        ) from None
+    for command in _COMMANDS:
+        if shutil.which(command) is None:
+            raise InputError(
+                f"--cluster: given where there is no {command}; allowed: a machine that submits jobs to SLURM, as the "
+                "login node of a cluster does"
+            )
+    if not _PLAIN.fullmatch(str(directory.resolve())):
+        raise InputError(
+            f"--output: given {brief(str(directory.resolve()))} with --cluster; allowed: a path of letters, digits and "
+            "._/@+,:~- alone, as scripts of jobs name it"
+        )
+    job = SLURMJob("tls://192.0.2.1:8786", name="test", **_options(cluster, "gfmd-test"))
+    with job.job_file() as script:
+        tested = subprocess.run(["sbatch", "--test-only", script], capture_output=True, text=True, timeout=120)
+    if tested.returncode != 0:
+        said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
+        raise InputError(
+            f"--cluster: given jobs that SLURM refuses ({said}); allowed: cores, memory, walltime, partition, account "
+            "and directives that `sinfo` and your site's rules permit"
+        )
+
+
+@contextmanager
+def jobs(cluster: Cluster, directory: Path) -> Iterator[Any]:
+    """Client of the workers in jobs of a cluster, which print into an output directory.
+
+    Scheduler and workers speak TLS, and accept only who has the key of this run. Raises ConnectionError where jobs end
+    again and again before their workers come.
+    """
+    import dask
+    from dask_jobqueue.slurm import SLURMCluster
+    from distributed import Client
+
+    folder = directory / FOLDER
+    folder.mkdir(exist_ok=True)
+    name = f"gfmd-{uuid4().hex[:8]}"
+    with (
+        dask.config.set(_ON_CLUSTER),
+        _security(folder) as security,
+        SLURMCluster(
+            n_workers=0,
+            security=security,
+            scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+            silence_logs="CRITICAL",
+            log_directory=str(folder),
+            **_options(cluster, name),
+        ) as queue,
+        Client(queue, set_as_default=False) as client,
+    ):
+        supply = queue.adapt(
+            Adaptive=JobSupply,
+            minimum_jobs=cluster.jobs.min,
+            maximum_jobs=cluster.jobs.max,
+            interval="2s",
+            client=client,
+            job_name=name,
+            cores=cluster.cores,
+        )
+        try:
+            yield client
+        except ConnectionError:
+            if supply.fault:
+                raise ConnectionError(f"{supply.fault}; what they printed is in {folder}") from None
+            raise
+
+
+@contextmanager
+def _security(folder: Path) -> Iterator[Any]:
+    """Key and certificate of a run, in files that nobody else can read and that do not outlive it."""
+    from distributed.security import Security
+
+    for left in folder.glob(f"{_KEYS}*"):  # by a run that was killed
+        shutil.rmtree(left, ignore_errors=True)
+    with TemporaryDirectory(prefix=_KEYS, dir=folder) as private:
+        of_role = Security.temporary().get_tls_config_for_role("worker")
+        files = {name: Path(private) / f"{name}.pem" for name in ("ca_file", "cert", "key")}
+        for name, file in files.items():
+            file.touch(mode=0o600)
+            file.write_text(of_role[name])
+        of_all = {f"tls_{role}_{name}": str(files[name]) for role in _ROLES for name in ("cert", "key")}
+        yield Security(require_encryption=True, tls_ca_file=str(files["ca_file"]), **of_all)
+
+
+def _options(cluster: Cluster, name: str) -> dict[str, Any]:
+    """Options of dask-jobqueue's jobs of a cluster."""
+    return {
+        "cores": cluster.cores,
+        "processes": cluster.cores,
+        "memory": f"{int(cluster.memory)}B",
+        "walltime": cluster.slurm_walltime,
+        "queue": cluster.partition,
+        "account": cluster.account,
+        "job_extra_directives": list(cluster.directives),
+        "job_script_prologue": [*(f"export {key}={value}" for key, value in ONE_THREAD.items()), *cluster.setup],
+        "python": cluster.python,
+        "interface": cluster.interface,
+        "job_name": name,
+        "worker_extra_args": ["--no-dashboard", "--lifetime", f"{cluster.lifetime}s"],
+    }

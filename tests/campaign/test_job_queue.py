@@ -1,0 +1,85 @@
+"""A run in jobs of a queueing system, which here are processes of this machine."""
+
+import time
+
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.campaign import job_supply
+from gfmd_numba.campaign.execution import check, workers_of
+from gfmd_numba.campaign.run import StoppedError
+from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.scene import InputError
+from support.campaigns import campaign, numbers
+from support.fake_slurm import fake_slurm, jobs_of, kill_job
+
+pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
+
+CLUSTER = {"cores": 1, "memory": 2e9, "walltime": 3600.0, "jobs": {"max": 1}}
+
+
+@pytest.fixture
+def slurm(tmp_path, monkeypatch):
+    folder = tmp_path / "slurm"
+    folder.mkdir()
+    fake_slurm(folder, monkeypatch)
+    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.5)
+    yield folder
+    deadline = time.monotonic() + 5.0
+    while jobs_of(folder):
+        assert time.monotonic() < deadline, "a job outlived its run"
+        time.sleep(0.1)
+
+
+def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_path, slurm):
+    out, keys, readable = tmp_path / "out", [], []
+
+    def ended(blocks):
+        if not keys:
+            keys.extend(out.glob("jobs/tls-*/*.pem"))
+            readable.extend(path for path in keys if path.stat().st_mode & 0o077)
+            for job in jobs_of(slurm):
+                kill_job(slurm, job)
+
+    workers = workers_of(CLUSTER | {"setup": ["export TESTED=1"], "directives": ["--nice"]})
+    path, failures = run_campaign(campaign(tmp_path), out, workers, lambda *_: ended)
+    assert failures == {}
+    xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
+    scripts = [path.read_text() for path in slurm.glob("*.script")]
+    assert len(scripts) == 2
+    for script in scripts:
+        assert "#SBATCH --nice\n" in script
+        assert "#SBATCH -t 0-01:00:00\n" in script
+        assert "export TESTED=1\n" in script
+        assert " tls://" in script
+    assert len(keys) == 3
+    assert not readable, "others may read a key"
+    assert not list(out.glob("jobs/tls-*")), "a key outlived its run"
+
+
+def test_jobs_that_end_before_their_workers_come_stop_the_run(tmp_path, slurm):
+    with pytest.raises(StoppedError, match=r"before any of their workers came; what they printed is in .*out/jobs"):
+        gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"python": "false", "jobs": {"max": 6}})
+
+
+def test_what_slurm_refuses_is_told_before_anything_is_made(tmp_path, slurm):
+    with pytest.raises(InputError, match=r"--cluster: given jobs that SLURM refuses \(.*invalid partition: nowhere\)"):
+        gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"partition": "nowhere"})
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_output_that_a_script_cannot_name_is_refused(tmp_path, slurm):
+    with pytest.raises(InputError, match=r"--output: given '.*my results' with --cluster; allowed: a path of letters"):
+        check(workers_of(CLUSTER), tmp_path / "my results")
+
+
+def test_jobs_with_too_little_memory_are_refused(tmp_path, slurm):
+    with pytest.raises(InputError, match=r"--cluster: given jobs of 0.2 GB for 8 workers; allowed: a memory of at"):
+        gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"cores": 8, "memory": 2e8})
+
+
+def test_a_machine_without_slurm_is_told(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="--cluster: given where there is no sbatch; allowed: a machine that submits"):
+        check(workers_of(CLUSTER), tmp_path / "out")

@@ -1,0 +1,29 @@
+"""A run in jobs of a real SLURM, which this test starts on this machine where it is installed."""
+
+import subprocess
+import sys
+
+import pytest
+from slurm_kills import kill_jobs
+
+import gfmd_numba
+from support.campaigns import campaign
+from support.one_machine_slurm import missing, one_machine_slurm
+
+pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
+CLUSTER = "cores: 2\nmemory: 2 GB\nwalltime: 1 h\njobs: {max: 1}\n"
+
+
+@pytest.mark.long
+@pytest.mark.skipif(bool(missing()), reason=missing() or "SLURM is there")
+def test_killed_jobs_of_slurm_change_no_digest(tmp_path, tmp_path_factory):
+    path = campaign(tmp_path, **{"realisations: 6": "realisations: 300"})
+    digest = gfmd_numba.run(path, tmp_path / "serial").attrs["content_sha256"]
+    (tmp_path / "cluster.yaml").write_text(CLUSTER)
+    with one_machine_slurm(tmp_path_factory.mktemp("slurm")) as environment:
+        command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", "jobs", "--cluster", "cluster.yaml"]
+        run = subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
+        assert kill_jobs(run, 2, tmp_path / "jobs", environment) == 2
+        said = run.communicate()[1]
+    assert run.returncode == 0, said
+    assert gfmd_numba.open_campaign(tmp_path / "jobs").attrs["content_sha256"] == digest

@@ -11,7 +11,7 @@ import xarray as xr
 
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block, Case
-from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
@@ -28,7 +28,9 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.observables import OBSERVABLES, recorded
+from gfmd_numba.contact.observables import OBSERVABLES, Observable, recorded
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -82,7 +84,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     }
     values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
     scene = planned.cases[0].scene  # measured ones tell their period
-    dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
+    coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
+    rows = recorded_of(planned.cases[0])
+    dataset = campaign_dataset(coordinates, rows, values, units(scene))
     dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
@@ -124,30 +128,39 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 def in_file_units(case: Case, measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
+    return {name: scaled(measured[name], scale[row.unit]) for name, row in recorded_of(case).items()}
+
+
+def recorded_of(case: Case) -> dict[str, Observable]:
+    """The observables of a case, and those of its path."""
     rows = recorded(case.problem.interface.hardness is not None)
-    return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
+    return rows | recorded_along(case.scene) if case.problem.path else rows
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:
     """Measures of a problem `[longest]` from its blocks, dimensionless, and their seconds."""
     parts = []
-    names = (*recorded(blocks[0].problem.interface.hardness is not None), SECONDS)
+    problem = blocks[0].problem
+    names = (*recorded(problem.interface.hardness is not None), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
     for block in blocks:
         part = stored.read(block.name)
         if part is None:
             failure = failures.of(directory, block.name)
             status = Outcome.unfinished if failure is None else Outcome[failure.status]
-            part = _nothing(block.stop - block.first, status)
+            part = _nothing(problem, block.stop - block.first, status)
         asked, solved = realisations - block.first, block.stop - block.first  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
         parts[-1][SECONDS] = part[SECONDS] * min(1.0, asked / solved)
     if longest > realisations:
-        parts.append(_nothing(longest - realisations, Outcome.not_asked))
+        parts.append(_nothing(problem, longest - realisations, Outcome.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def _nothing(count: int, status: Outcome) -> Measures:
-    nothing: Measures = {name: np.full(count, np.nan) for name in OBSERVABLES}
+def _nothing(problem: Problem, count: int, status: Outcome) -> Measures:
+    nothing: Measures = {
+        name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
+        for name, row in (OBSERVABLES | PATH_OBSERVABLES).items()
+    }
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)
     for counted in ("n_iterations", "n_transforms"):

@@ -17,9 +17,8 @@ from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replace
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
-from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
@@ -112,7 +111,7 @@ def _outcome(block: Block, directory: Path, timeout: float | None, mortal: bool)
     try:
         with watched(timeout, _trace(directory, block.name) if mortal else None):
             begun = time.thread_time()
-            measures = measure(solve(block.problem, range(block.first, block.stop)))
+            measures = measured(block.problem, range(block.first, block.stop))
             count = block.stop - block.first
             return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
     except TooLongError:
@@ -157,8 +156,9 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         (problem.numerics.solver, problem.interface, problem.mean_pressure is None): problem for problem in problems
     }
     for problem in kinds.values():
-        tiny = replace(problem, surface=RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape)))
-        measure(solve(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1)))
+        surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
+        tiny = replace(problem, surface=surface, path=problem.path[:1])
+        measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))
 
 
 @dataclass(frozen=True)

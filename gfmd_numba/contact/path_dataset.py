@@ -8,6 +8,7 @@ from gfmd_numba.contact import law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
+    PRESCRIBED,
     cf_attributes,
     contact_dataset,
     dropped_effects,
@@ -22,8 +23,6 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
-
-_NAMES = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}  # fields have the short names
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
@@ -104,9 +103,9 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     """Dataset with what was prescribed, in each step of a path, as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
-    for scene, sliding in steps_of(given.file):
+    for scene, sliding in steps_of(given.file.scene, given.file.path):
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
-            found.setdefault(_NAMES.get(name, name), []).append(value)
+            found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if not given.file.path:
         del found["sliding"]
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})

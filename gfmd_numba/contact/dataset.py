@@ -183,7 +183,11 @@ def campaign_dataset(
     values = [case | {"status": finite_status(case)} for case in values]
     for name, row in rows.items():
         stacked = np.stack([case[name] for case in values])
-        dataset[name] = (("case", "realisation", "step")[: stacked.ndim], stacked, measure_attributes(name, unit[row.unit], row.long_name))
+        dataset[name] = (
+            ("case", "realisation", "step")[: stacked.ndim],
+            stacked,
+            measure_attributes(name, unit[row.unit], row.long_name),
+        )
     return indexed(dataset).assign_coords(coordinates)
 
 

@@ -73,7 +73,12 @@ class PathRecord:
     _balance: Balance | None = None
 
     def add(self, problem: Problem, contact: Contact) -> None:
-        """Record the contact at the next step."""
+        """Record the contact at the next step, not-a-number for one that is not ok."""
+        if contact.equilibrium.status[0] != Status.ok:
+            self._pressures.append(nan)
+            for values in self.steps.values():
+                values.append(nan)
+            return
         before, self._balance = self._balance, Balance.of(problem, contact)
         lost = 0.0 if before is None else self._balance.lost(before)
         if contact.followed is not None:
@@ -85,8 +90,8 @@ class PathRecord:
         self.steps["energy_lost"].append(lost)
 
     def of_path(self) -> dict[str, float]:
-        """Rows of the path as a whole."""
-        least, last = min(self._pressures), self._pressures[-1]
+        """Rows of the path as a whole, not-a-number if a step is."""
+        least, last = float(np.min(self._pressures)), self._pressures[-1]
         return {
             "hysteresis": sum(self.steps["energy_lost"]),
             "pull_off_pressure": -least if least < min(last, 0.0) else nan,
@@ -130,9 +135,9 @@ def _along(problem: Problem, realisation: int) -> Measures:
     record, found = PathRecord(), []
     for one, contact in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
         found.append(measure(contact))
-        if found[-1]["status"][0] != Status.ok:
-            break
         record.add(one, contact)
+        if contact.equilibrium.status[0] != Status.ok:
+            break
     rows = recorded(hardness=False)
     values = {name: np.concatenate([each[name] for each in found]) for name in rows}
     joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
@@ -140,9 +145,7 @@ def _along(problem: Problem, realisation: int) -> Measures:
     joined |= {name: values[name].sum() for name in ("n_iterations", "n_transforms", "wall_time")}
     joined |= {"status": values["status"][-1], "residual": values["residual"].max()}
     joined |= {name: _filled(np.array(steps), problem.n_loads) for name, steps in record.steps.items()}
-    is_ok = joined["status"] == Status.ok
-    of_path = record.of_path() if is_ok else {n: nan for n, row in PATH_OBSERVABLES.items() if row.of == "path"}
-    return joined | {name: np.asarray(value) for name, value in of_path.items()}
+    return joined | {name: np.asarray(value) for name, value in record.of_path().items()}
 
 
 def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:

@@ -40,14 +40,14 @@ def of_six(tmp_path_factory):
 def solved(monkeypatch):
     """Realisations that have been solved, in order."""
     counted = []
-    solve = execution.solve
+    solve = execution.measured
 
     def counting(problem, chosen):
         if problem.surface.nodes > 16:  # kernels are compiled on less
             counted.append((chosen.start, chosen.stop))
         return solve(problem, chosen)
 
-    monkeypatch.setattr(execution, "solve", counting)
+    monkeypatch.setattr(execution, "measured", counting)
     return counted
 
 

@@ -119,7 +119,7 @@ def test_many_small_blocks_share_files_and_give_the_same_results(finished, tmp_p
 
 
 def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
-    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), execution.solve, []
+    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), execution.measured, []
 
     def interrupted(*given):
         if len(solved) == 3:
@@ -127,7 +127,7 @@ def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
         solved.append(given)
         return solve(*given)
 
-    monkeypatch.setattr(execution, "solve", interrupted)
+    monkeypatch.setattr(execution, "measured", interrupted)
     with pytest.raises(KeyboardInterrupt):
         perform(task, folder, None, together=5, mortal=False)
     assert list(Finished(folder)) == [block.name for block in task[:3]]

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis.names import has_names, plain, shown
+from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.style import LINE, STYLE, log_ticks, of_variable, scaled, with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
@@ -22,9 +23,8 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
     A parameter of names, like files, is taken only where no number is varied, and no line joins its values.
     UnusableDataError for a dataset in which no parameter is varied.
     """
-    sizes = {name: np.unique(dataset[name]).size for name in axes(dataset)}
-    name = max(sizes, key=lambda each: (sizes[each] > 1 and not has_names(dataset[each]), sizes[each]))
-    if sizes[name] == 1:
+    name = most_varied(dataset)
+    if name is None:
         raise UnusableDataError(
             "given results in which no discretisation is varied, and no other parameter; "
             "allowed: results of a campaign with limits or a grid"
@@ -34,22 +34,34 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure((5.6, 4.6), dpi=150, layout="constrained")
         panel = figure.subplots()
-        values = _axis(panel, dataset[name])
-        for parameters, group in groups(others.assign_coords(_value=("case", values))):
-            look = looks.of[key(parameters)]
-            ordered = group.sortby("_value")
-            mean, error = ensemble_mean(ordered, variable)
-            joined = {"linestyle": "none"} if has_names(dataset[name]) else {}
-            panel.errorbar(ordered["_value"].values, mean, error, ms=5.5, capsize=2.5, lw=1.3, **look | joined)
+        draw_means(panel, dataset, variable, name, looks)
         panel.set_ylabel(of_variable(dataset, variable))
-        if panel.get_xscale() == "log":
-            log_ticks(panel.xaxis)
         panel.grid(axis="y", color="0.9", linewidth=0.8)
         if len(looks.of) > 1:
             handles = [Line2D([], [], **look) for look in looks.of.values()]
             figure.set_figheight(4.6 + LINE * max(0, -(-len(handles) // 2) - 3))  # the panel keeps its height
             figure.legend(handles=handles, loc="outside upper center", ncols=2)
     return figure
+
+
+def most_varied(dataset: xr.Dataset) -> str | None:
+    """The parameter that has most values, one of numbers if there is any; None where no parameter is varied."""
+    sizes = {name: np.unique(dataset[name]).size for name in axes(dataset)}
+    name = max(sizes, key=lambda each: (sizes[each] > 1 and not has_names(dataset[each]), sizes[each]))
+    return name if sizes[name] > 1 else None
+
+
+def draw_means(panel: Axes, dataset: xr.Dataset, variable: str, name: str, looks: Looks, factor: float = 1.0) -> None:
+    """Draw case means, times a factor, with standard errors against a parameter, a line for each set of others."""
+    values = _axis(panel, dataset[name])
+    for parameters, group in groups(dataset.drop_vars(name).assign_coords(_value=("case", values))):
+        ordered = group.sortby("_value")
+        mean, error = ensemble_mean(ordered, variable)
+        look = looks.of[key(parameters)] | ({"linestyle": "none"} if has_names(dataset[name]) else {})
+        x = ordered["_value"].values
+        panel.errorbar(x, factor * mean, factor * error, ms=5.5, capsize=2.5, lw=1.3, **look)
+    if panel.get_xscale() == "log":
+        log_ticks(panel.xaxis)
 
 
 def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:

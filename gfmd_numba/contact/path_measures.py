@@ -1,7 +1,7 @@
 """What is recorded along a loading path: of the contact at every step, and of the path as a whole."""
 
 from dataclasses import dataclass, field, replace
-from math import isinf, nan
+from math import isinf, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -69,13 +69,18 @@ class PathRecord:
     steps: dict[str, list[float]] = field(
         default_factory=lambda: {name: [] for name, row in PATH_OBSERVABLES.items() if row.of == "contact"}
     )
-    _pressures: list[float] = field(default_factory=list)  # mean ones on the way, the last one at its end
+    _loads: list[float] = field(default_factory=list)
+    _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
+    _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
     _balance: Balance | None = None
 
     def add(self, problem: Problem, contact: Contact) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
+        pressure = float(mean_pressure(contact)[0])
+        self._loads.append(load_of(problem))
+        self._pressures.append(pressure)
+        self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
         if contact.equilibrium.status[0] != Status.ok:
-            self._pressures.append(nan)
             for values in self.steps.values():
                 values.append(nan)
             return
@@ -83,19 +88,20 @@ class PathRecord:
         lost = 0.0 if before is None else self._balance.lost(before)
         if contact.followed is not None:
             lost = contact.followed.lost
-            self._pressures.append(contact.followed.least_pressure)
-        self._pressures.append(float(mean_pressure(contact)[0]))
         self.steps["mean_tangential_traction"].append(self._balance.traction)
         self.steps["stick_fraction"].append(stick_fraction(problem, contact))
         self.steps["energy_lost"].append(lost)
 
     def of_path(self) -> dict[str, float]:
-        """Rows of the path as a whole, not-a-number if a step is."""
-        least, last = float(np.min(self._pressures)), self._pressures[-1]
-        return {
-            "hysteresis": sum(self.steps["energy_lost"]),
-            "pull_off_pressure": -least if least < min(last, 0.0) else nan,
-        }
+        """Rows of the path as a whole, not-a-number if a step is not ok."""
+        lost = sum(self.steps["energy_lost"])
+        return {"hysteresis": lost, "pull_off_pressure": nan if isnan(lost) else self._pull_off()}
+
+    def _pull_off(self) -> float:
+        """Largest tension since the punch was deepest; not-a-number if there is none, or the path ends with it."""
+        deepest = len(self._loads) - 1 - int(np.argmax(self._loads[::-1]))
+        least = min([self._pressures[deepest], *self._least[deepest + 1 :]])
+        return -least if least < min(self._pressures[-1], 0.0) else nan
 
 
 def stick_fraction(problem: Problem, contact: Contact) -> float:

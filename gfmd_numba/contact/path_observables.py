@@ -24,7 +24,7 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
     "pull_off_pressure": Observable(
         "path",
         "pressure",
-        "largest mean tension along the path, after which it falls",
+        "largest mean tension while the punch is withdrawn, unknown where the path ends before it falls",
         undefined_at_times=True,
     ),
 }

@@ -104,7 +104,9 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
     label, natural = _over(dataset, panel.x)
     across, unit_across = prefix(x, natural) if natural else (1.0, "")
     up, unit_up = prefix(mean, panel.natural) if panel.natural else (1.0, "")
-    for parameters, group in groups(_of_varied(dataset).assign_coords(_place=("case", np.arange(dataset.sizes["case"])))):
+    for parameters, group in groups(
+        _of_varied(dataset).assign_coords(_place=("case", np.arange(dataset.sizes["case"])))
+    ):
         place = int(group["_place"][0])
         look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
         values = x.values if panel.x == "step" else x.values[place]

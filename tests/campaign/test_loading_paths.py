@@ -159,7 +159,8 @@ def test_pull_off_is_the_largest_tension_and_unknown_before_it_is_reached(pulled
 def test_a_path_resumes_and_is_spread_over_workers_with_one_digest(dragged, tmp_path):
     path, _ = run_campaign(DRAGGED, tmp_path / "out", Workers(0), choice=Choice(limit=1))
     part = gfmd_numba.open_campaign(path)
-    assert part["energy_lost"][1].isnull().all() and part["energy_lost"][0].notnull().all()
+    assert part["energy_lost"][1].isnull().all()
+    assert part["energy_lost"][0].notnull().all()
     assert dict(part.sizes) == dict(dragged.sizes)
     path, _ = run_campaign(tmp_path / "out" / "campaign.yaml", tmp_path / "out", Workers(0))
     assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
@@ -175,7 +176,8 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     found = gfmd_numba.run(file, tmp_path / "out").isel(case=0, realisation=0)
     assert found["status"] == 1
     ended = found["contact_area_fraction"].isnull().values
-    assert ended.any() and not ended[0]
+    assert ended.any()
+    assert not ended[0]
     assert (np.diff(ended.astype(int)) >= 0).all()
     for name in ("energy_lost", "stick_fraction", "mean_tangential_traction"):
         np.testing.assert_array_equal(found[name].isnull(), ended)
@@ -187,7 +189,8 @@ def test_other_paths_are_other_problems():
     shorter = plan(DRAGGED | {"path": DRAGGED["path"][:-1]}).problems[0]
     without = plan({key: value for key, value in DRAGGED.items() if key != "path"}).problems[0]
     assert len({problem.identity, shorter.identity, without.identity}) == 3
-    assert problem.n_loads == 7 and without.n_loads == 1
+    assert problem.n_loads == 7
+    assert without.n_loads == 1
 
 
 @pytest.mark.parametrize(
@@ -229,7 +232,8 @@ def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
     said = gfmd("run", written, "-o", "out", "--workers=0")
     assert said.exit_code == 0, said.output
     assert "end of the path of 8 steps" in said.output
-    assert "hysteresis" in said.output and "pull off" in said.output
+    assert "hysteresis" in said.output
+    assert "pull off" in said.output
     assert gfmd("plot", "out", "-o", "picture.png").exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 5_000
     assert "path          8 steps" in gfmd("plan", written, "--pilot=0").output

@@ -67,6 +67,11 @@ class _Point:
         return stiffness
 
 
+def stability(problem: Problem, contact: Contact) -> float:
+    """Smallest curvature of the energy over that of the bodies alone; it may take as long as the equilibrium itself."""
+    return _Point(problem, contact).stability
+
+
 def load_of(problem: Problem) -> float:
     """What a problem prescribes, displacement or mean pressure."""
     found = problem.displacement if problem.mean_pressure is None else problem.mean_pressure
@@ -84,8 +89,7 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
     """Equilibrium of a problem, reached from that of the one before it if any, with what happened on the way."""
     if before is None:
         first = _Point(problem, solution.solve(problem, realisations))
-        found = replace(NOTHING_LOST, stability=first.stability, least_pressure=first.pressure)
-        return replace(first.contact, followed=found)
+        return replace(first.contact, followed=replace(NOTHING_LOST, least_pressure=first.pressure))
     spent: list[Contact] = []
     point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
@@ -96,7 +100,7 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
     }
     equilibrium = replace(point.contact.equilibrium, **counted)
     least = min(_Point(problem, each).pressure for each in spent)
-    followed = Followed(sum(step.lost for step in steps), largest.jump_at, point.stability, least)
+    followed = Followed(sum(step.lost for step in steps), largest.jump_at, least)
     return replace(point.contact, equilibrium=equilibrium, followed=followed)
 
 

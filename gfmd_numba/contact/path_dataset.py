@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.contact import law_resolution, rough_bodies_dataset
+from gfmd_numba.contact import branch, law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
@@ -36,9 +36,12 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     file = given.file
     record, steps = PathRecord(), []
     for problem, each in zip(path.problems, solved, strict=True):
+        contact = each if isinstance(each, Contact) else each.contact
         steps.append(step_dataset(given, problem, each))
         if file.path:
-            record.add(problem, each if isinstance(each, Contact) else each.contact)
+            record.add(problem, contact)
+        if contact.followed is not None:
+            _add_followed(steps[-1], given, problem, contact, contact.followed)
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
     if file.path:
         _add_record(dataset, given, record)
@@ -60,19 +63,24 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
     scene, surfaces = given.file.scene, given.surfaces
     contact = solved if isinstance(solved, Contact) else solved.contact
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
-    if contact.followed is not None:
-        _add_followed(step, scene, problem, surfaces.rms_gradient, contact.followed)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
         rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, solved)
     return step
 
 
-def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient: float, followed: Followed) -> None:
+def _add_followed(
+    step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
+) -> None:
     """Add how stable the end of a step of a path is, and the load at its largest jump."""
-    scale, unit = scales(scene, rms_gradient), units(scene)
+    scene = given.file.scene
+    scale, unit = scales(scene, given.surfaces.rms_gradient), units(scene)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
     found = {
-        "stability": ("1", "smallest curvature of the energy over that of the bodies alone", followed.stability),
+        "stability": (
+            "1",
+            "smallest curvature of the energy over that of the bodies alone",
+            branch.stability(problem, contact),
+        ),
         f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
     }
     for key, (of, long_name, value) in found.items():

@@ -19,12 +19,10 @@ class Followed:
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
     `least_pressure` is the smallest mean pressure of all solutions on the way (g E*).
-    `stability` is the smallest curvature of the energy at its end over that of the bodies alone, 0 at a fold.
     """
 
     lost: float
     jump_at: float
-    stability: float = np.nan
     least_pressure: float = np.nan
 
 

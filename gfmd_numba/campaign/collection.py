@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -82,10 +83,10 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "cpu_seconds": sum(float(values[SECONDS].sum()) for values in measured.values()),
         **noted(directory),
     }
-    values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
+    rows = recorded_of(planned.cases)
+    values = [in_file_units(case, rows, measured[case.problem.identity]) for case in planned.cases]
     scene = planned.cases[0].scene  # measured ones tell their period
     coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
-    rows = recorded_of(planned.cases[0])
     dataset = campaign_dataset(coordinates, rows, values, units(scene))
     dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
@@ -125,16 +126,18 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
     )
 
 
-def in_file_units(case: Case, measured: Measures) -> Measures:
+def recorded_of(cases: list[Case]) -> dict[str, Observable]:
+    """The observables of all cases, and those that any of them has of its path."""
+    rows = recorded(cases[0].problem.interface.hardness is not None)
+    for case in cases if cases[0].problem.path else ():
+        rows |= recorded_along(case.scene)
+    return rows
+
+
+def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
-    return {name: scaled(measured[name], scale[row.unit]) for name, row in recorded_of(case).items()}
-
-
-def recorded_of(case: Case) -> dict[str, Observable]:
-    """The observables of a case, and those of its path."""
-    rows = recorded(case.problem.interface.hardness is not None)
-    return rows | recorded_along(case.scene) if case.problem.path else rows
+    return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:

@@ -43,11 +43,11 @@ def recorded_along(scene: Scene) -> dict[str, Observable]:
     The energy is known where a rigid punch meets a smooth body and no tractions are prescribed.
     """
     interface = scene.interface
-    loses = interface.couples or interface.reaches_across
+    attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
     has = {
         "drag": interface.couples,
         "friction": interface.friction is not None,
-        "loss": loses and scene.boundary is None and not scene.follows_topography,
-        "tension": interface.reaches_across and scene.loading.displacement is not None,
+        "loss": (interface.couples or attracts) and scene.boundary is None and not scene.follows_topography,
+        "tension": attracts and scene.loading.displacement is not None,
     }
     return {name: row for name, row in PATH_OBSERVABLES.items() if has[_NEEDS[name]]}

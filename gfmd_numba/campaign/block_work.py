@@ -14,8 +14,7 @@ from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.provenance import difference, versions
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
-from gfmd_numba.contact.evaluation import measure
-from gfmd_numba.contact.solution import solve
+from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.scene import InputError
 
 SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
@@ -40,13 +39,13 @@ def perform(task: Task, directory: Path, timeout: float | None, together: int = 
         some = task[first : first + together]
         if shards.are_stored(directory, [block.name for block in some]):
             continue
-        measured: Measured = {}
+        finished: Measured = {}
         try:
             for block in some:
                 late = trace(directory, block.name) if mortal else None
-                _sort(block, _outcome(block, timeout, late), measured, failures)
+                _sort(block, _outcome(block, timeout, late), finished, failures)
         finally:  # also what an interrupt leaves
-            shards.store(directory, measured)
+            shards.store(directory, finished)
     return failures
 
 
@@ -60,12 +59,12 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     if wrong := difference(_installed(), expected):
         raise InputError(f"cluster: given a worker with {wrong}")
     keep_freed_memory()
-    measured: Measured = {}
+    finished: Measured = {}
     failures: Failures = {}
     for block in task:
         late = _own_trace(run, block.name)
-        _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), measured, failures)
-    return measured, failures
+        _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), finished, failures)
+    return finished, failures
 
 
 def expired_here(run: str, names: Iterable[str]) -> list[str]:
@@ -98,7 +97,7 @@ def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.A
     try:
         with watched(timeout, late):
             begun = time.thread_time()
-            measures = measure(solve(block.problem, range(block.first, block.stop)))
+            measures = measured(block.problem, range(block.first, block.stop))
             count = block.stop - block.first
             return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
     except TooLongError:
@@ -107,8 +106,8 @@ def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.A
         return Failure("crashed", f"{type(error).__name__}: {error}")
 
 
-def _sort(block: Block, outcome: shards.Arrays | Failure, measured: Measured, failures: Failures) -> None:
+def _sort(block: Block, outcome: shards.Arrays | Failure, finished: Measured, failures: Failures) -> None:
     if isinstance(outcome, Failure):
         failures[block.name] = outcome
     else:
-        measured[block.name] = outcome
+        finished[block.name] = outcome

@@ -2,9 +2,9 @@
 
 from bisect import bisect
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from itertools import product
+from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
@@ -12,7 +12,9 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
-from gfmd_numba.contact.problem import Effect, GivenSurface, Problem, random_surface
+from gfmd_numba.contact.bodies import contact_modulus
+from gfmd_numba.contact.prescribed_load import reduced_length, reduced_load, steps_of
+from gfmd_numba.contact.problem import Effect, GivenSurface, LoadStep, Problem, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
@@ -134,11 +136,30 @@ def _reduced(
     scene: Scene, surface: RandomSurface | GivenSurface, rms_gradient: float, campaign: Campaign
 ) -> tuple[Problem, tuple[Effect, ...]]:
     try:
-        return reduce(scene, surface, rms_gradient, campaign.numerics)
+        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
     except ValueError as error:
-        control = scene.loading.control
-        given = getattr(scene.loading, control)
-        raise InputError(f"scene.loading.{control}: given {given}; allowed: {error}") from None
+        raise _beyond_measure("scene.loading", scene, error) from None
+    if not campaign.path:
+        return problem, effects
+    return replace(problem, path=tuple(_path(scene, rms_gradient, campaign))), effects
+
+
+def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
+    """Steps of the path after the first loading; raises InputError for a load that is beyond all measure."""
+    modulus = contact_modulus(scene)
+    steps = islice(steps_of(scene, campaign.path), 1, None)
+    for i, (changed, sliding) in enumerate(steps):
+        try:
+            load = reduced_load(changed, rms_gradient, modulus)
+        except ValueError as error:
+            raise _beyond_measure(f"path[{i}]", changed, error) from None
+        yield LoadStep(load, reduced_length(sliding, scene, rms_gradient))
+
+
+def _beyond_measure(place: str, scene: Scene, error: ValueError) -> InputError:
+    """What is said of a load that stands at some place."""
+    control = scene.loading.control
+    return InputError(f"{place}.{control}: given {getattr(scene.loading, control)}; allowed: {error}")
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:
@@ -161,7 +182,7 @@ def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) ->
 
     The last one may hold more than is wanted. A block that becomes held changes no other.
     """
-    size = max(1, _BLOCK_SAMPLES // problem.surface.nodes)
+    size = max(1, _BLOCK_SAMPLES // (problem.surface.nodes * problem.n_loads))
     if not held:
         for first in range(0, realisations, size):
             yield Block(problem, first, min(first + size, realisations))

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import xarray as xr
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
-from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
@@ -28,7 +29,9 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.observables import OBSERVABLES, recorded
+from gfmd_numba.contact.observables import OBSERVABLES, Observable, recorded
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -80,9 +83,11 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "cpu_seconds": sum(float(values[SECONDS].sum()) for values in measured.values()),
         **noted(directory),
     }
-    values = [in_file_units(case, measured[case.problem.identity]) for case in planned.cases]
+    rows = recorded_of(planned.cases)
+    values = [in_file_units(case, rows, measured[case.problem.identity]) for case in planned.cases]
     scene = planned.cases[0].scene  # measured ones tell their period
-    dataset = campaign_dataset(described_coordinates(scene, planned.cases), values, units(scene))
+    coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
+    dataset = campaign_dataset(coordinates, rows, values, units(scene))
     dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
@@ -121,33 +126,44 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
     )
 
 
-def in_file_units(case: Case, measured: Measures) -> Measures:
+def recorded_of(cases: list[Case]) -> dict[str, Observable]:
+    """The observables of all cases, and those that any of them has of its path."""
+    rows = recorded(cases[0].problem.interface.hardness is not None)
+    for case in cases if cases[0].problem.path else ():
+        rows |= recorded_along(case.scene)
+    return rows
+
+
+def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
     """Measures of a case from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
-    rows = recorded(case.problem.interface.hardness is not None)
     return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:
     """Measures of a problem `[longest]` from its blocks, dimensionless, and their seconds."""
     parts = []
-    names = (*recorded(blocks[0].problem.interface.hardness is not None), SECONDS)
+    problem = blocks[0].problem
+    names = (*recorded(problem.interface.hardness is not None), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
     for block in blocks:
         part = stored.read(block.name)
         if part is None:
             failure = failures.of(directory, block.name)
             status = Outcome.unfinished if failure is None else Outcome[failure.status]
-            part = _nothing(block.stop - block.first, status)
+            part = _nothing(problem, block.stop - block.first, status)
         asked, solved = realisations - block.first, block.stop - block.first  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
         parts[-1][SECONDS] = part[SECONDS] * min(1.0, asked / solved)
     if longest > realisations:
-        parts.append(_nothing(longest - realisations, Outcome.not_asked))
+        parts.append(_nothing(problem, longest - realisations, Outcome.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def _nothing(count: int, status: Outcome) -> Measures:
-    nothing: Measures = {name: np.full(count, np.nan) for name in OBSERVABLES}
+def _nothing(problem: Problem, count: int, status: Outcome) -> Measures:
+    nothing: Measures = {
+        name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
+        for name, row in (OBSERVABLES | PATH_OBSERVABLES).items()
+    }
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)
     for counted in ("n_iterations", "n_transforms"):

@@ -1,17 +1,19 @@
 """What tells one case of a campaign from another: its coordinates in the dataset, and what each of them is."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.bodies import contact_modulus
-from gfmd_numba.contact.dataset import cf_attributes, units
-from gfmd_numba.contact.prescribed_load import reduced_pressure
+from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
+from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.scene import Scene
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 
-Described = tuple[str, list[Any], dict[str, Any]]  # dim, values, attributes
+Described = tuple[str | tuple[str, ...], list[Any], dict[str, Any]]  # dims, values, attributes
 
 _REDUCED = "reduced_pressure"
 _OTHERS = {
@@ -51,6 +53,22 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
 def _follows(scene: Scene) -> bool:
     """Whether the load p/(g E*) follows from one in Pa or N."""
     return scene.loading.displacement is None and scene.loading.reduced_pressure is None
+
+
+def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
+    """What each step of a path prescribes, in units of the file: `step_load`, and `step_sliding` if anything drags."""
+    if not path:
+        return {}
+    scene = cases[0].scene
+    name, dims = scene.loading.control, ("case", "step")
+    steps = [list(steps_of(case.scene, path)) for case in cases]
+    attributes = load_attributes(scene)
+    loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
+    found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
+    if scene.interface.couples:
+        sliding = [[float(sliding) for _, sliding in each] for each in steps]
+        found["step_sliding"] = dims, sliding, attributes["sliding"]
+    return found
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:

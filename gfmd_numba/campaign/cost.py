@@ -14,9 +14,8 @@ from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
 from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
-from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface
 
 Told = Callable[[float], None]  # of the share of something long that is done
@@ -124,7 +123,7 @@ class _Known:
 
     def realisations(self, problem: Problem) -> int:
         """Realisations of a problem that a pilot solves at a time, as a block of the run does."""
-        return max(1, min(self.most, _SAMPLES // problem.surface.nodes))
+        return max(1, min(self.most, _SAMPLES // (problem.surface.nodes * problem.n_loads)))
 
     def data(self, columns: int) -> tuple[Reals, Reals]:
         """Features [problem, feature] and seconds [problem] of what is in use."""
@@ -173,7 +172,7 @@ def _measured(problem: Problem, count: int, timeout: float | None) -> float | No
     begun = time.thread_time()
     try:
         with watched(timeout):
-            measure(solve(problem, range(count)))
+            measured(problem, range(count))
     except Exception:  # the run itself will say which, and why
         return None
     return (time.thread_time() - begun) / count

@@ -15,7 +15,7 @@ import yaml
 from gfmd_numba.analysis import Design, best_design, cheapest_design
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, distinct, expand, groups
-from gfmd_numba.campaign.collection import Measures, in_file_units
+from gfmd_numba.campaign.collection import Measures, in_file_units, recorded_of
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import Told
 from gfmd_numba.campaign.cross_levels import added
@@ -80,9 +80,10 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
             told(max(len(solved) / len(alike), min(1.0, spent / _SECONDS)))
     remember(remembered() | seconds)  # the run need not measure again
     cases = [case for identities, group in alike.items() if identities in solved for case in group]
-    values = [in_file_units(case, found[case.problem.identity]) for case in cases]
+    rows = recorded_of(cases)
+    values = [in_file_units(case, rows, found[case.problem.identity]) for case in cases]
     scene = planned.campaign.scene
-    results = campaign_dataset(described_coordinates(scene, cases), values, units(scene))
+    results = campaign_dataset(described_coordinates(scene, cases), rows, values, units(scene))
     n_solved = sum(_identities(group) in solved for group in members)
     return Pilot(results.drop_vars("realisations"), _in_all_groups(planned, cases, seconds), len(members), n_solved)
 

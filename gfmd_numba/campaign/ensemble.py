@@ -4,12 +4,11 @@ import numpy as np
 
 from gfmd_numba.campaign.cases import blocks
 from gfmd_numba.campaign.collection import Measures
-from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact import path_measures
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import solve
 
 
 def measured(problem: Problem, realisations: int) -> Measures:
     """Measures [realisation], solved in blocks as a run does it: their memory is bounded."""
-    parts = [measure(solve(problem, range(block.first, block.stop))) for block in blocks(problem, realisations)]
+    parts = [path_measures.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -13,9 +13,8 @@ from gfmd_numba.campaign.cases import Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.cluster_file import Cluster, load_cluster
 from gfmd_numba.campaign.submission import Submission, Told
-from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import solve
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
@@ -136,5 +135,6 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
         (problem.numerics.solver, problem.interface, problem.mean_pressure is None): problem for problem in problems
     }
     for problem in kinds.values():
-        tiny = replace(problem, surface=RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape)))
-        measure(solve(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1)))
+        surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
+        tiny = replace(problem, surface=surface, path=problem.path[:1])
+        measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))

@@ -22,6 +22,7 @@ from gfmd_numba.scene.checks import (
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
@@ -83,6 +84,9 @@ class Campaign(BaseModel):
     limits: Limits = Field(Limits(), description="Discretisations one at a time")
     grid: Grid = Field(Grid(), description="Parameters as a full product")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
+    path: tuple[Step, ...] = Field(
+        (), strict=False, description="Loadings after the first one, each begun where the last one ended"
+    )
     fit: Fit = Field(Fit(), description="How the results are fitted")
     target: float | None = Field(
         None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
@@ -152,6 +156,9 @@ class Campaign(BaseModel):
     def _parts_agree(self) -> Self:
         if self.scene.length is not None or not isinstance(self.scene.roughness, Measured):  # whose file may tell it
             check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
+            check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
+        for i, step in enumerate(self.path):
+            step.check(self.scene.loading, i)
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
@@ -221,11 +228,12 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
     try:
         check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
+        check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
     except PydanticCustomError as error:
         rule = error.context or {}
         raise document.error(rule["location"], document.value(rule["location"]), rule["allowed"]) from None
     varied = {name: values for name, values in campaign.grid if values is not None}
-    check_combination(document, scene, campaign.numerics, grid=varied)
+    check_combination(document, scene, campaign.numerics, campaign.path, varied)
 
 
 def _with_a_file(document: Document) -> Document:

@@ -81,7 +81,8 @@ class Plan:
     @property
     def file_bytes(self) -> int:
         """Size of the results, before compression."""
-        return 8 * len(OBSERVABLES) * len(self.cases) * max(self.demand.values())
+        n_loads = self.problems[0].n_loads
+        return 8 * len(OBSERVABLES) * n_loads * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:

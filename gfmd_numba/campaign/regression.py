@@ -29,6 +29,7 @@ _PRIOR = (
     ("reduced pressure", 0.15, 0.3),
     ("stiffening", 0.0, 0.3),
     ("anisotropy", 0.0, 0.3),
+    ("loads of a path", 1.0, 0.2),
 )
 
 
@@ -85,6 +86,7 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
             0.0 if problem.mean_pressure is None else math.log(problem.mean_pressure / 0.007),
             stiffening[body],
             math.log(anisotropy),
+            math.log(problem.n_loads),
         )
         own = _kind(problem)
         row[len(_PRIOR) :] = [own == kind for kind in kinds]
@@ -107,4 +109,5 @@ def _kind(problem: Problem) -> str:
     surface, laws = problem.surface, "+".join(problem.interface.laws)
     if problem.interface.hardness is not None:
         laws += "+hardness"
-    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}"
+    path = " path" if problem.path else ""
+    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}{path}"

@@ -124,8 +124,8 @@ def _held(bundle: Path) -> list[tuple[str, int, int]] | None:
 
 
 def _content(name: str, arrays: Arrays) -> bytes:
-    """Shard of a block: all arrays [realisation] as columns of one table, which is read ten times as fast as each."""
-    dtype = np.dtype([(field, values.dtype) for field, values in arrays.items()])
+    """Shard of a block: arrays [realisation, ...] as columns of one table, which is read ten times as fast as each."""
+    dtype = np.dtype([(field, values.dtype, values.shape[1:]) for field, values in arrays.items()])
     table = np.empty(len(next(iter(arrays.values()))), dtype)
     for field, values in arrays.items():
         table[field] = values

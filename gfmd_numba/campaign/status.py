@@ -107,7 +107,7 @@ def verify(directory: Path) -> Verdict:
 
 def _work(block: Block) -> float:
     nodes = block.problem.surface.nodes
-    return (block.stop - block.first) * nodes * log(nodes)
+    return (block.stop - block.first) * block.problem.n_loads * nodes * log(nodes)
 
 
 def _retry(directory: Path, block: Block) -> str:

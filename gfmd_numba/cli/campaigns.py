@@ -19,6 +19,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, picture_of_rounds
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
+from gfmd_numba.cli.path_table import show_paths
 from gfmd_numba.cli.progress import progress_bar, waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings, show_fit, show_means
@@ -128,6 +129,8 @@ def show_results(results: Path, failures: Failures) -> bool:
         say("note", f"{numbers.to_do} of {numbers.asked} simulations are not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):
         drawn = _show_limit(dataset, results.with_suffix(".png"))
+    elif "step" in dataset.dims:
+        show_paths(dataset)
     else:
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():

@@ -59,6 +59,10 @@ def plan(
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)
+    if planned.campaign.path:
+        click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
+    for doubt in planned.validity.splitlines():
+        say("gfmd:", doubt, width=6, err=True)
     if target or budget:
         _check_target(planned, target[0] if target else "")
         _show_design(planned, target[1] if target else None, budget, workers, write)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_MOST_ROWS = 200
+MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _LONGEST_NAME = 40
 
@@ -55,12 +55,17 @@ def show_means(dataset: xr.Dataset, variable: str) -> None:
     """Print the ensemble mean of every case, for a campaign without limits."""
     from gfmd_numba.analysis import ensemble_mean
 
-    shown = dataset.isel(case=slice(_MOST_ROWS))
-    parameters = _shown_parameters(dataset) | {limit: limit for limit in LIMITS if limit in dataset.coords}
+    shown = dataset.isel(case=slice(MOST_ROWS))
     means = {variable: _with_errors(*ensemble_mean(shown, variable))}
-    print_table(f"{variable}, mean of the realisations (one standard error)", _cells(shown, parameters), means)
-    if dataset.sizes["case"] > _MOST_ROWS:
-        say("note", f"{dataset.sizes['case'] - _MOST_ROWS} more cases are in the file")
+    title = f"{variable}, mean of the realisations (one standard error)"
+    print_table(title, cells_of_parameters(shown, dataset), means)
+    if dataset.sizes["case"] > MOST_ROWS:
+        say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
+
+
+def cells_of_parameters(shown: xr.Dataset, dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Return the parameters of the cases that are shown, by heading; the dataset tells which are."""
+    return _cells(shown, _shown_parameters(dataset) | {limit: limit for limit in LIMITS if limit in dataset.coords})
 
 
 def endings(status: xr.DataArray) -> list[tuple[str, str]]:

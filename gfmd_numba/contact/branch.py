@@ -31,10 +31,14 @@ class _Point:
     @property
     def force(self) -> float:
         """What the load is conjugate to: the mean pressure, or minus the mean displacement."""
-        equilibrium = self.contact.equilibrium
         if self.problem.displacement is not None:
-            return float(equilibrium.pressure[0].mean())
-        return -float(equilibrium.displacement[0].mean())
+            return self.pressure
+        return -float(self.contact.equilibrium.displacement[0].mean())
+
+    @property
+    def pressure(self) -> float:
+        """Mean pressure."""
+        return float(self.contact.equilibrium.pressure[0].mean())
 
     @property
     def energy(self) -> float:
@@ -63,6 +67,11 @@ class _Point:
         return stiffness
 
 
+def stability(problem: Problem, contact: Contact) -> float:
+    """Smallest curvature of the energy over that of the bodies alone; it may take as long as the equilibrium itself."""
+    return _Point(problem, contact).stability
+
+
 def load_of(problem: Problem) -> float:
     """What a problem prescribes, displacement or mean pressure."""
     found = problem.displacement if problem.mean_pressure is None else problem.mean_pressure
@@ -80,7 +89,7 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
     """Equilibrium of a problem, reached from that of the one before it if any, with what happened on the way."""
     if before is None:
         first = _Point(problem, solution.solve(problem, realisations))
-        return replace(first.contact, followed=replace(NOTHING_LOST, stability=first.stability))
+        return replace(first.contact, followed=replace(NOTHING_LOST, least_pressure=first.pressure))
     spent: list[Contact] = []
     point, steps = _advance(_Point(*before), problem, realisations, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
@@ -90,7 +99,8 @@ def follow(problem: Problem, realisations: range, before: tuple[Problem, Contact
         for name in ("n_iterations", "n_transforms", "wall_time")
     }
     equilibrium = replace(point.contact.equilibrium, **counted)
-    followed = Followed(sum(step.lost for step in steps), largest.jump_at, point.stability)
+    least = min(_Point(problem, each).pressure for each in spent)
+    followed = Followed(sum(step.lost for step in steps), largest.jump_at, least)
     return replace(point.contact, equilibrium=equilibrium, followed=followed)
 
 

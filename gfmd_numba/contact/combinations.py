@@ -155,7 +155,14 @@ REFUSALS = (
     Refusal("campaign", "flat punch", _RANDOM, "not built yet"),
     *(
         Refusal("campaign", feature, _ELSEWHERE, "not built yet")
-        for feature in ("rough body", "counter_body", "prescribed tractions", "path")
+        for feature in ("rough body", "counter_body", "prescribed tractions")
+    ),
+    Refusal(
+        "path",
+        "fit",
+        "nothing beside a path, as a limit is that of contacts under one load; to see how a path depends on the "
+        "grid, vary an eps in `grid`",
+        "not built yet",
     ),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),

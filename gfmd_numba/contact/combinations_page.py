@@ -52,6 +52,7 @@ PHRASES = {
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",
     "fields inside": "`gfmd fields`",
+    "fit": "`limits`, a `fit` or a `target`",
     "flat punch": "a flat punch",
     "force": "a load `force`",
     "half-space": "a half-space",

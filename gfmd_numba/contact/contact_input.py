@@ -86,7 +86,7 @@ def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document)
     """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli."""
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
-    for (scene, _), place in zip(steps_of(file), places, strict=True):
+    for (scene, _), place in zip(steps_of(file.scene, file.path), places, strict=True):
         try:
             reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))
         except ValueError as error:

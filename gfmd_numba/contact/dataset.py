@@ -10,7 +10,7 @@ import xarray as xr
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import recorded
+from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.scene import LoadedBody, Scene
@@ -26,6 +26,8 @@ from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
 POINTS = "points_per_period"  # attribute of x, which tells a whole period from a part of one
+# coordinates of what a loading prescribes; the fields of a contact have the short names
+PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 INDICES = {
     "case": "case, in the order of the campaign",
     "realisation": "realisation: the same random surface in every case",
@@ -171,16 +173,21 @@ def _uniform_compression(scene: Scene, problem: Problem) -> float:
 
 
 def campaign_dataset(
-    coordinates: Mapping[str, tuple[str, list[Any], dict[str, Any]]],
+    coordinates: Mapping[str, tuple[str | tuple[str, ...], list[Any], dict[str, Any]]],
+    rows: Mapping[str, Observable],
     values: list[dict[str, npt.NDArray[Any]]],
     unit: Mapping[str, str],
 ) -> xr.Dataset:
-    """Dataset `(case, realisation)` of the measures of every case, already in file units."""
+    """Dataset `(case, realisation)` of the measures of every case, already in file units, with `step` along a path."""
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
     values = [case | {"status": finite_status(case)} for case in values]
-    for name, row in recorded("plastic_area_fraction" in values[0]).items():
+    for name, row in rows.items():
         stacked = np.stack([case[name] for case in values])
-        dataset[name] = (("case", "realisation"), stacked, measure_attributes(name, unit[row.unit], row.long_name))
+        dataset[name] = (
+            ("case", "realisation", "step")[: stacked.ndim],
+            stacked,
+            measure_attributes(name, unit[row.unit], row.long_name),
+        )
     return indexed(dataset).assign_coords(coordinates)
 
 

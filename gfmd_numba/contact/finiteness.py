@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.solvers.status import Status
 
 
@@ -16,7 +17,7 @@ def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8
     Not-a-number is right for a measure that is undefined without contact, an infinite one never is.
     """
     status = np.asarray(values["status"])
-    undefined = {name for name, row in OBSERVABLES.items() if row.undefined_at_times}
+    undefined = {name for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if row.undefined_at_times}
     bad = np.zeros(status.shape, dtype=np.bool_)
     for name, value in values.items():
         wrong = np.isinf(value) if name in undefined else ~np.isfinite(value)

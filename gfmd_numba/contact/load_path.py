@@ -1,16 +1,15 @@
 """The problems that a scene reduces to, one for each step of its loading, and their solution one after another."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from gfmd_numba.contact import branch, solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.prescribed_load import steps_of
+from gfmd_numba.contact.prescribed_load import reduced_length, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed, RoughBody
-from gfmd_numba.scene.reduced_units import rounded
 
 
 @dataclass(frozen=True)
@@ -39,8 +38,7 @@ class LoadPath:
 def load_path(given: ContactInput) -> LoadPath:
     """Dimensionless problems of a scene at its own loading, then after each change of its path."""
     file, surfaces = given.file, given.surfaces
-    period = file.scene.length or 1.0
-    steps = list(steps_of(file))
+    steps = list(steps_of(file.scene, file.path))
     reduced = [
         reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions) for scene, _ in steps
     ]
@@ -48,25 +46,30 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
     problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(rounded(rounded(sliding / period) / surfaces.rms_gradient) for _, sliding in steps)
+    sliding = tuple(reduced_length(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
 
 
 def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
     """Equilibrium of each step, begun where the last one ended."""
-    one = range(path.realisation, path.realisation + 1)
-    before, last = None, None
-    for problem, sliding in zip(path.problems, path.sliding, strict=True):
-        if path.rough is None and len(path.problems) > 1 and branch.is_followed(problem):
+    if path.rough is None:
+        yield from solve_steps(path.problems, path.sliding, path.realisation)
+        return
+    before = None
+    for problem in path.problems:
+        pressed = two_step.solve(problem, path.rough.bodies, path.rough.rms_gradient, path.rough.order, before)
+        yield pressed
+        before = pressed.contact.equilibrium
+
+
+def solve_steps(problems: Sequence[Problem], sliding: Sequence[float], realisation: int) -> Iterator[Contact]:
+    """Equilibrium at each of several loads of a realisation, begun where the last one ended."""
+    one = range(realisation, realisation + 1)
+    last: tuple[Problem, Contact] | None = None
+    for problem, slid in zip(problems, sliding, strict=True):
+        if len(problems) > 1 and branch.is_followed(problem):
             contact = branch.follow(problem, one, last)
-            last = problem, contact
-            yield contact
-        elif path.rough is None:
-            contact = solution.solve(problem, one, before, sliding)
-            yield contact
         else:
-            rough = path.rough
-            pressed = two_step.solve(problem, rough.bodies, rough.rms_gradient, rough.order, before)
-            yield pressed
-            contact = pressed.contact
-        before = contact.equilibrium
+            contact = solution.solve(problem, one, None if last is None else last[1].equilibrium, slid)
+        last = problem, contact
+        yield contact

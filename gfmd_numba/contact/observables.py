@@ -14,7 +14,7 @@ class Observable:
     that `needs_hardness` is recorded of contacts with a hardness alone.
     """
 
-    of: Literal["contact", "surface", "run"]
+    of: Literal["contact", "surface", "run", "path"]
     unit: Literal["1", "E*/stiffness", "gradient", "height", "pressure", "energy", "s"]
     long_name: str
     function: str | None = None

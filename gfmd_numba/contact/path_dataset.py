@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable
 
+import numpy as np
 import xarray as xr
 
-from gfmd_numba.contact import law_resolution, rough_bodies_dataset
+from gfmd_numba.contact import branch, law_resolution, rough_bodies_dataset
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
+    PRESCRIBED,
     cf_attributes,
     contact_dataset,
     dropped_effects,
@@ -17,13 +19,13 @@ from gfmd_numba.contact.dataset import (
     units,
 )
 from gfmd_numba.contact.load_path import LoadPath
+from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.path_observables import recorded_along
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
-
-_NAMES = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}  # fields have the short names
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
@@ -32,8 +34,17 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     The attribute `validity` says, a sentence a line, what speaks against the result.
     """
     file = given.file
-    steps = [step_dataset(given, problem, each) for problem, each in zip(path.problems, solved, strict=True)]
+    record, steps = PathRecord(), []
+    for problem, each in zip(path.problems, solved, strict=True):
+        contact = each if isinstance(each, Contact) else each.contact
+        steps.append(step_dataset(given, problem, each))
+        if file.path:
+            record.add(problem, contact)
+        if contact.followed is not None:
+            _add_followed(steps[-1], given, problem, contact, contact.followed)
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
+    if file.path:
+        _add_record(dataset, given, record)
     if file.scene.interface.reaches_across:
         resolution = law_resolution.resolution(path.problems[-1])
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
@@ -52,28 +63,40 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
     scene, surfaces = given.file.scene, given.surfaces
     contact = solved if isinstance(solved, Contact) else solved.contact
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
-    if contact.followed is not None:
-        _add_followed(step, scene, problem, surfaces.rms_gradient, contact.followed)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
         rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, solved)
     return step
 
 
-def _add_followed(step: xr.Dataset, scene: Scene, problem: Problem, rms_gradient: float, followed: Followed) -> None:
-    """Add the energy that a step of a path lost, and the load at its largest jump."""
-    scale, unit = scales(scene, rms_gradient), units(scene)
+def _add_followed(
+    step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
+) -> None:
+    """Add how stable the end of a step of a path is, and the load at its largest jump."""
+    scene = given.file.scene
+    scale, unit = scales(scene, given.surfaces.rms_gradient), units(scene)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
     found = {
-        "energy_lost": (
-            "energy",
-            "work since the last step, force linear between solutions, less stored energy, per area",
-            followed.lost,
+        "stability": (
+            "1",
+            "smallest curvature of the energy over that of the bodies alone",
+            branch.stability(problem, contact),
         ),
-        "stability": ("1", "smallest curvature of the energy over that of the bodies alone", followed.stability),
         f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
     }
     for key, (of, long_name, value) in found.items():
         step[key] = ((), value * scale[of], cf_attributes(long_name, unit[of]))
+
+
+def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
+    """Add what is recorded along a path to its dataset."""
+    scene = given.file.scene
+    scale, unit, of_path = scales(scene, given.surfaces.rms_gradient), units(scene), record.of_path()
+    for name, row in recorded_along(scene).items():
+        attributes = cf_attributes(row.long_name, unit[row.unit])
+        if row.of == "path":
+            dataset[name] = ((), of_path[name] * scale[row.unit], attributes)
+        else:
+            dataset[name] = ("step", np.array(record.steps[name]) * scale[row.unit], attributes)
 
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
@@ -105,9 +128,9 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     """Dataset with what was prescribed, in each step of a path, as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
-    for scene, sliding in steps_of(given.file):
+    for scene, sliding in steps_of(given.file.scene, given.file.path):
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
-            found.setdefault(_NAMES.get(name, name), []).append(value)
+            found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if not given.file.path:
         del found["sliding"]
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})

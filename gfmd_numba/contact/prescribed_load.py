@@ -1,8 +1,9 @@
 """What a loading prescribes at each step: the mean pressure in units of g E*, whatever units it is given in."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from gfmd_numba.scene import Scene, SceneFile
+from gfmd_numba.scene import Scene
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.reduced_units import quantities, rounded
 
@@ -28,11 +29,28 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     return rounded(found)
 
 
-def steps_of(file: SceneFile) -> Iterator[tuple[Scene, float]]:
+def reduced_load(scene: Scene, rms_gradient: float, contact_modulus: float) -> float:
+    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure beside its stiffness (g E*).
+
+    Raises ValueError as `reduced_pressure` does.
+    """
+    if scene.loading.displacement is not None:
+        return reduced_length(scene.loading.displacement, scene, rms_gradient)
+    pressure = reduced_pressure(scene, rms_gradient, contact_modulus)
+    assert pressure is not None  # a load is prescribed
+    return pressure / scene.body.stiffness_scale
+
+
+def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
+    """Displacement of the punch (m or L_x of the scene) in g L_x."""
+    return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
+
+
+def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, float]]:
     """The scene and the sliding displacement (m or L_x) at its own loading, then after each change of the path."""
-    scene, sliding = file.scene, 0.0
+    sliding = 0.0
     yield scene, sliding
-    for step in file.path:
+    for step in path:
         changes = step.model_dump(exclude_none=True)
         sliding = changes.pop("sliding", sliding)
         scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})

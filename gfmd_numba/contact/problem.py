@@ -7,12 +7,13 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.results_version import results_version
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.results_version import results_version, rows_without_prose
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -59,9 +60,19 @@ class Effect:
     reason: str
 
 
+class LoadStep(NamedTuple):
+    """A change of the loading: what is prescribed, a mean pressure or a displacement, and the sliding of the punch."""
+
+    load: float
+    sliding: float
+
+
 @dataclass(frozen=True, slots=True)  # there may be a million
 class Problem:
-    """Heights in g L_x, stresses in g E*; one of the two loads is None."""
+    """Heights in g L_x, stresses in g E*; one of the two loads is None.
+
+    `path` is what follows that load, each step begun where the last one ended.
+    """
 
     surface: RandomSurface | GivenSurface
     body: ElasticBody
@@ -71,6 +82,7 @@ class Problem:
     numerics: Options
     tractions: Tractions | None = None
     counter: CounterBody | None = None
+    path: tuple[LoadStep, ...] = ()
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -79,6 +91,11 @@ class Problem:
         if not self._identity:
             object.__setattr__(self, "_identity", self._hash())
         return self._identity
+
+    @property
+    def n_loads(self) -> int:
+        """Number of loads that are solved one after another: one without a path."""
+        return 1 + len(self.path)
 
     def _hash(self) -> str:
         content = {
@@ -94,6 +111,8 @@ class Problem:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
+        if self.path:
+            content["path"] = self.path, rows_without_prose(PATH_OBSERVABLES)
         return hashlib.sha256(_JSON.encode(content).encode()).hexdigest()[:24]
 
 

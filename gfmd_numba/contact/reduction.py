@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
-from gfmd_numba.contact.prescribed_load import reduced_pressure
+from gfmd_numba.contact.prescribed_load import reduced_load
 from gfmd_numba.contact.problem import CounterBody, Effect, GivenSurface, Problem
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import stiffness
@@ -20,7 +20,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Interface, Numerics, Scene
-from gfmd_numba.scene.reduced_units import in_reduced_units, rounded
+from gfmd_numba.scene.reduced_units import in_reduced_units
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
 
@@ -41,17 +41,14 @@ def reduce(
     """
     loading = scene.loading
     period, modulus = scene.length or 1.0, contact_modulus(scene)
-    displacement = None
-    if loading.displacement is not None:
-        displacement = rounded(rounded(loading.displacement / period) / rms_gradient)
+    load = reduced_load(scene, rms_gradient, modulus)
+    displacement, pressure = (None, load) if loading.displacement is None else (load, None)
     given = elastic_body(scene.body, scene.length)
     interface, interactions = _interface(scene.interface, given, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
     options = _options(numerics, scene.dimension, interface.abilities)
-    load = reduced_pressure(scene, rms_gradient, modulus)
-    pressure = None if load is None else load / scene.body.stiffness_scale
     counter = None
     if scene.counter_body is not None:
         counter_body = elastic_body(scene.counter_body, scene.length)

@@ -47,9 +47,10 @@ def check_where(document: Document, scene: Scene | LoadedBody, where: Where) -> 
 
 
 def check_keys(document: Document) -> None:
-    """Raise InputError for keys of a scene file that a campaign has no place for."""
-    if isinstance(document.data, dict) and "path" in document.data:
-        _raise(document, _table_refusals({"campaign": [()], "path": [("path",)]}))
+    """Raise InputError for keys of a campaign file that do not go together."""
+    if isinstance(document.data, dict) and document.data.get("path"):
+        fitted: list[Location] = [(key,) for key in ("limits", "fit", "target") if key in document.data]
+        _raise(document, _table_refusals({"path": [("path",)], "fit": fitted}))
 
 
 def refusals(

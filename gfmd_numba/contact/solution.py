@@ -18,12 +18,12 @@ class Followed:
     """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `stability` is the smallest curvature of the energy at its end over that of the bodies alone, 0 at a fold.
+    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*).
     """
 
     lost: float
     jump_at: float
-    stability: float = np.nan
+    least_pressure: float = np.nan
 
 
 NOTHING_LOST = Followed(0.0, np.nan)

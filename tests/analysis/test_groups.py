@@ -29,7 +29,7 @@ def test_a_parameter_unknown_to_analysis_is_drawn_and_printed_by_its_symbols(toy
     fitted = fit_tfc(toy, fixed=ALPHA)
     figure = plot_campaign(toy, fitted)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels[:2] == [r"$\tau = 2e-06\,\mathrm{m}$", r"$\tau = 5e-06\,\mathrm{m}$"]
+    assert labels[:2] == [r"$\tau = 2\,\mathrm{µm}$", r"$\tau = 5\,\mathrm{µm}$"]
     assert figure.axes[-1].get_xlabel() == r"$\tau$ (m)"
     show_fit(fitted)
     assert "tau (m)" in capsys.readouterr().out

@@ -83,7 +83,7 @@ def test_a_problem_that_fails_in_the_pilot_is_predicted_as_the_others(tmp_path, 
     planned = plan(campaign(tmp_path))
     compile_kernels(planned.problems)  # or the time to compile counts as that of a problem
     broken, slow = planned.problems[:2]
-    solve = cost.solve
+    solve = cost.measured
 
     def poisoned(problem, realisations):
         if problem == broken:
@@ -92,7 +92,7 @@ def test_a_problem_that_fails_in_the_pilot_is_predicted_as_the_others(tmp_path, 
             time.sleep(60)
         return solve(problem, realisations)
 
-    monkeypatch.setattr(cost, "solve", poisoned)
+    monkeypatch.setattr(cost, "measured", poisoned)
     wanted = [10_000] * len(planned.problems)
     found = cost.predict(planned.problems, wanted, 20.0, lambda problems: None, timeout=1.0)
     assert found.pilot == len(planned.problems) - 2

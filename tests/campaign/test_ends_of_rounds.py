@@ -176,15 +176,15 @@ def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
             raise FloatingPointError("boom")
         return solve(problem, chosen)
 
-    solve = block_work.solve
-    monkeypatch.setattr(block_work, "solve", boom)
+    solve = block_work.measured
+    monkeypatch.setattr(block_work, "measured", boom)
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     outcome = run_until(path, GOAL, out, HERE, choice=Choice(fail_fast=True))
     assert outcome.rounds.ended == "not reached: the run stopped at the first failure"
     assert list(outcome.failures.values()) == [Failure("crashed", "FloatingPointError: boom")]
     outcome = run_until(path, GOAL, out, HERE)
     assert "given no good realisation" in outcome.rounds.ended
-    monkeypatch.setattr(block_work, "solve", solve)
+    monkeypatch.setattr(block_work, "measured", solve)
     assert run_until(path, GOAL, out, HERE, choice=Choice(retry_failed=True)).reached
 
 

@@ -26,7 +26,7 @@ def free(monkeypatch):
 
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_two_workers_beyond_the_free_memory_are_objected_to(tmp_path, free, monkeypatch, command):
-    monkeypatch.setattr(block_work, "solve", lambda *_: pytest.fail("begun"))
+    monkeypatch.setattr(block_work, "measured", lambda *_: pytest.fail("begun"))
     monkeypatch.chdir(tmp_path)
     free(20e9)
     said = gfmd(command, campaign(tmp_path, LARGE), "--workers=2")

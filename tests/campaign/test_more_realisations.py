@@ -40,14 +40,14 @@ def of_six(tmp_path_factory):
 def solved(monkeypatch):
     """Realisations that have been solved, in order."""
     counted = []
-    solve = block_work.solve
+    solve = block_work.measured
 
     def counting(problem, chosen):
         if problem.surface.nodes > 16:  # kernels are compiled on less
             counted.append((chosen.start, chosen.stop))
         return solve(problem, chosen)
 
-    monkeypatch.setattr(block_work, "solve", counting)
+    monkeypatch.setattr(block_work, "measured", counting)
     return counted
 
 

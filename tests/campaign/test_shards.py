@@ -120,7 +120,7 @@ def test_many_small_blocks_share_files_and_give_the_same_results(finished, tmp_p
 
 
 def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
-    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), block_work.solve, []
+    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), block_work.measured, []
 
     def interrupted(*given):
         if len(solved) == 3:
@@ -128,7 +128,7 @@ def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
         solved.append(given)
         return solve(*given)
 
-    monkeypatch.setattr(block_work, "solve", interrupted)
+    monkeypatch.setattr(block_work, "measured", interrupted)
     with pytest.raises(KeyboardInterrupt):
         perform(task, folder, None, together=5, mortal=False)
     assert list(Finished(folder)) == [block.name for block in task[:3]]

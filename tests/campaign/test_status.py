@@ -50,7 +50,7 @@ def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
 def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tmp_path, monkeypatch):
     path, out = campaign(tmp_path), tmp_path / "out"
     bad = next(plan(path).blocks)
-    solve, calls = block_work.solve, []
+    solve, calls = block_work.measured, []
 
     def fails(problem, realisations):
         if problem.identity == bad.problem.identity and problem.surface.nx == bad.problem.surface.nx:
@@ -58,7 +58,7 @@ def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tm
             raise FloatingPointError("boom")
         return solve(problem, realisations)
 
-    monkeypatch.setattr(block_work, "solve", fails)
+    monkeypatch.setattr(block_work, "measured", fails)
     for _ in range(2):
         ran = gfmd("run", path, "-o", out, "--workers=0")
         assert ran.exit_code == 3
@@ -79,7 +79,7 @@ def test_fail_fast_stops_at_the_first_failure(tmp_path, monkeypatch):
     def fails(*_):
         raise FloatingPointError("boom")
 
-    monkeypatch.setattr(block_work, "solve", fails)
+    monkeypatch.setattr(block_work, "measured", fails)
     monkeypatch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
     monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
     out = tmp_path / "out"

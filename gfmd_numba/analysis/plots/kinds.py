@@ -11,6 +11,7 @@ from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 
@@ -23,11 +24,12 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
     "fit": ("kappa_tfc", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),
     "contact": ("pressure", plot_contact),
+    "loading path of a campaign": ("step_load", plot_path),
 }
 
 
 def picture_of(dataset: xr.Dataset) -> Callable[[xr.Dataset], Figure] | None:
-    """Function that draws this kind of dataset; None for one that is drawn with its fit: a campaign."""
-    if "case" in dataset.dims:
+    """Function that draws this kind of dataset; None for one that is drawn with its fit: a campaign without a path."""
+    if "case" in dataset.dims and "step" not in dataset.dims:
         return None
     return next((draw for variable, draw in KINDS.values() if variable in dataset.variables), None)

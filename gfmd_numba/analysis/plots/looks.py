@@ -8,6 +8,7 @@ import xarray as xr
 from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.style import COLOURS, ordered_colours, with_unit
 from gfmd_numba.analysis.selection import axes, groups, key
+from gfmd_numba.text.si_prefix import si_prefix
 
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 _DASHES = ("-", "--", ":", "-.")
@@ -81,5 +82,6 @@ def _told(parameters: list[tuple[xr.DataArray, float]]) -> str:
 def _value(axis: xr.DataArray, value: float) -> str:
     """Symbol, value and unit of a parameter within a formula."""
     unit = axis.attrs.get("units", "1")
+    factor, unit = (1.0, unit) if unit == "1" else si_prefix(abs(value), unit)
     symbol = str(axis.attrs.get("label", axis.name)).strip("$")
-    return f"{symbol} = {value:g}".replace("inf", r"\infty") + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
+    return f"{symbol} = {factor * value:g}".replace("inf", r"\infty") + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")

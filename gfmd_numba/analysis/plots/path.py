@@ -1,0 +1,135 @@
+"""Figure of a campaign along a loading path: what each step prescribed and what came of it, and what the path lost."""
+
+from functools import partial
+from typing import NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from gfmd_numba.analysis.plots.looks import Looks
+from gfmd_numba.analysis.plots.looks import looks as looks_of
+from gfmd_numba.analysis.plots.parameter import draw_values, most_varied
+from gfmd_numba.analysis.plots.style import LINE, STYLE, prefix
+from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, good, groups, key
+from gfmd_numba.arrays import Reals
+
+_OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
+
+
+class _Panel(NamedTuple):
+    """One variable over another along the path, with labels and what stands for their unit 1; "" for a pure number."""
+
+    x: str
+    y: str
+    label: str
+    natural: str
+
+
+def plot_path(dataset: xr.Dataset) -> Figure:
+    """Draw a campaign along a path: means over the realisations at each step, and of the path against a parameter.
+
+    Of cases that differ in their grid alone the finest is drawn. Raises UnusableDataError for a dataset of no path.
+    """
+    if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
+        raise UnusableDataError("given no loading path of a campaign; allowed: what `gfmd run` leaves of one")
+    dataset = _finest(dataset)
+    varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
+    panels = _along(dataset)
+    known = [name for name in _OF_PATH if name in dataset and good(dataset, name).any()]
+    of_path = known if varied is not None else []
+    columns = 1 if len(panels) + len(of_path) == 1 else 2
+    rows = -(-(len(panels) + len(of_path)) // columns)
+    with mpl.rc_context(STYLE):
+        figure = Figure((5.0 * columns, 3.6 * rows), dpi=150, layout="constrained")
+        drawn = figure.subplots(rows, columns, squeeze=False).ravel()
+        for axis, panel in zip(drawn, panels, strict=False):
+            _draw(axis, dataset, panel, looks)
+        for axis, name in zip(drawn[len(panels) :], of_path, strict=False):
+            label, natural = _OF_PATH[name]
+            factor, unit = prefix(dataset[name].where(good(dataset, name)), natural)
+            others = looks_of(dataset.drop_vars(varied or ""))
+            draw_values(axis, dataset, partial(_scaled_mean, name, factor), varied or "", others)
+            axis.set(ylabel=f"{label} ({unit})")
+        for axis in drawn[len(panels) + len(of_path) :]:
+            axis.remove()
+        for axis in figure.axes:
+            axis.grid(color="0.9", lw=0.6)
+        if len(looks.of) > 1:
+            handles = [Line2D([], [], **look) for look in looks.of.values()]
+            figure.set_figheight(3.6 * rows + LINE * -(-len(handles) // (2 * columns)))
+            figure.legend(handles=handles, loc="outside upper center", ncols=2 * columns)
+    return figure
+
+
+def _scaled_mean(variable: str, factor: float, cases: xr.Dataset) -> tuple[Reals, Reals]:
+    mean, error = ensemble_mean(cases, variable)
+    return factor * mean, factor * error
+
+
+def _of_varied(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset without the parameters that all cases share, as long as one is left."""
+    shared = [name for name in axes(dataset) if np.unique(dataset[name]).size == 1]
+    return dataset.drop_vars(shared if len(shared) < len(axes(dataset)) else shared[1:])
+
+
+def _finest(dataset: xr.Dataset) -> xr.Dataset:
+    cases = [group["case"].values[int(group["nx"].values.argmax())] for _, group in groups(dataset)]
+    return dataset.sel(case=cases)
+
+
+def _along(dataset: xr.Dataset) -> list[_Panel]:
+    """What is drawn over the steps: nothing of a load that does not change, or of an effect that the scene has not."""
+    panels = []
+    if float(np.ptp(dataset["step_load"].values, axis=1).max()) > 0.0:
+        by_displacement = "punch_displacement" in dataset.variables
+        y = (
+            ("mean_pressure", "Mean pressure", "E^*")
+            if by_displacement
+            else ("contact_area_fraction", "Contact area", "")
+        )
+        panels.append(_Panel("step_load", *y))
+    if "step_sliding" in dataset.variables and dataset["step_sliding"].any():
+        panels.append(_Panel("step_sliding", "mean_tangential_traction", "Mean tangential traction", "E^*"))
+    if "stick_fraction" in dataset:
+        panels.append(_Panel("step", "stick_fraction", "Sticking share of the contact", ""))
+    if "energy_lost" in dataset:
+        panels.append(_Panel("step", "energy_lost", "Energy lost so far per area", "E^*L_x"))
+    return panels or [_Panel("step", "contact_area_fraction", "Contact area", "")]
+
+
+def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
+    """Draw one variable over another, a line for each case with its look."""
+    x = dataset[panel.x]
+    mean = dataset[panel.y].where(dataset["status"] == 0).mean("realisation")
+    if panel.y == "energy_lost":
+        mean = mean.cumsum("step", skipna=False)
+    mean.attrs = dataset[panel.y].attrs
+    label, natural = _over(dataset, panel.x)
+    across, unit_across = prefix(x, natural) if natural else (1.0, "")
+    up, unit_up = prefix(mean, panel.natural) if panel.natural else (1.0, "")
+    for parameters, group in groups(
+        _of_varied(dataset).assign_coords(_place=("case", np.arange(dataset.sizes["case"])))
+    ):
+        place = int(group["_place"][0])
+        look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
+        values = x.values if panel.x == "step" else x.values[place]
+        axis.plot(across * values, up * mean.values[place], ms=3.5, lw=1.2, **look)
+    axis.set_xlabel(f"{label} ({unit_across})" if unit_across else label)
+    axis.set_ylabel(f"{panel.label} ({unit_up})" if unit_up else panel.label)
+
+
+def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:
+    """Label of what is drawn over, and what stands for its unit 1; nothing for a pure number."""
+    if name == "step":
+        return "Step", ""
+    if name == "step_sliding":
+        return "Sliding of the punch", "L_x"
+    if "punch_displacement" in dataset.variables:
+        return "Punch displacement", "L_x"
+    return (
+        ("Prescribed load", "E^*") if dataset[name].attrs.get("units", "1") != "1" else ("Reduced pressure $p^*$", "")
+    )

@@ -1,0 +1,42 @@
+"""What a campaign along a loading path has found, as a table on the terminal."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import TYPE_CHECKING
+
+from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SHOWN = ("pull_off_pressure", "hysteresis", "mean_tangential_traction", "stick_fraction", "contact_area_fraction")
+
+
+def show_paths(dataset: xr.Dataset) -> None:
+    """Print the means of every case: what its path lost and pulled, and what of the contact its last step left."""
+    from gfmd_numba.analysis import ensemble_mean
+
+    shown = dataset.isel(case=slice(MOST_ROWS), step=-1)
+    means = {}
+    for name in _SHOWN:
+        if name in dataset:
+            unit = dataset[name].attrs["units"]
+            heading = name.replace("_", " ") + (f" ({unit})" if unit != "1" else "")
+            means[heading] = [_cell(*each) for each in zip(*ensemble_mean(shown, name), strict=True)]
+    steps = dataset.sizes["step"] - 1
+    print_table(
+        f"end of the path of {steps} steps, mean of the realisations (one standard error)",
+        cells_of_parameters(shown, dataset),
+        means,
+    )
+    if dataset.sizes["case"] > MOST_ROWS:
+        say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
+
+
+def _cell(value: float, error: float) -> str:
+    if isnan(value):
+        return "-"
+    return f"{value:.4g}" + ("" if isnan(error) else f"±{error:.2g}")

@@ -1,0 +1,167 @@
+"""What is recorded along a loading path: of the contact at every step, and of the path as a whole."""
+
+from dataclasses import dataclass, field, replace
+from math import isinf, isnan, nan
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.contact.branch import load_of
+from gfmd_numba.contact.evaluation import elastic_energy, mean_pressure, measure
+from gfmd_numba.contact.load_path import solve_steps
+from gfmd_numba.contact.observables import recorded
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.solution import Contact, solve
+from gfmd_numba.solvers.status import Status
+
+Measures = dict[str, npt.NDArray[Any]]
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What the balance of energy takes of one contact, per nominal area, in g L_x and g E*.
+
+    `force` is what the load is conjugate to, the mean pressure or minus the mean displacement; `potential` is the
+    stored energy, less the work of a prescribed pressure.
+    """
+
+    load: float
+    force: float
+    sliding: float
+    traction: float
+    potential: float
+
+    @classmethod
+    def of(cls, problem: Problem, contact: Contact) -> "Balance":
+        """Balance of a rigid punch on a smooth body without prescribed tractions."""
+        found, laws = contact.equilibrium, problem.interface
+        u, pressure = found.displacement[0], found.pressure[0]
+        gap, slip = contact.punch[0] - u, np.zeros(u.shape)
+        sliding = traction = 0.0
+        potential = float(elastic_energy(contact)[0])  # of all waves but the mean
+        if found.tangential is not None:
+            sliding, traction = found.tangential.sliding, float(found.tangential.traction[0].mean())
+            potential += 0.5 * traction * float(found.tangential.displacement[0].mean())
+            slip = sliding - found.tangential.displacement[0]
+        if laws.normal_law is not None:
+            potential += float(laws.normal_law.energy(gap).mean())
+        if laws.cohesive is not None:
+            potential += float(laws.cohesive.energy(gap, slip).mean())
+        load, mean = load_of(problem), float(u.mean())
+        if problem.mean_pressure is not None:
+            return cls(load, -mean, sliding, traction, potential - load * mean)
+        force = float(pressure.mean())
+        return cls(load, force, sliding, traction, potential - 0.5 * force * mean)
+
+    def lost(self, before: "Balance") -> float:
+        """Work since an earlier contact, forces linear between the two, less what the potential has gained."""
+        work = 0.5 * (before.force + self.force) * (self.load - before.load)
+        work += 0.5 * (before.traction + self.traction) * (self.sliding - before.sliding)
+        return work - (self.potential - before.potential)
+
+
+@dataclass
+class PathRecord:
+    """The rows of `PATH_OBSERVABLES` for one realisation, in g L_x and g E*, added to contact by contact."""
+
+    steps: dict[str, list[float]] = field(
+        default_factory=lambda: {name: [] for name, row in PATH_OBSERVABLES.items() if row.of == "contact"}
+    )
+    _loads: list[float] = field(default_factory=list)
+    _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
+    _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
+    _balance: Balance | None = None
+
+    def add(self, problem: Problem, contact: Contact) -> None:
+        """Record the contact at the next step, not-a-number for one that is not ok."""
+        pressure = float(mean_pressure(contact)[0])
+        self._loads.append(load_of(problem))
+        self._pressures.append(pressure)
+        self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
+        if contact.equilibrium.status[0] != Status.ok:
+            for values in self.steps.values():
+                values.append(nan)
+            return
+        before, self._balance = self._balance, Balance.of(problem, contact)
+        lost = 0.0 if before is None else self._balance.lost(before)
+        if contact.followed is not None:
+            lost = contact.followed.lost
+        self.steps["mean_tangential_traction"].append(self._balance.traction)
+        self.steps["stick_fraction"].append(stick_fraction(problem, contact))
+        self.steps["energy_lost"].append(lost)
+
+    def of_path(self) -> dict[str, float]:
+        """Rows of the path as a whole, not-a-number if a step is not ok."""
+        lost = sum(self.steps["energy_lost"])
+        return {"hysteresis": lost, "pull_off_pressure": nan if isnan(lost) else self._pull_off()}
+
+    def _pull_off(self) -> float:
+        """Largest tension since the punch was deepest; not-a-number if there is none, or the path ends with it."""
+        deepest = len(self._loads) - 1 - int(np.argmax(self._loads[::-1]))
+        least = min([self._pressures[deepest], *self._least[deepest + 1 :]])
+        return -least if least < min(self._pressures[-1], 0.0) else nan
+
+
+def stick_fraction(problem: Problem, contact: Contact) -> float:
+    """Touching nodes that bear less than friction allows, over all touching ones; not-a-number without any.
+
+    The residual tells how far the traction of a slipping node may be from its bound.
+    """
+    found, friction = contact.equilibrium, problem.interface.friction
+    touching = found.touching[0]
+    if not touching.any():
+        return nan
+    if found.tangential is None or friction is None or isinf(friction):
+        return 1.0
+    wall, law = found.pressure[0], problem.interface.normal_law
+    if law is not None:
+        wall = wall + law.traction(contact.punch[0] - found.displacement[0])
+    slack = float(found.residual[0]) * float(wall.max())
+    sticks = np.abs(found.tangential.traction[0]) < friction * wall - slack
+    return float((sticks & touching).sum() / touching.sum())
+
+
+def measured(problem: Problem, realisations: range) -> Measures:
+    """All that is recorded of realisations of a problem: `[realisation]`, but along a path the contact's have steps.
+
+    Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
+    largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
+    """
+    if not problem.path:
+        return measure(solve(problem, realisations))
+    rows = [_along(problem, realisation) for realisation in realisations]
+    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+
+
+def _along(problem: Problem, realisation: int) -> Measures:
+    """Measures of one realisation: `[step]` of the contact, `[]` of all else."""
+    problems, sliding = loads_of(problem), (0.0, *(step.sliding for step in problem.path))
+    record, found = PathRecord(), []
+    for one, contact in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
+        found.append(measure(contact))
+        record.add(one, contact)
+        if contact.equilibrium.status[0] != Status.ok:
+            break
+    rows = recorded(hardness=False)
+    values = {name: np.concatenate([each[name] for each in found]) for name in rows}
+    joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
+    joined |= {name: _filled(values[name], problem.n_loads) for name, row in rows.items() if row.of == "contact"}
+    joined |= {name: values[name].sum() for name in ("n_iterations", "n_transforms", "wall_time")}
+    joined |= {"status": values["status"][-1], "residual": values["residual"].max()}
+    joined |= {name: _filled(np.array(steps), problem.n_loads) for name, steps in record.steps.items()}
+    return joined | {name: np.asarray(value) for name, value in record.of_path().items()}
+
+
+def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:
+    """Values of the first of so many steps, not-a-number for the others."""
+    return np.concatenate([values, np.full(steps - len(values), nan)])
+
+
+def loads_of(problem: Problem) -> tuple[Problem, ...]:
+    """The problem at each load of its path, without the path."""
+    first = replace(problem, path=())
+    if problem.displacement is None:
+        return first, *(replace(first, mean_pressure=step.load) for step in problem.path)
+    return first, *(replace(first, displacement=step.load) for step in problem.path)

@@ -1,0 +1,53 @@
+"""The table of what is recorded along a loading path, beside the observables of each of its contacts; pure data."""
+
+from typing import Literal
+
+from gfmd_numba.contact.observables import Observable
+from gfmd_numba.scene import Scene
+
+PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
+    "mean_tangential_traction": Observable("contact", "pressure", "mean tangential traction of the punch on the body"),
+    "stick_fraction": Observable(
+        "contact",
+        "1",
+        "touching nodes that stick over all touching nodes",
+        undefined_at_times=True,
+    ),
+    "energy_lost": Observable(
+        "contact",
+        "energy",
+        "work since the last step, force linear between solutions, less stored energy, per area",
+    ),
+    "hysteresis": Observable(
+        "path", "energy", "energy lost along the path per area, of a closed path the area of its loop"
+    ),
+    "pull_off_pressure": Observable(
+        "path",
+        "pressure",
+        "largest mean tension while the punch is withdrawn, unknown where the path ends before it falls",
+        undefined_at_times=True,
+    ),
+}
+_NEEDS: dict[str, Literal["drag", "friction", "loss", "tension"]] = {
+    "mean_tangential_traction": "drag",
+    "stick_fraction": "friction",
+    "energy_lost": "loss",
+    "hysteresis": "loss",
+    "pull_off_pressure": "tension",
+}
+
+
+def recorded_along(scene: Scene) -> dict[str, Observable]:
+    """The rows for a path of a scene: those of effects that it has.
+
+    The energy is known where a rigid punch meets a smooth body and no tractions are prescribed.
+    """
+    interface = scene.interface
+    attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
+    has = {
+        "drag": interface.couples,
+        "friction": interface.friction is not None,
+        "loss": (interface.couples or attracts) and scene.boundary is None and not scene.follows_topography,
+        "tension": attracts and scene.loading.displacement is not None,
+    }
+    return {name: row for name, row in PATH_OBSERVABLES.items() if has[_NEEDS[name]]}

@@ -1,0 +1,259 @@
+"""A campaign along a loading path: what it records, how it resumes, and what it refuses."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.campaign.execution import Workers, _outcome
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.run import Choice
+from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.status import verify
+from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.scene import InputError
+from support.campaigns import TINY, campaign
+from support.command_line import gfmd
+
+EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
+PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
+DRAGGED = {
+    "name": "dragged",
+    "seed": 1,
+    "realisations": 3,
+    "scene": {
+        "body": {"poissons_ratio": 0.5, "aspect_ratio": 4.0},
+        "roughness": PSD,
+        "interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}},
+        "loading": {"reduced_pressure": 0.05},
+    },
+    "reference": EPS,
+    "grid": {"friction_coefficient": [0.05, 0.1]},
+    "path": [{"sliding": s} for s in (4e-4, 8e-4, 0.0, -8e-4, 0.0, 8e-4)],
+}
+LOOP = [-2e-3, -1e-3, 0.0, 5e-4, 0.0, -1e-3, -2e-3, -4e-3, -6e-3]
+PULLED = {
+    "name": "pulled",
+    "seed": 1,
+    "realisations": 2,
+    "scene": {
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.25},
+        "roughness": PSD | {"rms_gradient": 0.05},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-4, "range": 2e-3}},
+        "loading": {"displacement": LOOP[0]},
+    },
+    "reference": EPS | {"eps_t": 1},
+    "grid": {"work_of_adhesion": [5e-5, 1e-4]},
+    "path": [{"displacement": d} for d in LOOP[1:]],
+}
+
+
+@pytest.fixture(scope="module")
+def dragged(tmp_path_factory):
+    return gfmd_numba.run(DRAGGED, tmp_path_factory.mktemp("dragged") / "out")
+
+
+@pytest.fixture(scope="module")
+def pulled(tmp_path_factory):
+    return gfmd_numba.run(PULLED, tmp_path_factory.mktemp("pulled") / "out")
+
+
+def one(file, realisation, **values):
+    """The scene of a campaign under some values, as `gfmd solve` takes it."""
+    scene = dict(file["scene"])
+    (law,) = scene["interface"].keys() - {"hard_wall"}
+    scene["interface"] = scene["interface"] | {law: scene["interface"][law] | values}
+    kept = {"scene": scene, "path": file["path"], "discretisation": file["reference"], "seed": file["seed"]}
+    return kept | {"realisation": realisation}
+
+
+def test_the_numbers_are_those_of_gfmd_solve_step_by_step(dragged, pulled):
+    """`gfmd solve` keeps the status and the effort of each step; a campaign has one of the path."""
+    cases = ((dragged, DRAGGED, 0, "coefficient", 0.05), (pulled, PULLED, 1, "work_of_adhesion", 1e-4))
+    for results, file, case, key, value in cases:
+        alone = gfmd_numba.solve(one(file, 1, **{key: value}))
+        found = results.isel(case=case, realisation=1)
+        assert found["status"] == 0
+        shared = [name for name in (*OBSERVABLES, *PATH_OBSERVABLES) if name in found]
+        for name in shared:
+            row = OBSERVABLES.get(name) or PATH_OBSERVABLES[name]
+            if row.of in ("contact", "path"):
+                np.testing.assert_array_equal(found[name], alone[name], err_msg=name)
+                assert found[name].attrs["units"] == alone[name].attrs["units"]
+        assert found["n_transforms"] == alone["n_transforms"].sum()
+        assert found["residual"] == alone["residual"].max()
+
+
+def test_a_step_tells_what_it_prescribed(dragged, pulled):
+    np.testing.assert_array_equal(dragged["step_sliding"], [[0.0] + [step["sliding"] for step in DRAGGED["path"]]] * 2)
+    assert (dragged["step_load"] == 0.05).all()
+    np.testing.assert_array_equal(pulled["step_load"], [LOOP] * 2)
+    assert "step_sliding" not in pulled.coords
+
+
+def test_what_the_scene_has_not_is_not_recorded(dragged, pulled, tmp_path):
+    assert PATH_OBSERVABLES.keys() - dragged.keys() == {"pull_off_pressure"}
+    assert PATH_OBSERVABLES.keys() - pulled.keys() == {"mean_tangential_traction", "stick_fraction"}
+    text = TINY + "path: [{reduced_pressure: 0.1}]\n"
+    hard = gfmd_numba.open_campaign(run_campaign(campaign(tmp_path, text), tmp_path / "out", Workers(0))[0])
+    assert not PATH_OBSERVABLES.keys() & hard.keys()
+    np.testing.assert_allclose(hard["mean_pressure"] / 0.01, [[[0.05, 0.1]] * 2])
+
+
+def test_a_campaign_without_a_path_has_no_steps(tmp_path):
+    plain = gfmd_numba.open_campaign(run_campaign(campaign(tmp_path, TINY), tmp_path / "out", Workers(0))[0])
+    assert "step" not in plain.dims
+    assert not [name for name in plain.variables if str(name).startswith("step")]
+    assert set(plain["kappa"].dims) == {"case", "realisation"}
+
+
+def test_the_loss_of_a_cycle_is_the_area_of_the_loop_of_forces(dragged, pulled):
+    """From one end of sliding to the other and back; pulled apart, the work alone: no energy is left at the ends."""
+    force, sliding = dragged["mean_tangential_traction"], dragged["step_sliding"]
+    cycle = slice(2, None)  # from 8e-4 to -8e-4 and back: the second state is that of the first load, the last again
+    area = np.trapezoid(force[..., cycle], sliding.values[:, np.newaxis, cycle], axis=-1)
+    lost = dragged["energy_lost"][..., 3:].sum("step")
+    settled = abs(force[..., -1] - force[..., 2]) < 1e-9  # the same state at both ends
+    assert settled.all()
+    np.testing.assert_allclose(lost, area, rtol=1e-6)
+    assert (lost > 0.0).all()
+    np.testing.assert_allclose(dragged["hysteresis"], dragged["energy_lost"].sum("step"), rtol=1e-12)
+
+
+def test_friction_takes_its_loss_at_the_slipping_nodes(dragged):
+    """Independent of all energies: tractions times the slip of their nodes, in fields that `gfmd solve` leaves."""
+    fields = gfmd_numba.solve(one(DRAGGED, 0, coefficient=0.05))
+    slip = (fields["sliding"] - fields["tangential_displacement"]).diff("step")
+    traction = fields["tangential_traction"]
+    between = 0.5 * (traction + traction.shift(step=1)).isel(step=slice(1, None))
+    taken = (between * slip).mean("x")
+    np.testing.assert_allclose(dragged["energy_lost"][0, 0, 1:], taken, rtol=1e-5, atol=1e-14)
+
+
+def test_sticking_nodes_are_the_contact_under_the_load_without_what_drags(dragged):
+    """Ciavarella and Jaeger: with nu = 1/2 the stick zone under Q is the contact under P - Q / mu."""
+    for case, friction in enumerate(DRAGGED["grid"]["friction_coefficient"]):
+        for realisation in range(3):
+            found = dragged.isel(case=case, realisation=realisation, step=1)
+            left = float(found["mean_pressure"] - abs(found["mean_tangential_traction"]) / friction)
+            scene = DRAGGED["scene"] | {"interface": {"hard_wall": {}}}
+            scene["loading"] = {"reduced_pressure": left / PSD["rms_gradient"]}
+            lighter = gfmd_numba.solve(one(DRAGGED, realisation) | {"scene": scene, "path": []})
+            nodes = float(found["contact_area_fraction_counted"]) * lighter.sizes["x"]
+            sticking = float(lighter["contact_area_fraction_counted"]) * lighter.sizes["x"]
+            assert 0.1 < found["stick_fraction"] < 0.98
+            assert abs(float(found["stick_fraction"]) * nodes - sticking) <= 2.0
+
+
+def test_pull_off_is_the_largest_tension_and_unknown_before_it_is_reached(pulled, tmp_path):
+    tension = -pulled["mean_pressure"].min("step")
+    assert (pulled["pull_off_pressure"] >= tension).all()  # jumps are located between the steps
+    assert (pulled["pull_off_pressure"] < 1.2 * tension).all()
+    assert (pulled["pull_off_pressure"][1] > pulled["pull_off_pressure"][0]).all()
+    for steps in (3, 4):  # pressed in alone, where it is pulled in too, and withdrawn a little
+        short = PULLED | {"path": PULLED["path"][:steps], "realisations": 1}
+        assert gfmd_numba.run(short, tmp_path / str(steps))["pull_off_pressure"].isnull().all()
+
+
+def test_a_path_resumes_and_is_spread_over_workers_with_one_digest(dragged, tmp_path):
+    path, _ = run_campaign(DRAGGED, tmp_path / "out", Workers(0), choice=Choice(limit=1))
+    part = gfmd_numba.open_campaign(path)
+    assert part["energy_lost"][1].isnull().all()
+    assert part["energy_lost"][0].notnull().all()
+    assert dict(part.sizes) == dict(dragged.sizes)
+    path, _ = run_campaign(tmp_path / "out" / "campaign.yaml", tmp_path / "out", Workers(0))
+    assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
+    assert verify(tmp_path / "out").sound == 2
+    path, _ = run_campaign(DRAGGED, tmp_path / "two", Workers(1))
+    assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
+
+
+def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
+    """The first loading takes fewer iterations than the drag."""
+    file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}
+    file["path"] = [{"reduced_pressure": 0.05}, {"sliding": 5e-4}, {"sliding": 0.0}]
+    found = gfmd_numba.run(file, tmp_path / "out").isel(case=0, realisation=0)
+    assert found["status"] == 1
+    ended = found["contact_area_fraction"].isnull().values
+    assert ended.any()
+    assert not ended[0]
+    assert (np.diff(ended.astype(int)) >= 0).all()
+    for name in ("energy_lost", "stick_fraction", "mean_tangential_traction"):
+        np.testing.assert_array_equal(found[name].isnull(), ended)
+    assert np.isnan(found["hysteresis"])
+
+
+def test_other_paths_are_other_problems():
+    problem = plan(DRAGGED).problems[0]
+    shorter = plan(DRAGGED | {"path": DRAGGED["path"][:-1]}).problems[0]
+    without = plan({key: value for key, value in DRAGGED.items() if key != "path"}).problems[0]
+    assert len({problem.identity, shorter.identity, without.identity}) == 3
+    assert problem.n_loads == 7
+    assert without.n_loads == 1
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"limits": {"eps_c": [1 / 4, 1 / 8]}}, "limits: "),
+        ({"target": 0.01}, "target: "),
+        ({"fit": {"variable": "kappa"}}, "fit: "),
+        ({"path": [{"displacement": 1e-3}]}, "path[0].displacement: given 0.001; allowed: what the loading prescribes"),
+        ({"path": [{"reduced_pressure": 1e40}]}, "path[0].reduced_pressure: "),
+        ({"path": [{"sliding": "1 um"}]}, "path[0].sliding: "),
+        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {}}}, "grid": {}}, "path[0].sliding: "),
+        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {"hardness": 1.0}}}, "grid": {}}, "path: "),
+    ],
+)
+def test_what_does_not_go_with_a_path_is_refused_where_it_stands(changed, said):
+    with pytest.raises(InputError) as refused:
+        plan(DRAGGED | changed)
+    assert said in str(refused.value)
+
+
+def test_a_load_of_the_path_is_judged_beside_the_moduli():
+    scene = DRAGGED["scene"] | {"loading": {"pressure": 1e6}}
+    scene["body"] = scene["body"] | {"youngs_modulus": 1e9}
+    with pytest.raises(InputError, match=r"path\[0\]\.pressure: given 1e-29; allowed: a reduced pressure from"):
+        plan(DRAGGED | {"scene": scene, "path": [{"pressure": 1e-29}]})
+
+
+def test_a_block_of_a_path_is_as_much_work_as_any_other():
+    planned = plan(DRAGGED | {"realisations": 100_000})
+    sizes = {block.stop - block.first for block in planned.blocks}
+    plain = plan({key: value for key, value in DRAGGED.items() if key != "path"} | {"realisations": 100_000})
+    assert max(block.stop - block.first for block in plain.blocks) // 7 == max(sizes)
+
+
+def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    written = campaign(tmp_path, _yaml(PULLED | {"realisations": 1}))
+    said = gfmd("run", written, "-o", "out", "--workers=0")
+    assert said.exit_code == 0, said.output
+    assert "end of the path of 8 steps" in said.output
+    assert "hysteresis" in said.output
+    assert "pull off" in said.output
+    assert gfmd("plot", "out", "-o", "picture.png").exit_code == 0
+    assert (tmp_path / "picture.png").stat().st_size > 5_000
+    assert "path          8 steps" in gfmd("plan", written, "--pilot=0").output
+
+
+def _yaml(file):
+    import yaml
+
+    return yaml.safe_dump(file, sort_keys=False)
+
+
+def test_a_shard_holds_its_steps(tmp_path):
+    planned = plan(DRAGGED | {"realisations": 1})
+    block = next(planned.blocks)
+    measures = _outcome(block, tmp_path, None, mortal=False)
+    (tmp_path / "shards").mkdir()
+    from gfmd_numba.campaign import shards
+
+    shards.store(tmp_path, {block.name: measures})
+    read = Finished(tmp_path).read(block.name)
+    assert read.keys() == measures.keys()
+    assert all(np.array_equal(read[name], measures[name], equal_nan=True) for name in measures)
+    assert read["energy_lost"].shape == (1, 7)

@@ -55,9 +55,9 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
 REFUSALS = (
     Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
     *(
-        Refusal("dimension 2", law, f"hard_wall alone with dimension 2; {law} needs dimension 1", "not built yet")
+        Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
         for law in LAWS
-        if not able(("dimension 2", LAWS[law].ability))
+        if LAWS[law].tangential
     ),
     Refusal(
         "dimension 2",

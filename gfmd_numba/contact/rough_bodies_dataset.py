@@ -11,7 +11,6 @@ from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.two_step import STEEPEST, Pressed, RoughBody
 from gfmd_numba.elasticity import fields, map_topography, topography
-from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
@@ -36,8 +35,8 @@ def add_bodies(
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        of_body = _of_profile if isinstance(response, Response) else _of_map
-        for variable, kind, long_name, values in of_body(body, response, pressure):
+        own = _of_profile(body, response, pressure) if isinstance(response, Response) else _of_map(body, pressure)
+        for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
     attributes = cf_attributes("expected error of displacements, what the next order adds", unit["height"])
@@ -62,7 +61,7 @@ def _of_profile(body: RoughBody, response: Response, pressure: Reals) -> Iterato
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", along
 
 
-def _of_map(body: RoughBody, response: MapResponse, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
+def _of_map(body: RoughBody, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
     yield "displacement", "height", _OUT, map_topography.flat_displacement(-body.share * pressure, body.elastic)
 
 

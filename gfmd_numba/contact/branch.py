@@ -45,10 +45,10 @@ class _Point:
         """Energy per nominal area of body and law, less the work of a prescribed pressure."""
         punch, u = self.contact.punch[0], self.contact.equilibrium.displacement[0]
         stiffness = self._stiffness
-        waves = np.abs(grid.coefficients(u)) ** 2 * grid.multiplicity(len(u))
+        waves = np.abs(grid.coefficients(u, u.ndim)) ** 2 * grid.multiplicity(u.shape[-1])
         law = self.problem.interface.normal_law
         own = 0.0 if law is None else float(law.energy(punch - u).mean())
-        return 0.5 * float(stiffness @ waves) + own - (self.problem.mean_pressure or 0.0) * float(u.mean())
+        return 0.5 * float(np.vdot(stiffness, waves)) + own - (self.problem.mean_pressure or 0.0) * float(u.mean())
 
     @property
     def stability(self) -> float:
@@ -61,9 +61,9 @@ class _Point:
 
     @property
     def _stiffness(self) -> Reals:
-        stiffness = solution.condensed_stiffness(self.problem, grid.wavenumbers(self.contact.punch.shape[1]))
+        stiffness = solution.condensed_stiffness(self.problem, grid.magnitudes(self.contact.punch.shape[1:]))
         if self.problem.mean_pressure is not None:
-            stiffness[0] = 0.0
+            stiffness.flat[0] = 0.0
         return stiffness
 
 

@@ -31,7 +31,6 @@ _DRAGS = (
     "no friction and no cohesive law where a deformable body is rough or both deform, as only normal tractions "
     "are followed there; map the roughness to a rigid punch"
 )
-_RANDOM_MAP = "a rough surface with dimension 2, like method 'psd', not a flat punch"
 _COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
@@ -53,11 +52,10 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
 
 
 REFUSALS = (
-    Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
     *(
-        Refusal("dimension 2", law, f"hard_wall alone with dimension 2; {law} needs dimension 1", "not built yet")
+        Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
         for law in LAWS
-        if not able(("dimension 2", LAWS[law].ability))
+        if LAWS[law].tangential
     ),
     Refusal(
         "dimension 2",
@@ -65,10 +63,6 @@ REFUSALS = (
         "nothing with dimension 2; a boundary needs dimension 1",
         "not built yet",
     ),
-    Refusal(
-        "dimension 2", "counter_body", "nothing with dimension 2; two elastic bodies need dimension 1", "not built yet"
-    ),
-    Refusal("dimension 2", "rough body", "nothing with dimension 2; a rough body needs dimension 1", "not built yet"),
     Refusal(
         "dimension 2",
         "plane stress",
@@ -177,5 +171,11 @@ REFUSALS = (
         "topography_order",
         "nothing where no deformable body is rough and only one deforms: there is no topography to follow",
         "without effect",
+    ),
+    Refusal(
+        "dimension 2",
+        "higher topography_order",
+        "0 with dimension 2, or nothing: higher orders in the slope need dimension 1",
+        "not built yet",
     ),
 )

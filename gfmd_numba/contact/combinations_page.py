@@ -56,6 +56,7 @@ PHRASES = {
     "flat punch": "a flat punch",
     "force": "a load `force`",
     "half-space": "a half-space",
+    "higher topography_order": "a `topography_order` above 0",
     "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",
     "line_load": "a load `line_load`",

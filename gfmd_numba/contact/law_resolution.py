@@ -12,7 +12,8 @@ from gfmd_numba.scene.document import Location
 
 NAME = "law_resolution"
 LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
-COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave is right to 1 % in however short steps
+COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave, or a paraboloid, is right to 1 % in however short steps
+_TOO_LARGE = {1: 25, 2: 8}  # percent of the pull-off of either at 0.9, by the dimension
 REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
@@ -20,8 +21,9 @@ _MOST_NODES = 2**50  # so that a number of nodes is exact
 def resolution(problem: Problem) -> float:
     """Ratio x of the largest softening of the law to the stiffness of the shortest wave; 0 without attraction.
 
-    It is (w / range^2) / (pi n E* / 2 L_x) for an exponential law on a half-space of n nodes. Where the law softens
-    faster than the shortest wave stiffens, single nodes snap, and the edge of a contact is held by the grid.
+    It is (w / range^2) / (pi n E* / 2 L_x) for an exponential law on a half-space of n nodes; of a map the
+    shortest wave along an axis counts. Where the law softens faster than that stiffens, single nodes snap, and the edge
+    of a contact is held by the grid.
     """
     return _on(problem, problem.surface.nx)
 
@@ -31,9 +33,11 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
     x = resolution(problem)
     if x <= COARSEST:
         return ""
+    dimension = len(problem.surface.shape)
     return (
         f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
-        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over 25 % too large at 0.9. "
+        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over {_TOO_LARGE[dimension]} % too large "
+        f"at 0.9. "
         f"Take {_grid(problem, discretisation)}, or a longer range"
     )
 
@@ -69,7 +73,7 @@ def _grid(problem: Problem, discretisation: Discretisation | None) -> str:
     """The grid that resolves the law of a problem."""
     needed = _needed(problem)
     if discretisation is None:
-        return f"at least {needed} points"
+        return f"at least {needed} points" + (" both ways" if len(problem.surface.shape) == 2 else "")
     waves = 2 * discretisation.cut_off_index
     finer = ceil(needed / waves)
     return f"eps_c = 1/{finer} (nx = {finer * waves})"

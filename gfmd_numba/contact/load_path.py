@@ -44,7 +44,7 @@ def load_path(given: ContactInput) -> LoadPath:
     ]
     rough = None
     if surfaces.bodies is not None:
-        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
+        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order(file.scene.dimension))
     problems = tuple(problem for problem, _ in reduced)
     sliding = tuple(reduced_length(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)

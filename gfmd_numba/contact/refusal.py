@@ -91,6 +91,8 @@ def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
         yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
+        if numerics.topography_order > 0:
+            yield "higher topography_order", ("numerics", "topography_order")
 
 
 def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:

@@ -1,70 +1,68 @@
 """What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import fields, map_topography, topography
+from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Scene
+
+_OUT = "normal displacement of the {}, out of it"
 
 
 def add_bodies(
     found: xr.Dataset, scene: Scene, bodies: tuple[RoughBody, ...], rms_gradient: float, pressed: Pressed
 ) -> None:
-    """Add heights, displacements and forming tractions `[nx]` of each body, and the expected error."""
+    """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the expected error."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
     for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
         attributes = found[name].attrs
         attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
     length, unit = scene.length or 1.0, units(scene)
     pressure = pressed.contact.equilibrium.pressure[0] * rms_gradient
-    nx = len(pressure)
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        flat = fields.surface_under_tractions(np.zeros(nx), -body.share * pressure, body.elastic)
-        forming = topography.formed_surface(body.heights, body.elastic)
-        along, normal = fields.surface_tractions(forming, nx, body.elastic)
         stress = contact_modulus(scene) / body.share
-        for variable, kind, scale, long_name, values in (
-            (f"{name}_height", "height", length, f"topography of the {whose}, peaks outwards", body.heights),
-            (
-                f"{prefix}displacement",
-                "height",
-                length,
-                f"normal displacement of the {whose}, out of it",
-                grid.signal(flat.u3, nx) + response.u3,
-            ),
-            (
-                f"{prefix}tangential_displacement",
-                "height",
-                length,
-                f"tangential displacement of the {whose}",
-                grid.signal(flat.u1, nx) + response.u1,
-            ),
-            (
-                f"{prefix}forming_traction",
-                "pressure",
-                stress,
-                f"normal traction that forms the topography of the {whose} from flat (5.15)",
-                normal,
-            ),
-            (
-                f"{prefix}tangential_forming_traction",
-                "pressure",
-                stress,
-                f"tangential traction that forms the topography of the {whose} from flat (5.15)",
-                along,
-            ),
-        ):
-            found[variable] = ("x", values * scale, cf_attributes(long_name, unit[kind]))
+        scales = {"height": length, "pressure": stress}
+        outwards = f"topography of the {whose}, peaks outwards"
+        found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
+        own = _of_profile(body, response, pressure) if isinstance(response, Response) else _of_map(body, pressure)
+        for variable, kind, long_name, values in own:
+            attributes = cf_attributes(long_name.format(whose), unit[kind])
+            found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
     attributes = cf_attributes("expected error of displacements, what the next order adds", unit["height"])
     found["expected_error"] = ((), pressed.expected_error * length, attributes)
     refuse_nonfinite(found)
+
+
+def _of_profile(body: RoughBody, response: Response, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
+    nx = len(pressure)
+    flat = fields.surface_under_tractions(np.zeros(nx), -body.share * pressure, body.elastic)
+    forming = topography.formed_surface(body.heights, body.elastic)
+    along, normal = fields.surface_tractions(forming, nx, body.elastic)
+    yield "displacement", "height", _OUT, grid.signal(flat.u3, nx) + response.u3
+    yield (
+        "tangential_displacement",
+        "height",
+        "tangential displacement of the {}",
+        grid.signal(flat.u1, nx) + response.u1,
+    )
+    forms = "traction that forms the topography of the {} from flat (5.15)"
+    yield "forming_traction", "pressure", f"normal {forms}", normal
+    yield "tangential_forming_traction", "pressure", f"tangential {forms}", along
+
+
+def _of_map(body: RoughBody, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
+    yield "displacement", "height", _OUT, map_topography.flat_displacement(-body.share * pressure, body.elastic)
 
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
@@ -73,7 +71,7 @@ def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
 
 
 def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
-    steepest = max(float(statistics.rms_gradient(body.heights)) for body in bodies)
+    steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
     error, unit = float(found["expected_error"].max()), found["expected_error"].units
@@ -89,8 +87,8 @@ def _of_films(bodies: tuple[RoughBody, ...]) -> str:
     change = max(map(change_of_thickness, bodies))
     if change < THICKNESS:
         return ""
+    remedy = "; take a numerics.topography_order of 1 or 2" if bodies[0].heights.ndim == 1 else ""
     return (
         f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
-        "out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; take a "
-        "numerics.topography_order of 1 or 2"
+        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2{remedy}"
     )

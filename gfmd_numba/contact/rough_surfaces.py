@@ -87,13 +87,13 @@ def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Docu
             given, asked[place] = _random(surface, file, seed, document, ("scene", *place))
             seed = (seed + 1) % 2**32
         heights[place] = given if place == ("roughness",) else given - given.mean()
-    nx = len(next(iter(heights.values())))
+    shape = next(iter(heights.values())).shape
     for place, given in heights.items():
-        if len(given) != nx:
-            allowed = f"as many heights as the other surface has, {nx}"
-            raise InputError(document.line(("scene", *place), f"{len(given)} heights", allowed))
+        if given.shape != shape:
+            allowed = f"as many heights as the other surface has, {_points(shape)}"
+            raise InputError(document.line(("scene", *place), f"{_points(given.shape)} heights", allowed))
     bodies = tuple(
-        _body(scene, body, heights.get((name, "roughness"), np.zeros(nx)), document, name)
+        _body(scene, body, heights.get((name, "roughness"), np.zeros(shape)), document, name)
         for name, body in zip(BODIES, scene.deformable, strict=False)
     )
     together = np.sum(list(heights.values()), axis=0)
@@ -119,11 +119,15 @@ def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> 
     return hypot(*asked.values(), *own)
 
 
+def _points(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape))
+
+
 def _random(surface: Random, file: SceneFile, seed: int, document: Document, place: Place) -> tuple[Reals, float]:
-    """Heights `[nx]` in L_x, and the rms gradient asked of them."""
+    """Heights `[(y,) x]` in L_x, and the rms gradient asked of them."""
     period = file.scene.length or 1.0
     try:
-        ensemble = recipe.random_surface(surface, file.discretisation, period, 1, seed)
+        ensemble = recipe.random_surface(surface, file.discretisation, period, file.scene.dimension, seed)
         gradient = recipe.rms_gradient(surface, ensemble, period)
         return np.asarray(gradient * ensemble.heights(range(file.realisation, file.realisation + 1))[0]), gradient
     except ValueError as error:

@@ -8,8 +8,9 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.elasticity import topography
+from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
@@ -22,7 +23,7 @@ _MOST_ROUNDS = 30
 
 @dataclass(frozen=True)
 class RoughBody:
-    """A deformable body, its stress-free topography `[nx]` of zero mean in L_x, and its part E*/E_i* of 1/E*."""
+    """A deformable body, its stress-free topography `[(y,) x]` of zero mean in L_x, and its part E*/E_i* of 1/E*."""
 
     elastic: ElasticBody
     heights: Reals
@@ -33,9 +34,9 @@ def change_of_thickness(body: RoughBody) -> float:
     """Largest height over the thickness in waves so long that the body is a film to them, q z_m <= 1; 0 if none are."""
     if body.elastic.aspect_ratio is None:
         return 0.0
-    waves = grid.coefficients(body.heights)
-    waves[2.0 * np.pi * np.arange(waves.size) * body.elastic.aspect_ratio > 1.0] = 0.0
-    return float(abs(grid.signal(waves, body.heights.size)).max()) / body.elastic.aspect_ratio
+    waves = grid.coefficients(body.heights, body.heights.ndim)
+    waves[grid.magnitudes(body.heights.shape) * body.elastic.aspect_ratio > 1.0] = 0.0
+    return float(abs(grid.signal(waves, *body.heights.shape)).max()) / body.elastic.aspect_ratio
 
 
 @dataclass(frozen=True)
@@ -46,24 +47,24 @@ class Pressed:
     """
 
     contact: Contact
-    responses: tuple[Response, ...]
+    responses: tuple[Response, ...] | tuple[MapResponse, ...]
     expected_error: float
 
 
 def solve(
     problem: Problem, bodies: tuple[RoughBody, ...], gradient: float, order: int, before: Equilibrium | None = None
 ) -> Pressed:
-    """Press rough bodies together; the profile of the problem is the sum of all heights, in units of `gradient`.
+    """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged.
+    residual of the problem; where it does not, the run is not converged. Of maps only order 0 is known.
     """
-    raised = np.zeros((1, problem.surface.nx))
+    raised = np.zeros((1, *problem.surface.shape))
     for round_ in range(_MOST_ROUNDS):
         solved = solution.solve(problem, range(1), before, raised=raised)
         before = solved.equilibrium
         responses = _responses(solved, bodies, gradient, order)
-        new = sum((response.u3 for response in responses), np.zeros(problem.surface.nx)) / gradient
+        new = sum((response.u3 for response in responses), np.zeros(problem.surface.shape)) / gradient
         moved = float(abs(new - raised[0]).max())
         enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
         if solved.equilibrium.status[0] != Status.ok or moved <= enough:
@@ -77,7 +78,13 @@ def solve(
     return Pressed(solved, responses, sum(response.highest_order for response in following))
 
 
-def _responses(solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int) -> tuple[Response, ...]:
+def _responses(
+    solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
+) -> tuple[Response, ...] | tuple[MapResponse, ...]:
     """Response of each body; its unit of stress is its own modulus, in which the pressure is lower by its share."""
     pressure = solved.equilibrium.pressure[0] * gradient
+    if pressure.ndim == 2:
+        return tuple(
+            map_topography.respond(body.share * pressure, body.heights, body.elastic, order) for body in bodies
+        )
     return tuple(topography.respond(body.share * pressure, body.heights, body.elastic, order) for body in bodies)

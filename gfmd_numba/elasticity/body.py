@@ -103,7 +103,11 @@ class ElasticBody:
 
     def compliance(self, nx: int) -> Compliance:
         """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""
-        q = grid.wavenumbers(nx)[1:]
+        return self.compliance_along(grid.wavenumbers(nx))
+
+    def compliance_along(self, wavenumbers: Reals) -> Compliance:
+        """The same in planes of wave vectors of any direction, of numbers q `[waves]` of which the first alone is 0."""
+        q = wavenumbers[1:]
         tangential, normal, lead = np.zeros((3, len(q) + 1))
         tangential[0], normal[0] = (uniform or inf for uniform in self.uniform_stiffness())
         tangential[1:], normal[1:] = (q * over_q for over_q in self._condensed_elements(q))

@@ -53,7 +53,9 @@ class ExponentialLaw:
 
     def energy_change(self, gap: Reals, closing: Reals) -> Reals:
         """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
-        return np.asarray(self.length * self.traction(gap) * -np.expm1(closing / self.length))
+        smaller = gap - np.maximum(closing, 0.0)  # of the gap before and after, which nothing overflows
+        change = self.work * np.exp(-smaller / self.length) * np.expm1(-abs(closing) / self.length)
+        return np.asarray(np.where(closing < 0.0, -change, change))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""

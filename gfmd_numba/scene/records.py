@@ -161,7 +161,8 @@ class Numerics(BaseModel):
         None,
         ge=0,
         le=3,
-        description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2",
+        description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2, "
+        "and 0 for maps",
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
@@ -176,10 +177,11 @@ class Numerics(BaseModel):
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
-    @property
-    def slope_order(self) -> int:
-        """Order in the slope to which topographies are followed."""
-        return 2 if self.topography_order is None else self.topography_order
+    def slope_order(self, dimension: int) -> int:
+        """Order in the slope to which topographies of profiles, or maps, are followed."""
+        if self.topography_order is None:
+            return 2 if dimension == 1 else 0
+        return self.topography_order
 
     @model_validator(mode="after")
     def _residual_is_within_precision(self) -> Self:

@@ -74,7 +74,7 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         file = _recorded(SceneFile, contact)
         check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside")
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
-        scene, order = file.scene, file.numerics.slope_order
+        scene, order = file.scene, file.numerics.slope_order(file.scene.dimension)
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     if not _is_whole(contact):

@@ -14,22 +14,23 @@ _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
 
 
 def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals, law: NormalLaw) -> float:
-    """Smallest second derivative of the energy over that of the body alone, of one profile `[x]`.
+    """Smallest second derivative of the energy over that of the body alone, of one contact `[(y,) x]`.
 
     1 where the law does nothing, 0 at a fold (jump-in or pull-off), below 0 where the equilibrium is unstable. Nodes
-    that are `held` by the wall do not move. `stiffness` is K(q) `[nx // 2 + 1]`; a mean that nothing restores counts as
-    stiff as the softest wave. By Knyazev's method (SIAM J. Sci. Comput. 23:517, 2001).
+    that are `held` by the wall do not move. `stiffness` is K(q) `[(ny,) nx // 2 + 1]`; a mean that nothing restores
+    counts as stiff as the softest wave. By Knyazev's method (SIAM J. Sci. Comput. 23:517, 2001).
     """
-    n, free = len(gap), np.flatnonzero(~held)
+    shape, free = gap.shape, np.flatnonzero(~held)
     if len(free) == 0:
         return 1.0
-    positive = np.where(stiffness > 0.0, stiffness, stiffness[1:].min())
-    curvature = law.stiffness(gap)[free]
+    positive = np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
+    curvature = law.stiffness(gap).ravel()[free]
 
     def filtered(symbol: Reals, x: Reals) -> Reals:
-        whole = np.zeros((n, x.shape[1]))
-        whole[free] = x
-        return grid.signal(symbol * grid.coefficients(whole.T), n).T[free]
+        whole = np.zeros((x.shape[1], *shape))
+        whole.reshape(len(whole), -1)[:, free] = x.T
+        filtered = grid.signal(symbol * grid.coefficients(whole, len(shape)), *shape)
+        return filtered.reshape(len(whole), -1)[:, free].T
 
     def operator(product: object) -> LinearOperator:
         return LinearOperator((len(free), len(free)), matvec=product, matmat=product, dtype=np.float64)

@@ -46,7 +46,7 @@ class Solver:
 
 
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
-_DISPLACEMENT = frozenset({"dimension 1", "hard wall", "normal law", "single"})
+_DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
 SOLVERS = {
@@ -65,7 +65,7 @@ SOLVERS = {
     ),
     "truncated_newton": Solver(
         "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap",
-        can=frozenset({"dimension 1", "hard wall", "normal law"}),
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law"}),
         condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
         block_samples=2**18,
     ),

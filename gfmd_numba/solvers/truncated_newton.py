@@ -69,9 +69,9 @@ class TruncatedNewton:
         self._target = options.residual
         stiffness = batch.normal_stiffness
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
-        compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness[1:].min())
+        compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
-        self._node_compliance = float((compliance * grid.multiplicity(n)).sum() / n)
+        self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(

@@ -84,7 +84,7 @@ def test_a_block_that_takes_too_long_is_a_timeout(block, monkeypatch):
     def late(*_):
         raise TooLongError
 
-    monkeypatch.setattr("gfmd_numba.campaign.block_work.solve", late)
+    monkeypatch.setattr("gfmd_numba.campaign.block_work.measured", late)
     assert compute((block,), "run", {}, 5.0)[1][block.name].status == "timeout"
 
 

@@ -252,3 +252,11 @@ def test_a_verdict_knows_no_units_and_no_gradient(range_, x, random):
 def test_a_refusal_knows_no_units_and_no_gradient(units, random):
     with pytest.raises(InputError, match="each node would snap into contact on its own"):
         read(*units, 0.005, random)
+
+
+def test_a_map_is_told_by_the_shortest_wave_along_an_axis():
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 1, dimension=2)
+    of_map = Problem(surface, ElasticBody(None, None), ATTRACTION, 0.1, None, Options("truncated_newton"))
+    assert resolution(of_map) == resolution(problem(128, ATTRACTION))
+    assert "over 8 % too large at 0.9. Take at least 4776 points both ways" in doubt(of_map, None)
+    assert "over 25 % too large at 0.9. Take at least 4776 points, " in doubt(problem(128, ATTRACTION), None)

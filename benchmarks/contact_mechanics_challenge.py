@@ -1,0 +1,107 @@
+"""The Contact-Mechanics Challenge with its adhesion: contact area at 250 kPa over the grid, the range and the cut-off.
+
+Mueser et al., Tribol. Lett. 65:118 (2017): L_x = 100 um, roll-off 20 um, cut-off 0.1 um, H = 0.8, rms gradient 1,
+E* = 25 MPa, w = 50 mJ/m^2, range 2.071 nm. No grid below 29700^2 nodes resolves that range (x < 1), so longer ranges
+are solved on grids that resolve them. The default takes grids up to 2048^2; `--quick` stops at 1024^2, `--whole` adds
+all waves on 4096^2. `--surface N` takes another surface.
+"""
+
+import argparse
+import time
+from math import log2
+
+import numpy as np
+
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.evaluation import measure
+from gfmd_numba.contact.law_resolution import resolution
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+
+PERIOD, MODULUS, WORK, PRESSURE = 100e-6, 25e6, 50e-3, 250e3  # m, Pa, J/m^2, Pa
+ROLL_OFF, CUT_OFF, RANGE = 5, 1000, 2.071e-9  # wave indices; m
+LONG = 16.62e-9  # range that 512^2 nodes resolve to x = 0.9
+
+
+def solve(cut_off, nodes, length, surface, pressure=PRESSURE):
+    """Corrected contact area under a pressure with a range of adhesion in m, None without; prints a line."""
+    law = None if length is None else ExponentialLaw(WORK / (MODULUS * PERIOD), length / PERIOD)
+    problem = Problem(
+        RandomSurface(SelfAffineWaves(0.8, ROLL_OFF, cut_off), nodes, 2024, dimension=2),
+        ElasticBody(None, None),
+        Interactions(True, law),
+        pressure / MODULUS,
+        None,
+        Options("active_set_newton" if law is None else "truncated_newton", residual=1e-6),
+    )
+    begun = time.perf_counter()
+    contact = solution.solve(problem, range(surface, surface + 1))
+    seconds, found = time.perf_counter() - begun, measure(contact)
+    assert found["status"][0] == Status.ok
+    shown = "      -      -" if law is None else f"{length * 1e9:7.2f} {resolution(problem):6.2f}"
+    print(
+        f"{nodes:5}^2 {PERIOD / cut_off * 1e6:9.2f} {shown} {pressure / 1e3:9.1f}"
+        f"{found['contact_area_fraction_counted'][0]:10.5f} {found['contact_area_fraction'][0]:10.5f}"
+        f"{found['mean_gap'][0] * PERIOD * 1e9:9.1f} {found['n_transforms'][0]:8} {seconds:8.1f}",
+        flush=True,
+    )
+    return float(found["contact_area_fraction"][0])
+
+
+def limit(areas):
+    """Limit of areas on grids that double, by the ratio of the last two differences."""
+    first, second = np.diff(areas[-3:])
+    ratio = max(first / second, 1.5) if first * second > 0.0 else 2.0
+    return areas[-1] + second / (ratio - 1.0), log2(ratio)
+
+
+def header(text):
+    print(f"\n{text}")
+    print(" grid  cut-off/um  range/nm   x     p/kPa   counted  corrected   gap/nm  transforms   s")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--surface", type=int, default=0)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--whole", action="store_true")
+    asked = parser.parse_args()
+    finest = 1024 if asked.quick else 2048
+    grids, one = [n for n in (256, 512, 1024, 2048) if n <= finest], asked.surface
+
+    header("The same waves and range on finer grids")
+    areas = [solve(64, n, LONG, one) for n in grids[-3:]]
+    dense, order = limit(areas)
+    print(f"limit {dense:.5f}, order {order:.1f}; the finest grid is {areas[-1] / dense - 1:+.2%} off")
+
+    header("Shorter ranges on the finest grid, and as well resolved on each grid")
+    for halvings in (0.5, 1.0):
+        solve(64, finest, LONG * 2.0**-halvings, one)
+    for n in grids[-3:]:
+        solve(64, n, LONG * (512 / n) ** 0.5, one)
+
+    header("More waves, without adhesion and with the long range, on the finest grid")
+    for cut_off in (64, 128, 256, 512, *([CUT_OFF] if finest == 2048 else [])):
+        if 2 * cut_off < finest:
+            without, adhesive = (solve(cut_off, finest, length, one) for length in (None, LONG))
+            print(f"{'':50} adhesion adds {adhesive / without - 1:.1%}")
+
+    header("Loads without adhesion and with the long range, 0.39 um")
+    for pressure in (12.5e3, 50e3, 125e3, 250e3, 500e3, 1e6, 2e6):
+        for length in (None, LONG):
+            solve(256, 1024, length, one, pressure)
+
+    if asked.whole:
+        header("All waves, four nodes for the shortest")
+        for length in (None, LONG):
+            solve(CUT_OFF, 4096, length, one)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""What a scene of a map does not call for costs it nothing: no transform, no array."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.equilibrium import begin, equilibrate
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.options import Options
+from support.maps import body, rough
+
+ADHESIVE = Interactions(True, ExponentialLaw(2e-4, 5e-3))
+NODES = 128 * 128
+
+
+def begun(solver, interface, steps=2):
+    """A solver after a few iterations on a map, and the peak of its memory in bytes a node."""
+    punch = rough(128)
+    batch = Batch(punch, body((128, 128)), np.array([0.05]), interface, Start.at_rest(punch))
+    tracemalloc.start()
+    made = begin(batch, Options(solver))
+    for _ in range(steps):
+        made.advance(np.arange(1))
+        made.residual(np.arange(1))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return made, peak / NODES
+
+
+@pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen", "fire"])
+def test_a_step_of_damped_dynamics_takes_two_transforms_with_and_without_a_law(solver):
+    for interface in (HARD_WALL, ADHESIVE):
+        made, _ = begun(solver, interface)
+        assert made.n_transforms.tolist() == [2 + 2 * 2]
+
+
+@pytest.mark.parametrize(("solver", "less"), [("truncated_newton", 8.0), ("verlet", 0.0)])
+def test_a_hard_wall_alone_takes_fewer_bytes_a_node_than_with_an_attraction(solver, less):
+    begun(solver, HARD_WALL), begun(solver, ADHESIVE)  # plans and kernels are made
+    (alone, fewer), (_, more) = begun(solver, HARD_WALL), begun(solver, ADHESIVE)
+    assert fewer < more - less + 0.2
+    assert more < 24 * 8  # what plans and checks of memory count with
+    if solver == "truncated_newton":
+        assert alone._bound is alone.wall
+
+
+def test_the_hard_wall_of_a_map_has_the_solver_of_hard_walls_and_no_fields_of_other_effects():
+    scene = {
+        "dimension": 2,
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+    found = gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 2}})
+    assert found.attrs["solver"] == "active_set_newton"
+    absent = {"law_resolution", "expected_error", "body_height", "energy_lost", "stability", "tangential_traction"}
+    assert not absent & set(found.variables)
+
+
+def test_a_law_that_does_next_to_nothing_leaves_the_contact_of_the_hard_wall():
+    punch, stiff = rough(64), body((64, 64))
+    faint = Interactions(True, ExponentialLaw(1e-14, 1e-3))
+    found = equilibrate(punch, stiff, 0.05, Options("truncated_newton"), faint)
+    expected = equilibrate(punch, stiff, 0.05, Options("active_set_newton"))
+    np.testing.assert_array_equal(found.touching, expected.touching)
+    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())

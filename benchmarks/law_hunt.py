@@ -74,7 +74,7 @@ def random_scene(kind, seed):
         "path": path[1:],
         "discretisation": {name: 1 / each for name, each in zip(("eps_c", "eps_f", "eps_t"), inverse, strict=True)},
         "seed": int(rng.integers(1000)),
-        "numerics": {"max_iterations": 20000 if kind == "friction_and_law" else 2000},
+        "numerics": {"max_iterations": 200000 if kind == "friction_and_law" else 2000},
     }
 
 

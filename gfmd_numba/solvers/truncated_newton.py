@@ -45,7 +45,6 @@ class TruncatedNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
@@ -69,6 +68,11 @@ class TruncatedNewton:
         self._u[:, :n] = np.where(crushed, np.minimum(start, punch), start)
         # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
         self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
+
+    @property
+    def tangential(self) -> tuple[Reals, Reals] | None:
+        """Nothing: the normal displacement alone is followed."""
+        return None
 
     @property
     def n_transforms(self) -> Rows:
@@ -168,6 +172,9 @@ class TruncatedNewton:
         """Change of the law's energy as the gaps of a row close."""
         return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum())
 
+    def _split(self, i: int) -> None:
+        """Treat some unknowns of a row in another way than the others in the preconditioner."""
+
     def _longest(self) -> float:
         """Step along the direction that is tried first."""
         return 1.0
@@ -195,6 +202,7 @@ class TruncatedNewton:
             self._u[i], self._wall[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
             weight, r, d, source,
         )  # fmt: skip
+        self._split(i)
         self._comply(row)
         first = last = kernels.descent_norm(r, weight, result, size)
         if not first > 0.0:

@@ -51,6 +51,12 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
 
+# each two of these go together, but all three do not
+FRICTION_AND_LAW_AT_A_RIGID_MEAN = ("friction", "normal law", "rigid mean")
+REFUSAL_OF_THREE = Refusal(
+    "friction", "rigid mean", _COMPRESSIBLE.format("both friction and a law of the gap"), "not built yet"
+)
+
 REFUSALS = (
     *(
         Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
@@ -136,11 +142,6 @@ REFUSALS = (
         "not built yet",
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
-    *(
-        Refusal(law, "rigid mean", _COMPRESSIBLE.format("an interaction law"), "not built yet")
-        for law in LAWS
-        if not able(("rigid mean", LAWS[law].ability))
-    ),
     Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
         Refusal(feature, "single", _DOUBLE, "not built yet")

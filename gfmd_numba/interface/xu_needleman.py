@@ -20,8 +20,11 @@ Rows = npt.NDArray[np.int64]
 class XuNeedlemanLaw:
     """Cohesive law of Xu and Needleman (Modelling Simul. Mater. Sci. Eng. 1:111, 1993) with q = 1, r = 0.
 
-    Its energy per area is -work (1 + gap / normal) exp(-gap / normal) exp(-slip^2 / tangential^2): it attracts across
-    an open gap, repels where the gap is negative, and resists slip. Lengths in g L_x, work in g^2 E* L_x.
+    Where the gap is open its energy per area is -work (1 + gap / normal) exp(-gap / normal) exp(-slip^2 /
+    tangential^2): it attracts and resists slip. Surfaces that overlap repel each other as they do there without slip,
+    and resist slip as they do at zero gap. (In the paper that repulsion decays with slip, and an overlap by more than
+    the normal length drives slip, so that surfaces under pressure pass through each other.) Energy and both tractions
+    are continuous. Lengths in g L_x, work in g^2 E* L_x.
     """
 
     work: float
@@ -46,16 +49,37 @@ class XuNeedlemanLaw:
 
     def energy(self, gap: Reals, slip: Reals) -> Reals:
         """Energy per area at a gap and a slip of the punch over the body."""
-        return np.asarray(-self.work * (1.0 + gap / self.normal) * self._decay(gap, slip))
+        g, overlap = np.maximum(gap, 0.0) / self.normal, np.minimum(gap, 0.0) / self.normal
+        return np.asarray(self.work * (1.0 - (1.0 + overlap) * np.exp(-overlap) - (1.0 + g) * self._decay(g, slip)))
 
     def normal_traction(self, gap: Reals, slip: Reals) -> Reals:
         """Traction that pulls the body towards the punch."""
-        return np.asarray(self.work * gap / self.normal**2 * self._decay(gap, slip))
+        g, overlap = np.maximum(gap, 0.0) / self.normal, np.minimum(gap, 0.0) / self.normal
+        return np.asarray(self.work / self.normal * (g * self._decay(g, slip) + overlap * np.exp(-overlap)))
 
     def tangential_traction(self, gap: Reals, slip: Reals) -> Reals:
         """Traction that drags the body along with the punch."""
-        scale = 2.0 * self.work * slip / self.tangential**2
-        return np.asarray(scale * (1.0 + gap / self.normal) * self._decay(gap, slip))
+        g = np.maximum(gap, 0.0) / self.normal
+        return np.asarray(2.0 * self.work * slip / self.tangential**2 * (1.0 + g) * self._decay(g, slip))
+
+    def stiffness(self, gap: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
+        """Second derivatives of the energy by the tangential displacement, by both and by the normal one."""
+        g, overlap, s = np.maximum(gap, 0.0) / self.normal, np.minimum(gap, 0.0) / self.normal, slip / self.tangential
+        decay = self.work * self._decay(g, slip)
+        tangential = 2.0 * decay / self.tangential**2 * (1.0 + g) * (1.0 - 2.0 * s * s)
+        both = -2.0 * decay / (self.normal * self.tangential) * s * g
+        repulsion = self.work * (1.0 - overlap) * np.exp(-overlap)
+        normal = np.where(overlap < 0.0, repulsion, decay * (1.0 - g)) / self.normal**2
+        return np.asarray(tangential), np.asarray(both), np.asarray(normal)
+
+    def energy_change(self, gap: Reals, slip: Reals, closing: Reals, dragged: Reals) -> Reals:
+        """Change of the energy per area as the body closes gaps and is dragged along, without cancellation."""
+        g, closer, along = gap / self.normal, closing / self.normal, dragged / self.tangential
+        along *= 2.0 * slip / self.tangential - along
+        overlapping = np.where(g < 0.0, np.maximum(closer, g), np.maximum(closer - g, 0.0))  # what closes below zero
+        opens = _envelope_change(np.maximum(g, 0.0), closer - overlapping, along)
+        overlaps = _envelope_change(np.minimum(g, 0.0), overlapping, 0.0)
+        return np.asarray(-self.work * (np.exp(-((slip / self.tangential) ** 2)) * opens + overlaps))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Bound of the stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
@@ -63,7 +87,7 @@ class XuNeedlemanLaw:
         normal = self.work / self.normal**2 * (1.0 + depth) * np.exp(depth)
         # the coupling is largest at gap = normal, slip = tangential / sqrt 2
         coupling = self.work / (self.normal * self.tangential) * np.sqrt(2.0) * np.exp(-1.5)
-        return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling * np.exp(depth))
+        return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
 
     def pull(
         self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: float, active: Rows, n: int
@@ -71,5 +95,11 @@ class XuNeedlemanLaw:
         """Take the tractions of the law off the restoring tractions of both displacements in the active rows."""
         kernels.xu_needleman_pull(u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential)
 
-    def _decay(self, gap: Reals, slip: Reals) -> Reals:
-        return np.asarray(np.exp(-gap / self.normal - (slip / self.tangential) ** 2))
+    def _decay(self, g: Reals, slip: Reals) -> Reals:
+        return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))
+
+
+def _envelope_change(g: Reals, closing: Reals, more: Reals | float) -> Reals:
+    """Change of (1 + g) exp(-g) as g decreases by `closing` and a factor exp(more) comes."""
+    growth = np.expm1(closing + more)
+    return np.asarray(np.exp(-g) * ((g - closing) * growth + (growth - closing)))

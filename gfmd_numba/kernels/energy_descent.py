@@ -1,6 +1,7 @@
 """Compiled parts of a truncated Newton step on the energy of a displacement that a wall bounds.
 
-All work on one row. Held nodes are those that the wall keeps from moving on; their `weight` is 0.
+All work on the `n` unknowns of one row, each of which has a load of its own. Held ones are those that the wall keeps
+from moving on; their `weight` is 0.
 """
 
 import numpy as np
@@ -14,7 +15,7 @@ def descent_start(
     u: Reals,
     wall: Reals,
     restoring: Reals,
-    load: float,
+    load: Reals,
     curvature: Reals,
     compliance: float,
     n: int,
@@ -28,7 +29,7 @@ def descent_start(
     Where the law stiffens a node, its weight makes its compliance that of law and body in parallel.
     """
     for j in range(n):
-        force = load - restoring[j]
+        force = load[j] - restoring[j]
         d[j] = 0.0
         if u[j] >= wall[j] and force >= 0.0:
             weight[j] = 0.0
@@ -100,7 +101,7 @@ def descent_work(
     elastic: Reals,
     trial_elastic: Reals,
     restoring: Reals,
-    load: float,
+    load: Reals,
     n: int,
     closing: Reals,
 ) -> tuple[float, float, float]:
@@ -108,8 +109,8 @@ def descent_work(
     work, slope, size = 0.0, 0.0, 0.0
     for j in range(n):
         closing[j] = trial[j] - u[j]
-        each = closing[j] * (0.5 * (elastic[j] + trial_elastic[j]) - load)
+        each = closing[j] * (0.5 * (elastic[j] + trial_elastic[j]) - load[j])
         work += each
-        slope += closing[j] * (restoring[j] - load)
+        slope += closing[j] * (restoring[j] - load[j])
         size += abs(each)
     return work, slope, size

@@ -35,6 +35,8 @@ def xu_needleman_pull(
         for j in range(n):
             gap = (punch[i, j] - u3[i, j]) / normal
             slip = (sliding - u1[i, j]) / tangential
+            overlap = min(gap, 0.0)  # repels as without slip
+            gap = max(gap, 0.0)
             decay = work * np.exp(-gap - slip * slip)
             k1[i, j] -= 2.0 * slip / tangential * (1.0 + gap) * decay
-            k3[i, j] -= gap / normal * decay
+            k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)

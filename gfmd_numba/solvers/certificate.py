@@ -61,12 +61,13 @@ class Certificate:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
         kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
 
-    def residual(self, load: Reals, active: Rows, strength: float = 0.0) -> Reals:
+    def residual(self, load: Reals, active: Rows, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or imbalance over the load if that is larger `[active]`.
 
-        Tractions of an interaction law may be far larger than the pressure: `strength` is a floor to the latter.
+        Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
+        `[active]` is a floor to the latter.
         """
-        worst, peak = self.worst[active], np.maximum(self.peak[active], strength)
+        worst, peak = self.worst[active], np.maximum(self.peak[active], strongest)
         # nothing touches and nothing is violated: the surfaces are apart
         local = np.divide(worst, peak, out=np.where(worst > 0.0, np.inf, worst), where=peak > 0.0)
         loaded = load[active] > 0.0

@@ -53,10 +53,6 @@ class CoupledDynamics:
         dt = time_step * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
-        # tractions of a law may be far larger than the pressure: that of the largest attraction is a floor to it
-        self._strength = 0.0 if interface.normal_law is None else abs(interface.normal_law.strength)
-        if interface.cohesive is not None:
-            self._strength = interface.cohesive.strength
         self._restore(np.arange(rows))
 
     @property
@@ -86,7 +82,21 @@ class CoupledDynamics:
             self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
             self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
-        return certificate.residual(self.load, active, self._strength)
+        return certificate.residual(self.load, active, self._strongest(active))
+
+    def _strongest(self, active: Rows) -> Reals:
+        """Largest traction of a law on each active row."""
+        n = self.field.n
+        gap, strongest = self._punch[active, :n] - self.displacement[active, :n], np.zeros(active.size)
+        tractions: list[Reals] = []
+        if self._law is not None:
+            tractions.append(self._law.traction(gap))
+        if self._cohesion is not None:
+            slip = self._sliding - self._tangential[active, :n]
+            tractions += [self._cohesion.normal_traction(gap, slip), self._cohesion.tangential_traction(gap, slip)]
+        for traction in tractions:
+            strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
+        return strongest
 
     def _restore(self, active: Rows) -> None:
         both = np.concatenate((active, active + self._rows))

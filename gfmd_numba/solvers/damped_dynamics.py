@@ -70,7 +70,6 @@ class DampedDynamics:
         self.restoring = self.field.result
         self._stiffness = self.field.symbol(batch.normal_stiffness)
         self._law = interface.normal_law
-        self._strength = 0.0 if interface.normal_law is None else abs(interface.normal_law.strength)
         self.certificate = Certificate(rows)
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))
@@ -88,9 +87,12 @@ class DampedDynamics:
 
     def residual(self, active: Rows) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform."""
-        field = self.field
+        field, strongest = self.field, np.zeros(active.size)
         self.certificate.look(self.displacement, field.result, self.wall, self.load, active, field.n)
-        return self.certificate.residual(self.load, active, self._strength)
+        if self._law is not None:
+            gap = self._punch[active, : field.n] - self.displacement[active, : field.n]
+            strongest = np.abs(self._law.traction(gap)).max(axis=1)
+        return self.certificate.residual(self.load, active, strongest)
 
     def _restore(self, active: Rows) -> None:
         field = self.field

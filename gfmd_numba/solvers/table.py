@@ -64,9 +64,11 @@ SOLVERS = {
         condensed="gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",
     ),
     "truncated_newton": Solver(
-        "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law"}),
+        "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap or of gap "
+        "and slip",
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "cohesive law", "rigid mean"}),
         condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
+        coupled="gfmd_numba.solvers.cohesive_newton:CohesiveNewton",
         block_samples=2**18,
     ),
     "frictional_newton": Solver(

@@ -1,6 +1,7 @@
 """Truncated Newton method on the energy of a contact under a law of the gap, with or without the hard wall."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +11,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 
@@ -24,6 +25,7 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
+_HELD = 10.0  # stiffness of a mean displacement that has to vanish over the largest of the body
 
 
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
@@ -37,56 +39,40 @@ class TruncatedNewton:
     the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So
     the energy never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the
     bodies, restricted to the free nodes. The first transforms of a step are those of its gradient.
+
+    A mean displacement that has to vanish is held by a large stiffness, and the mean pressure is the multiplier that
+    takes over what holds it (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         self.field = Convolution(rows, *shape)
         n = self.field.n
-        self.load = batch.loads
-        interface = batch.interface
-        self._law = law = interface.normal_law or _NOTHING
-        self._punch = aligned_rows(rows, n)
-        self._punch[:, :n] = batch.punch.reshape(rows, -1)
-        self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
-        # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
-        self._reach = law.strength / law.softening if law.softening > 0.0 else 0.0
-        self._bound = self.wall.copy() if self._reach > 0.0 else self.wall
-        (self._source,) = self.field.sources
-        self._u, self._elastic, self.restoring = (aligned_rows(rows, n) for _ in range(3))
-        # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
-        self._floats = batch.load is not None and not interface.hard_wall
-        self._level = np.zeros((rows, 1))
-        start = np.minimum(batch.start.displacement.reshape(rows, -1), self.wall[:, :n])
-        # where a law repels by more than any pressure, a Newton step is lost in its exponential
-        with np.errstate(over="ignore"):
-            crushed = -law.traction(self._punch[:, :n] - start) > batch.largest_pressure
-        self._u[:, :n] = np.where(crushed, np.minimum(start, self._punch[:, :n]), start)
-        self.certificate = Certificate(rows)
-        self._target = options.residual
-        stiffness = batch.normal_stiffness
+        self._law = law = batch.interface.normal_law or _NOTHING
+        self._hold_mean(batch, batch.normal_stiffness)
+        stiffness = self._held(batch.normal_stiffness)
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
         compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
         self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()
-        self._strongest, self._residual = np.zeros(rows), np.ones(rows)
-        self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
-            (6, n)
-        )
-        for row in np.arange(rows).reshape(-1, 1):
-            i = row[0]
-            self._source[i] = self._u[i]
-            self.field.apply(self._stiffness, row)
-            self._accept(i)
+        (self._source,), self._result = self.field.sources, self.field.result
+        punch = batch.punch.reshape(rows, -1)
+        start = batch.start.displacement.reshape(rows, -1)
+        # where a law repels by more than any pressure, a Newton step is lost in its exponential
+        with np.errstate(over="ignore"):
+            crushed = -law.traction(punch - start) > batch.largest_pressure
+        self._u = aligned_rows(rows, n)
+        self._u[:, :n] = np.where(crushed, np.minimum(start, punch), start)
+        # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
+        self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
 
     @property
-    def displacement(self) -> Reals:
-        """Displacement of each row."""
-        return self._u + self._level if self._floats else self._u
+    def tangential(self) -> tuple[Reals, Reals] | None:
+        """Nothing: the normal displacement alone is followed."""
+        return None
 
     @property
     def n_transforms(self) -> Rows:
@@ -99,48 +85,144 @@ class TruncatedNewton:
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
         """
         look, n = self.certificate, self.field.n
-        look.look(self._u, self.restoring, self.wall, self.load, active, n)
-        found = np.array(
-            [look.residual(self.load, active[k : k + 1], self._strongest[i])[0] for k, i in enumerate(active)]
-        )
+        look.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        self._look_at_more(active)
+        if look.rigid_mean is not None:
+            drift = look.rigid_mean.stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            self._drifts[active] = drift >= look.worst[active]
+        found = look.residual(self.load, active, self._strongest[active])
         self._residual[active] = found
         return found
 
     def advance(self, active: Rows) -> None:
         """Make one Newton step in the active rows."""
         for row in active.reshape(-1, 1):
+            if self._drifts[row[0]]:
+                self._shift_load(row[0])
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
 
+    def _hold_mean(self, batch: Batch, stiffness: Reals) -> None:
+        """Take down the condition of the mean displacement, for which a hard wall alone may leave no room."""
+        rigid_mean = RigidMean.of(batch.punch, stiffness)
+        if rigid_mean is not None and not batch.interface.hard_wall:
+            rigid_mean = replace(rigid_mean, impossible=np.zeros_like(rigid_mean.impossible))
+        self.certificate = Certificate(len(batch.punch), rigid_mean=rigid_mean)
+
+    def _held(self, stiffness: Reals) -> Reals:
+        """Normal stiffness in which a mean displacement that has to vanish is no more than very stiff."""
+        rigid_mean = self.certificate.rigid_mean
+        if rigid_mean is None:
+            return stiffness
+        held = stiffness.copy()
+        held.flat[0] = _HELD * rigid_mean.stiffest
+        return held
+
+    def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
+        """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""
+        rows, n, unknowns = len(batch.punch), self.field.n, self._u.shape[1]
+        self._normal, self._reach, self._target = normal, reach, options.residual
+        self.load = batch.loads.copy()
+        self._load, self._elastic, self._restoring, self._wall = np.zeros((4, rows, unknowns))
+        self._load[:, normal] = self.load[:, np.newaxis]
+        self._punch = batch.punch.reshape(rows, -1).copy()
+        self._wall[:] = np.inf
+        self.displacement, self.restoring, self.wall = (aligned_rows(rows, n) for _ in range(3))
+        if batch.interface.hard_wall:
+            self._wall[:, normal] = self._punch
+        self.wall[:, :n] = self._wall[:, normal]
+        np.minimum(self._u, self._wall, out=self._u)
+        self._bound = self._wall.copy() if reach > 0.0 else self._wall
+        # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
+        self._floats = batch.load is not None and not batch.interface.hard_wall
+        self._level = np.zeros((rows, 1))
+        self._strongest, self._residual = np.zeros(rows), np.ones(rows)
+        self._drifts = np.zeros(rows, dtype=np.bool_)
+        self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
+            (6, unknowns)
+        )
+        for row in np.arange(rows).reshape(-1, 1):
+            self._source[row[0]] = self._u[row[0]]
+            self._stiffen(row)
+            self._accept(row[0])
+
+    def _stiffen(self, row: Rows) -> None:
+        """Fill the result of a row with the restoring tractions of its source."""
+        self.field.apply(self._stiffness, row)
+
+    def _comply(self, row: Rows) -> None:
+        """Fill the result of a row with the displacements under its source."""
+        self.field.apply(self._compliance, row)
+
+    def _pull(self, i: int) -> Reals:
+        """Traction of the law on each unknown of a row."""
+        pull = np.zeros(self._u.shape[1])
+        pull[self._normal] = self._law.traction(self._gap(i))
+        return pull
+
+    def _bend(self, i: int) -> None:
+        """Fill the curvature of the law's energy for each unknown of a row alone."""
+        self._curvature[self._normal] = self._law.stiffness(self._gap(i))
+
+    def _bend_together(self, i: int) -> float:
+        """Add what the law makes of two unknowns of a node together to the result; returns twice its energy."""
+        return 0.0
+
+    def _change(self, i: int) -> float:
+        """Change of the law's energy as the gaps of a row close."""
+        return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum())
+
+    def _split(self, i: int) -> None:
+        """Treat some unknowns of a row in another way than the others in the preconditioner."""
+
+    def _longest(self) -> float:
+        """Step along the direction that is tried first."""
+        return 1.0
+
+    def _look_at_more(self, active: Rows) -> None:
+        """Measure violations of other than normal conditions."""
+
+    def _gap(self, i: int) -> Reals:
+        return np.asarray(self._punch[i] - self._u[i, self._normal])
+
+    def _shift_load(self, i: int) -> None:
+        """Let the mean pressure of a row take over what held its mean displacement."""
+        rigid_mean = self.certificate.rigid_mean
+        if rigid_mean is not None:
+            self.load[i] -= _HELD * rigid_mean.stiffest * self.displacement[i, : self.field.n].mean()
+            self._load[i, self._normal] = self.load[i]
+
     def _find_direction(self, row: Rows) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
-        i, n, field = row[0], self.field.n, self.field
+        i, size = row[0], self._u.shape[1]
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
-        d, p, source, result = self._direction, self._conjugate, self._source[i], self.field.result[i]
-        curvature[:] = self._law.stiffness(self._punch[i, :n] - self._u[i, :n])
+        d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
+        self._bend(i)
         kernels.descent_start(
-            self._u[i], self.wall[i], self.restoring[i], self.load[i], curvature, self._node_compliance, n,
+            self._u[i], self._wall[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
             weight, r, d, source,
         )  # fmt: skip
-        field.apply(self._compliance, row)
-        first = last = kernels.descent_norm(r, weight, result, n)
+        self._split(i)
+        self._comply(row)
+        first = last = kernels.descent_norm(r, weight, result, size)
         if not first > 0.0:
             return False
         p[:] = 0.0
-        kernels.descent_direction(weight, result, 0.0, n, p, source)
+        kernels.descent_direction(weight, result, 0.0, size, p, source)
         tolerance = self._tolerance(i)
         for _ in range(_INNER_ITERATIONS):
-            field.apply(self._stiffness, row)
-            curve, elastic = kernels.descent_curvature(p, result, curvature, n)
+            self._stiffen(row)
+            curve, elastic = kernels.descent_curvature(p, result, curvature, size)
+            curve += self._bend_together(i)
             if not curve > _FLAT * elastic:
-                d += last / elastic * p
+                d += last / max(elastic, _FLAT * last) * p
                 return True
-            kernels.descent_update(p, result, curvature, weight, last / curve, n, d, r, source)
-            field.apply(self._compliance, row)
-            norm = kernels.descent_norm(r, weight, result, n)
+            kernels.descent_update(p, result, curvature, weight, last / curve, size, d, r, source)
+            self._comply(row)
+            norm = kernels.descent_norm(r, weight, result, size)
             if not norm > tolerance**2 * first:
                 break
-            kernels.descent_direction(weight, result, norm / last, n, p, source)
+            kernels.descent_direction(weight, result, norm / last, size, p, source)
             last = norm
         return False
 
@@ -151,12 +233,12 @@ class TruncatedNewton:
 
     def _descend(self, row: Rows, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
-        i, step = row[0], 1.0
+        i, step = row[0], self._longest()
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
             if step < _SHORTEST:
-                self._direction[:] = (self.load[i] - self.restoring[i, : self.field.n]) / self._stiffest
+                self._direction[:] = (self._load[i] - self._restoring[i]) / self._stiffest
                 change, slope = self._trial(row, 1.0)
                 if _decreases(change, slope):
                     self._accept(i)
@@ -169,32 +251,35 @@ class TruncatedNewton:
 
     def _trial(self, row: Rows, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
-        i, n = row[0], self.field.n
+        i, size = row[0], self._u.shape[1]
         u, trial = self._u[i], self._source[i]
-        kernels.descent_trial(u, self._bound[i], self._direction, step, n, trial)
-        self.field.apply(self._stiffness, row)
-        work, slope, size = kernels.descent_work(
-            u, trial, self._elastic[i], self.field.result[i], self.restoring[i], self.load[i], n, self._closing
+        kernels.descent_trial(u, self._bound[i], self._direction, step, size, trial)
+        self._stiffen(row)
+        work, slope, scale = kernels.descent_work(
+            u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], size, self._closing
         )
         with np.errstate(over="ignore"):
-            law = float(self._law.energy_change(self._punch[i, :n] - u[:n], self._closing).sum())
-        return work + law - _ROUNDING * size, min(slope, 0.0)
+            law = self._change(i)
+        return work + law - _ROUNDING * scale, min(slope, 0.0)
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
-        n = self.field.n
-        mean = float(self._source[i, :n].mean()) if self._floats else 0.0
-        self._u[i, :n] = self._source[i, :n] - mean
-        self._punch[i, :n] -= mean
+        mean = float(self._source[i, self._normal].mean()) if self._floats else 0.0
+        self._u[i] = self._source[i]
+        self._u[i, self._normal] -= mean
+        self._punch[i] -= mean
         self._level[i] += mean
-        self._elastic[i, :n] = self.field.result[i, :n]
-        gap = self._punch[i, :n] - self._u[i, :n]
+        self._elastic[i] = self._result[i]
         if self._reach > 0.0:
-            closing = np.maximum(gap - _FAR * self._reach, self._reach)
-            np.minimum(self.wall[i, :n], self._u[i, :n] + closing, out=self._bound[i, :n])
-        traction = self._law.traction(gap)
-        self.restoring[i, :n] = self._elastic[i, :n] - traction
-        self._strongest[i] = np.abs(traction).max()
+            closing = np.maximum(self._gap(i) - _FAR * self._reach, self._reach)
+            bound = self._u[i, self._normal] + closing
+            self._bound[i, self._normal] = np.minimum(self._wall[i, self._normal], bound)
+        pull = self._pull(i)
+        self._restoring[i] = self._elastic[i] - pull
+        self._strongest[i] = np.abs(pull).max()
+        n = self.field.n
+        self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
+        self.restoring[i, :n] = self._restoring[i, self._normal]
 
 
 def _decreases(change: float, slope: float) -> bool:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpmath import exp, mpf, workdps
 from scipy.special import lambertw
 
 from gfmd_numba import kernels
@@ -28,6 +29,48 @@ def test_cohesive_tractions_are_derivatives_of_the_energy():
     assert law.energy(0.0, 0.0) == -0.3
     peak = law.normal_traction(np.array(0.2), np.array(0.0))
     assert peak == pytest.approx(0.3 / 0.2 / np.e)
+
+
+def test_cohesive_stiffness_is_the_derivative_of_the_tractions():
+    gap, slip = np.meshgrid(np.linspace(-0.21, 1.0, 9), np.linspace(-0.8, 0.8, 9))  # no gap at 0, where it may jump
+    law, h = COHESION, 1e-6
+    tangential, both, normal = law.stiffness(gap, slip)
+    np.testing.assert_allclose(
+        normal, -(law.normal_traction(gap - h, slip) - law.normal_traction(gap + h, slip)) / (2 * h), atol=1e-8
+    )
+    shear = [law.tangential_traction(gap, slip + sign * h) for sign in (1, -1)]
+    np.testing.assert_allclose(tangential, (shear[0] - shear[1]) / (2 * h), atol=1e-8)
+    pull = [law.normal_traction(gap, slip + sign * h) for sign in (1, -1)]
+    np.testing.assert_allclose(both, (pull[0] - pull[1]) / (2 * h), atol=1e-8)
+
+
+@pytest.mark.parametrize("step", [1.0, 1e-6, 1e-14])
+def test_the_change_of_the_cohesive_energy_does_not_cancel(step):
+    """Against mpmath, also where the surfaces come to overlap or cease to."""
+    rng = np.random.default_rng(1)
+    gap, slip = np.concatenate((rng.uniform(-0.3, 1.0, 40), rng.uniform(-0.3, 0.3, 40) * step)), rng.normal(size=80)
+    closing, dragged = step * 0.3 * rng.normal(size=(2, 80))
+
+    def exact(g, s, c, t):
+        def energy(g, s):
+            g, s = g / mpf(0.2), s / mpf(0.4)
+            opened, overlap = max(g, 0), min(g, 0)
+            return 1 - (1 + overlap) * exp(-overlap) - (1 + opened) * exp(-opened - s * s)
+
+        with workdps(60):
+            g, s, c, t = map(mpf, (g, s, c, t))
+            return float(mpf(0.3) * (energy(g - c, s - t) - energy(g, s)))
+
+    expected = [exact(*each) for each in zip(gap, slip, closing, dragged, strict=True)]
+    found = COHESION.energy_change(gap, slip, closing, dragged)
+    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-14 * step)
+
+
+def test_overlapping_surfaces_repel_whatever_they_slip_and_resist_slip_as_at_zero_gap():
+    slip, law = np.linspace(-2.0, 2.0, 9), COHESION
+    np.testing.assert_array_equal(law.normal_traction(-0.1, slip), law.normal_traction(-0.1, 0.0))
+    np.testing.assert_array_equal(law.tangential_traction(-0.5, slip), law.tangential_traction(0.0, slip))
+    np.testing.assert_allclose(law.energy(-1e-12, slip), law.energy(1e-12, slip), atol=1e-12)
 
 
 @pytest.mark.parametrize("pressure", [0.0, 1.0, 10.0])

@@ -47,7 +47,7 @@ def test_what_a_row_names_exists(name):
     solver = SOLVERS[name]
     assert solver.can <= set(ABILITIES)
     assert solver.successor is None or (solver.successor in SOLVERS and solver.gives_up_after is not None)
-    assert (solver.coupled is not None) == ("friction" in solver.can)
+    assert (solver.coupled is not None) == bool({"friction", "cohesive law"} & solver.can)
     for implementation in (solver.condensed, solver.coupled):
         assert implementation is None or callable(resolve_name(implementation))
     assert all(callable(resolve_name(law.implementation)) for law in LAWS.values() if law.implementation is not None)
@@ -69,7 +69,7 @@ def test_every_solver_has_the_same_surface(name):
 def test_auto_is_the_first_that_can():
     assert automatic(1, ["hard wall"]) == automatic(2, ["hard wall"]) == "active_set_newton"
     assert automatic(1, ["hard wall", "normal law"]) == automatic(2, ["normal law"]) == "truncated_newton"
-    assert automatic(1, ["cohesive law"]) == "verlet"
+    assert automatic(1, ["cohesive law"]) == automatic(1, ["rigid mean", "normal law"]) == "truncated_newton"
     assert able(["prescribed"]) == ("verlet",)
 
 

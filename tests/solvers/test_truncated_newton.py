@@ -145,7 +145,7 @@ def test_nodes_that_press_against_the_wall_are_held(kernel):
     u, wall = np.array([0.0, 0.0, -1.0, -1.0]), np.zeros(4)
     restoring, curvature = np.array([1.0, 3.0, 1.0, 3.0]), np.array([-1.0, 0.0, 4.0, 0.0])
     weight, r, d, source = np.full((4, 4), np.nan)
-    kernel(u, wall, restoring, 2.0, curvature, 2.0, 4, weight, r, d, source)
+    kernel(u, wall, restoring, np.full(4, 2.0), curvature, 2.0, 4, weight, r, d, source)
     np.testing.assert_allclose(weight, [0.0, 1.0, 1.0 / 3.0, 1.0])
     np.testing.assert_allclose(r, [0.0, -1.0, 1.0, -1.0])
     np.testing.assert_allclose(source, weight * r)
@@ -199,12 +199,12 @@ def test_a_trial_stops_at_the_wall(kernel):
 
 @pytest.mark.parametrize("kernel", both(kernels.descent_work))
 def test_the_work_is_the_change_of_the_quadratic_energy(kernel):
-    u, trial, restoring, closing = draws(4)
+    u, trial, restoring, closing, load = draws(5)
     matrix = np.random.default_rng(1).normal(size=(7, 7))
     matrix = matrix @ matrix.T
-    work, slope, size = kernel(u, trial, matrix @ u, matrix @ trial, restoring, 0.4, 7, closing)
+    work, slope, size = kernel(u, trial, matrix @ u, matrix @ trial, restoring, load, 7, closing)
     np.testing.assert_allclose(closing, trial - u)
-    quadratic = [0.5 * each @ matrix @ each - 0.4 * each.sum() for each in (u, trial)]
+    quadratic = [0.5 * each @ matrix @ each - load @ each for each in (u, trial)]
     assert work == pytest.approx(quadratic[1] - quadratic[0])
-    assert slope == pytest.approx((trial - u) @ (restoring - 0.4))
+    assert slope == pytest.approx((trial - u) @ (restoring - load))
     assert size >= abs(work)

@@ -1,0 +1,167 @@
+"""Random scenes with laws between the surfaces: how each path ends, and an independent check of every step called ok.
+
+`python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
+are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction and friction_and_law.
+"""
+
+import sys
+import time
+import warnings
+from collections import Counter
+
+import numpy as np
+
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.fourier import grid
+from gfmd_numba.scene import InputError, load_scene
+from gfmd_numba.solvers.equilibrium import following
+from gfmd_numba.solvers.status import Status
+
+KINDS = ("exponential", "cohesive", "rigid", "friction", "friction_and_law")
+
+
+def random_scene(kind, seed):
+    """A path of four steps on a self-affine surface of 16 to 2048 nodes; the softening of its law is x to 1."""
+    rng = np.random.default_rng([KINDS.index(kind), seed])
+    g, hurst = 10 ** rng.uniform(-3, -0.5), rng.uniform(0.1, 1)
+    inverse = [int(rng.choice(each)) for each in ([1, 2, 4, 8], [8, 32, 64, 128], [1, 2])]
+    aspect_ratio, nu = rng.choice([None, 1.0, 0.3, 0.1, 1.0]), float(rng.choice([0.0, 0.3, 0.45, 0.49, 0.3, 0.5]))
+    loaded = rng.random() < 0.5
+    if kind == "rigid":
+        aspect_ratio, nu, loaded = rng.choice([3.0, 1.0, 0.3, 0.1]), 0.5, False
+    elif nu == 0.5:
+        loaded = True
+    if aspect_ratio is None:
+        loaded = True
+    interface, range_ = {}, 10 ** rng.uniform(-3.5, 0.0)
+    work = 10 ** rng.uniform(-3, 0) * np.pi * np.prod(inverse) * range_**2
+    law = kind if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
+    if law == "cohesive":
+        interface["cohesive"] = {
+            "work_of_adhesion": float(work * g * g),
+            "normal_length": float(range_ * g),
+            "tangential_length": float(range_ * g * 10 ** rng.uniform(-0.7, 0.7)),
+        }
+    elif law != "friction":
+        if law == "exponential" and rng.random() < 0.4:
+            work = -(10 ** rng.uniform(-5, 1)) * max(range_, 1e-3)
+        interface["exponential"] = {"work_of_adhesion": float(work * g * g), "range": float(range_ * g)}
+    if "friction" in law:
+        interface["friction"] = {"coefficient": float(10 ** rng.uniform(-2, 0.3))}
+    if "friction" in law or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
+        interface["hard_wall"] = {}
+    deepest = 0.2 if nu < 0.5 else 0.05
+    if loaded:
+        path = [{"reduced_pressure": float(each)} for each in np.exp(rng.uniform(np.log(1e-3), 0, 4))]
+    elif interface.keys() & {"exponential", "cohesive"}:
+        path = [{"displacement": float(each)} for each in rng.uniform(-0.5 * deepest, deepest, 4) * g]
+    else:
+        path = [{"displacement": float(each)} for each in rng.uniform(0.0, deepest, 4) * g]
+    slides = aspect_ratio is not None and bool(interface.keys() & {"friction", "cohesive"})
+    if slides:
+        stride = 0.05 if "cohesive" not in interface else 2.0 * interface["cohesive"]["tangential_length"] / g
+        for step in path[1:]:
+            step["sliding"] = float(rng.normal() * stride * g)
+    body = {"poissons_ratio": nu} | ({} if aspect_ratio is None else {"aspect_ratio": float(aspect_ratio)})
+    return {
+        "scene": {
+            "body": body,
+            "roughness": {"method": "psd", "hurst": float(hurst), "rms_gradient": float(g)},
+            "interface": interface,
+            "loading": path[0],
+        },
+        "path": path[1:],
+        "discretisation": {name: 1 / each for name, each in zip(("eps_c", "eps_f", "eps_t"), inverse, strict=True)},
+        "seed": int(rng.integers(1000)),
+        "numerics": {"max_iterations": 200000 if kind == "friction_and_law" else 2000},
+    }
+
+
+def violation(problem, contact, sliding, before):
+    """Largest violated condition over the largest traction, by NumPy's transforms, and what rounding leaves open."""
+    found, punch, laws = contact.equilibrium, contact.punch[0], problem.interface
+    u, n = found.displacement[0], contact.punch.shape[1]
+    u1 = np.zeros(n) if found.tangential is None else found.tangential.displacement[0]
+    k11 = k13 = np.zeros(n // 2 + 1)
+    k33 = problem.body.condensed_stiffness(grid.wavenumbers(n))
+    if found.tangential is not None:
+        both = problem.body.coupled_stiffness(n)
+        k11, k13, k33 = both.k11, both.k13, both.k33.copy()
+    rigid = problem.mean_pressure is None and np.isinf(k33[0])
+    if problem.mean_pressure is not None or rigid:
+        k33[0] = 0.0
+    c1, c3 = np.fft.rfft(u1), np.fft.rfft(u)
+    elastic = np.fft.irfft(k33 * c3 - 1j * k13 * c1, n)
+    shear = np.fft.irfft(k11 * c1 + 1j * k13 * c3, n)
+    pull, drag = np.zeros(n), np.zeros(n)
+    if laws.normal_law is not None:
+        pull = laws.normal_law.work / laws.normal_law.length * np.exp((u - punch) / laws.normal_law.length)
+    if laws.cohesive is not None:
+        g, s = (punch - u) / laws.cohesive.normal, (sliding - u1) / laws.cohesive.tangential
+        decay = laws.cohesive.work * np.exp(-np.maximum(g, 0.0) - s * s)
+        pull = g / laws.cohesive.normal * np.where(g < 0.0, laws.cohesive.work * np.exp(-g), decay)
+        drag = 2.0 * s / laws.cohesive.tangential * (1.0 + np.maximum(g, 0.0)) * decay
+    load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
+    bears = load - elastic + pull
+    touching = (u >= punch) & laws.hard_wall
+    overlap = laws.hard_wall and (u > punch).any()
+    worst = np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+    largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
+    if laws.friction is None:
+        worst = max(worst, np.abs(shear - drag).max())
+    else:
+        start = following(before, contact.punch, sliding) if before is not None else None
+        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
+        bound = laws.friction * np.maximum(bears, 0.0) * touching
+        worst = max(worst, (np.abs(shear) - bound).max())
+        slips = touching & (slid != 0.0) & (laws.normal_law is None)  # the dynamics has anchors of its own
+        worst = max(worst, np.abs(shear + np.sign(slid) * bound)[slips].max(initial=0.0))
+    if rigid:
+        worst = max(worst, k33.max() * abs(u.mean()))
+    pressure = np.where(touching, bears, 0.0) - pull
+    worst = max(worst, 0.1 * np.abs(found.pressure[0] - pressure).max(), np.inf if overlap else 0.0)
+    if problem.mean_pressure is not None:
+        worst = max(worst, largest * abs(pressure.mean() / problem.mean_pressure - 1.0))
+    rounding = max(k33.max(), k11.max()) * np.spacing(max(np.abs(u).max(), np.abs(u1).max())) / largest
+    return worst / largest, rounding
+
+
+def follow(kind, seed):
+    """Status of the last step, the worst violation over what is allowed, and transforms a step; None if refused."""
+    try:
+        path = load_path(read_contact(*load_scene(random_scene(kind, seed))))
+    except InputError as error:
+        return None if "resolve" in str(error) or "room" in str(error) else sys.exit(f"{seed}: {error}")
+    before, worst, spent, status = None, 0.0, [], Status.ok
+    with warnings.catch_warnings(action="ignore"):
+        for problem, sliding, contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
+            status = Status(int(contact.equilibrium.status[0]))
+            spent.append(int(contact.equilibrium.n_transforms[0]))
+            if status != Status.ok:
+                break
+            found, rounding = violation(problem, contact, sliding, before)
+            worst = max(worst, found / (1.01 * problem.numerics.residual + 4.0 * rounding))
+            before = contact.equilibrium
+    return status, worst, spent
+
+
+if __name__ == "__main__":
+    kind, ended, transforms, failed = sys.argv[1], Counter(), [], 0
+    started = time.process_time()
+    for seed in range(*map(int, sys.argv[2:4])):
+        result = follow(kind, seed)
+        if result is None:
+            ended["refused"] += 1
+            continue
+        status, worst, spent = result
+        ended[status.name] += 1
+        transforms += spent
+        if status != Status.ok:
+            print(f"{kind} {seed}: {status.name} in step {len(spent)} after {spent[-1]} transforms", flush=True)
+        if not worst <= 1.0:
+            failed += 1
+            print(f"{kind} {seed}: called ok, but violated by {worst:.1e} times what is allowed", flush=True)
+    print(f"{kind}: {dict(ended)}; {failed} fail the check; transforms a step: median {np.median(transforms):.0f},")
+    seconds = time.process_time() - started
+    print(f"ninth decile {np.percentile(transforms, 90):.0f}, most {max(transforms)}; {seconds:.0f} s")

@@ -1,0 +1,138 @@
+"""Truncated Newton method for a cohesive law: both displacements of a profile descend one energy together."""
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton
+
+_GRIP = 0.1  # curvature of the law over its largest from which on it holds a node rather than the body does
+_PAYS = 20.0  # that largest over the stiffness of the softest wave below which one preconditioner does for all nodes
+_STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
+
+
+class CohesiveNewton(TruncatedNewton):
+    """Both displacements of a batch under a law of gap and slip, with or without the hard wall.
+
+    Rows of the field are the tangential and the normal displacement of one realisation after those of the other, so
+    that the unknowns of a realisation are one row twice as long. The wall bounds normal displacements alone.
+    """
+
+    def __init__(self, batch: Batch, options: Options) -> None:
+        cohesive = batch.interface.cohesive
+        if cohesive is None or batch.interface.friction is not None:
+            raise ValueError("this solver of both displacements knows a cohesive law alone")
+        rows, n = batch.punch.shape
+        self._cohesive, self._sliding = cohesive, batch.sliding
+        self.field = Convolution(2 * rows, n)
+        given = batch.coupled_stiffness
+        self._hold_mean(batch, given.k33)
+        stiffness = CoupledStiffness(given.k11, given.k13, self._held(given.k33))
+        compliance = stiffness.compliance()
+        for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
+            if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
+                s[0] = 1.0 / k[1:].min()
+        self._stiffness_elements = [self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33)]
+        self._compliance_elements = [self.field.symbol(s) for s in (compliance.s11, -compliance.s13, compliance.s33)]
+        self._k11, self._k33, self._any_gripped = stiffness.k11, stiffness.k33, False
+        self._softest = float(max(compliance.s11[1:].max(), compliance.s33[1:].max()))
+        share = grid.multiplicity(n) / n
+        self._node_compliance = float(0.5 * ((compliance.s11 + compliance.s33) * share).sum())
+        self._stiffest = float(stiffness.principal()[1].max()) + batch.law_stiffness()
+        (both,), length = self.field.sources, self.field.result.shape[1]
+        self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
+        self._sideways, self._together = slice(0, n), np.zeros(n)
+        start, tangential = batch.start.displacement, batch.start.tangential
+        with np.errstate(over="ignore"):
+            crushed = -cohesive.normal_traction(batch.punch - start, np.zeros(n)) > batch.largest_pressure
+        self._u = np.zeros_like(self._source)
+        self._u[:, :n] = tangential
+        self._u[:, length : length + n] = np.where(crushed, np.minimum(start, batch.punch), start)
+        self._begin(batch, options, slice(length, length + n), cohesive.normal)
+
+    @property
+    def n_transforms(self) -> Indices:
+        """Transforms made so far for each realisation."""
+        return self.field.n_transforms[0::2] + self.field.n_transforms[1::2]
+
+    @property
+    def tangential(self) -> tuple[Reals, Reals]:
+        """Tangential displacement of the body and the traction that restores it."""
+        return self._u, self._restoring
+
+    def _stiffen(self, row: Indices) -> None:
+        self._multiply(row, self._stiffness_elements)
+
+    def _split(self, i: int) -> None:
+        """Tell apart the nodes that the law holds: there the compliance is that of law and body in parallel."""
+        stiffest = float(self._curvature.max())
+        self._gripped = (self._curvature > _GRIP * stiffest) & (self._weight > 0.0)
+        self._any_gripped = stiffest * self._softest > _PAYS and bool(self._gripped.any())
+        if not self._any_gripped:
+            return
+        where = self._gripped
+        self._weight[where] = 1.0 / np.sqrt(self._curvature[where])
+        self._source[i, where] = self._weight[where] * self._unbalanced[where]
+        zero = np.zeros_like(self._k11)
+        elements = [zero, zero, zero]
+        for k, (part, stiffness) in {0: (self._sideways, self._k11), 2: (self._normal, self._k33)}.items():
+            held = self._curvature[part][where[part]]
+            if held.size:
+                mean = np.exp(np.log(held).mean())
+                elements[k] = self.field.symbol(mean / (mean + stiffness))
+        self._gripped_elements = elements
+
+    def _comply(self, row: Indices) -> None:
+        if not self._any_gripped:
+            self._multiply(row, self._compliance_elements)
+            return
+        source, result, where = self._source[row[0]], self._result[row[0]], self._gripped
+        whole = source.copy()
+        source[where] = 0.0
+        self._multiply(row, self._compliance_elements)
+        others = result.copy()
+        source[:] = np.where(where, whole, 0.0)
+        self._multiply(row, self._gripped_elements)
+        result[~where] = others[~where]
+
+    def _multiply(self, row: Indices, elements: list[Reals]) -> None:
+        both = np.array([2 * row[0], 2 * row[0] + 1])
+        self.field.forward(both)
+        kernels.couple(self.field.spectrum, *elements, both[:1], 1)
+        self.field.inverse(both)
+
+    def _slip(self, i: int) -> Reals:
+        return np.asarray(self._sliding - self._u[i, self._sideways])
+
+    def _pull(self, i: int) -> Reals:
+        pull, gap, slip = np.zeros(self._u.shape[1]), self._gap(i), self._slip(i)
+        pull[self._normal] = self._cohesive.normal_traction(gap, slip)
+        pull[self._sideways] = self._cohesive.tangential_traction(gap, slip)
+        return pull
+
+    def _bend(self, i: int) -> None:
+        tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))
+        self._curvature[self._sideways], self._curvature[self._normal] = tangential, normal
+
+    def _bend_together(self, i: int) -> float:
+        sideways, normal = self._conjugate[self._sideways], self._conjugate[self._normal]
+        self._result[i, self._sideways] += self._together * normal
+        self._result[i, self._normal] += self._together * sideways
+        return 2.0 * float(np.sum(sideways * self._together * normal))
+
+    def _change(self, i: int) -> float:
+        closing, dragged = self._closing[self._normal], self._closing[self._sideways]
+        return float(self._cohesive.energy_change(self._gap(i), self._slip(i), closing, dragged).sum())
+
+    def _longest(self) -> float:
+        farthest = float(np.abs(self._direction[self._sideways]).max())
+        return min(1.0, _STRIDE * self._cohesive.tangential / farthest) if farthest > 0.0 else 1.0
+
+    def _look_at_more(self, active: Indices) -> None:
+        unbalanced = np.abs(self._restoring[active, self._sideways]).max(axis=1)
+        self.certificate.worst[active] = np.maximum(self.certificate.worst[active], unbalanced)

@@ -1,8 +1,8 @@
 """Stiffness of all three displacements of a map, wave by wave.
 
-A wave of wave vector q = |q| (c, s) splits in two. Along q and out of the surface it is the wave of a profile, with K11,
-K13 and K33 of (6.57); across q it is one of shear alone, which nothing couples to, of stiffness K22 (G |q| of a
-half-space). In the axes x, y of the map, with z out of the surface, the stiffness is the Hermitian matrix
+A wave of wave vector q = |q| (c, s) splits in two. Along q and out of the surface it is the wave of a profile, with
+K11, K13 and K33 of (6.57). Across q it is one of shear alone, which nothing couples to, of stiffness K22, G |q| for a
+half-space. In the axes x, y of the map, with z out of the surface, the stiffness is the Hermitian matrix
 
     [[xx, xy, i xz], [xy, yy, i yz], [-i xz, -i yz, zz]],    xx = K11 c^2 + K22 s^2,    xy = (K11 - K22) c s,
     yy = K11 s^2 + K22 c^2,    xz = K13 c,    yz = K13 s,    zz = K33,

@@ -71,9 +71,9 @@ class FrictionalNewton:
         self._guess = self._first_guess(batch, options)
 
     @property
-    def tangential(self) -> tuple[Reals, Reals]:
-        """Tangential displacement of the body and the traction that restores it."""
-        return self._products.tangential, self._products.tangential_restoring
+    def tangential(self) -> tuple[Reals, Reals, Reals]:
+        """Tangential displacement of the body, the traction that restores it, and from where it slips."""
+        return self._products.tangential, self._products.tangential_restoring, self._anchor
 
     @property
     def n_transforms(self) -> Indices:

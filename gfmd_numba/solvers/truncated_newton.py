@@ -40,7 +40,7 @@ class TruncatedNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals] | None = None
+    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]

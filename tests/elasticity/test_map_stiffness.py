@@ -1,4 +1,4 @@
-"""The stiffness of three displacements of a map: beside Navier's equations in many digits, profiles and closed forms."""
+"""The stiffness of three displacements of a map, by Navier's equations in many digits, profiles and closed forms."""
 
 import mpmath
 import numpy as np

@@ -98,6 +98,13 @@ class Batch:
         return self.stiffness
 
     @property
+    def map_stiffness(self) -> MapStiffness:
+        """Stiffness of all displacements of a map; raises TypeError where only the normal one is followed."""
+        if not isinstance(self.stiffness, MapStiffness):
+            raise TypeError("this solver follows all displacements of maps")
+        return self.stiffness
+
+    @property
     def all_stiffness(self) -> Coupled:
         """Stiffness of all displacements of a profile or a map; raises TypeError where only the normal is followed."""
         if isinstance(self.stiffness, np.ndarray):

@@ -74,7 +74,7 @@ SOLVERS = {
         "same as active_set_newton",
         can=frozenset({"dimension 1", "hard wall", "friction", "rigid mean"}),
         condensed="gfmd_numba.solvers.bounded_newton:newton",
-        coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
+        coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
         block_samples=2**18,
         gives_up_after=100,  # usually below 12
         successor="verlet",

@@ -55,9 +55,8 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
 REFUSALS = (
     Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
     *(
-        Refusal("dimension 2", law, f"hard_wall alone with dimension 2; {law} needs dimension 1", "not built yet")
-        for law in LAWS
-        if not able(("dimension 2", LAWS[law].ability))
+        Refusal("dimension 2", law, f"hard_wall and friction with dimension 2; {law} needs dimension 1", "not built yet")
+        for law in ("exponential", "cohesive")
     ),
     Refusal(
         "dimension 2",
@@ -78,6 +77,7 @@ REFUSALS = (
     Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
+    Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
     *(

@@ -17,7 +17,7 @@ from gfmd_numba.contact.dataset import (
     units,
 )
 from gfmd_numba.contact.load_path import LoadPath
-from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.prescribed_load import reduced_pressure, sliding_along_y, steps_of
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
@@ -104,17 +104,18 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     """Dataset with what was prescribed, in each step of a path, as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
-    for scene, sliding in steps_of(given.file):
-        for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
-            found.setdefault(_NAMES.get(name, name), []).append(value)
+    for (scene, sliding), sliding_y in zip(steps_of(given.file), sliding_along_y(given.file), strict=True):
+        ways = {"sliding": sliding} | ({"sliding_y": sliding_y} if scene.dimension == 2 else {})
+        for name, value in (_prescribed(scene, given.surfaces.rms_gradient) | ways).items():
+            found.setdefault(_NAMES.get(name, name), []).append(float(value))
     if not given.file.path:
-        del found["sliding"]
+        found = {name: values for name, values in found.items() if name not in ("sliding", "sliding_y")}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     return dataset.assign_coords({name: ("step", values, attributes[name]) for name, values in found.items()})
 
 
-def _prescribed(scene: Scene, sliding: float, rms_gradient: float) -> dict[str, float]:
+def _prescribed(scene: Scene, rms_gradient: float) -> dict[str, float]:
     load = reduced_pressure(scene, rms_gradient, contact_modulus(scene))
     reduced = {} if load is None else {"reduced_pressure": load}
     own = {name: float(value) for name, value in scene.loading if value is not None}
-    return reduced | own | {"sliding": float(sliding)}
+    return reduced | own

@@ -33,7 +33,16 @@ def steps_of(file: SceneFile) -> Iterator[tuple[Scene, float]]:
     scene, sliding = file.scene, 0.0
     yield scene, sliding
     for step in file.path:
-        changes = step.model_dump(exclude_none=True)
+        changes = step.model_dump(exclude_none=True, exclude={"sliding_y"})
         sliding = changes.pop("sliding", sliding)
         scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
         yield scene, sliding
+
+
+def sliding_along_y(file: SceneFile) -> Iterator[float]:
+    """The sliding displacement along y (m or L_x), at the loading of a scene, then after each change of its path."""
+    sliding = 0.0
+    yield sliding
+    for step in file.path:
+        sliding = sliding if step.sliding_y is None else step.sliding_y
+        yield sliding

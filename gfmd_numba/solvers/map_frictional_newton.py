@@ -132,7 +132,7 @@ class MapFrictionalNewton:
         forth = np.where(slips, -(slid * tractions[:2]).sum(axis=0), 0.0)  # slip against the traction, times that
         leaves = contact & ~(pressure > 0.0)
         joins = ~contact & (gap < -self._rounding[i])
-        gives_way = sticks & (strength > friction * pressure)
+        gives_way = sticks & ~leaves & (strength > friction * pressure)
         turns_back = slips & ~((guess.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back
         direction = np.zeros_like(guess.direction)

@@ -7,7 +7,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
-from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
+from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, by_component
 from gfmd_numba.solvers.map_products import MapProducts
@@ -15,9 +15,11 @@ from gfmd_numba.solvers.map_stick_slip import MapGuess, MapStickSlip
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 
-_FRICTIONLESS, _SETTLED = 8, 0.02  # steps of the first guess, at most; share of it that may still change
+_FRICTIONLESS, _SETTLED = 12, 0.03  # steps of the first guess, at most; relative residual with which it is left
 _INNER = 0.02  # error left by the linear solution of one step over that before it
-_TIGHTEN = 0.1  # factor on the error of the last one, where it was not small enough
+_FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
+_EXACT = 1e-4  # the most exact of these
+_TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
 _DIRECTIONS = 40  # of the linear solution, at most
 
@@ -52,6 +54,7 @@ class MapFrictionalNewton:
         self._rounding = np.finfo(np.float64).eps * np.ptp(self.wall[:, :n], axis=1)
         self._asked = options.residual
         self._last = np.full(rows, options.residual)  # error of the linear solution once the guess stands
+        self._inner = np.full(rows, _INNER)
         self._changed = np.full(rows, n)  # nodes that the last step found to be guessed wrong
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest pressure
         self._guesses, self._guessed = self._first_guesses(batch, options)
@@ -108,7 +111,7 @@ class MapFrictionalNewton:
         peak, moved = float(np.abs(x).max(initial=0.0)), float(np.linalg.norm(change))
         aim = self._last[i] * peak
         if self._changed[i] or self._moved[i] > _CLOSE * self._asked:
-            aim = max(aim, _INNER * moved)
+            aim = max(aim, self._inner[i] * moved)
         self._moved[i] = moved / peak if peak > 0.0 else moved and np.inf
 
         def product(direction: Reals) -> Reals:
@@ -150,7 +153,10 @@ class MapFrictionalNewton:
         # a slipping node has slid exactly against its traction, any other that bears a pressure not at all
         against = np.divide(-forth, strength**2, out=np.zeros(n), where=forth > 0.0)
         self._products.tangential[own, :n] = np.where(bears, anchor + against * tractions[:2], u[:2])
-        self._changed[i] = np.count_nonzero(leaves | joins | gives_way | turns_back)
+        changed = np.count_nonzero(leaves | joins | gives_way | turns_back)
+        if changed > _FALLS * self._changed[i]:
+            self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
+        self._changed[i] = changed
         guess.contact = (contact | joins) & ~leaves
         guess.direction = direction
         held = np.divide(bound, strength, out=np.ones(n), where=strength > bound)
@@ -159,11 +165,12 @@ class MapFrictionalNewton:
     def _first_guesses(self, batch: Batch, options: Options) -> tuple[list[MapGuess], Indices]:
         n = self.field.n
         normal = replace(batch, stiffness=batch.map_stiffness.condensed(), interface=HARD_WALL)
-        solver = ActiveSetNewton(normal, replace(options, solver="active_set_newton"))
-        active = np.arange(len(batch.punch))
+        solver = newton(normal, Options("active_set_newton", _SETTLED, _FRICTIONLESS))
+        every = active = np.arange(len(batch.punch))
         for _ in range(_FRICTIONLESS):
             solver.advance(active)
-            active = active[solver.changed[active] > _SETTLED * solver.touching[active]]
-        pressures = solver.pressure[:, :n]
-        guesses = [MapGuess(p > 0.0, np.zeros((2, n)), np.zeros(n), np.array([0.0 * p, 0.0 * p, p])) for p in pressures]
+            active = active[solver.residual(active) > _SETTLED]
+        u, ku = solver.displacement, solver.restoring
+        solver.certificate.pressure(u, ku, solver.wall, solver.load, every, n, ku)
+        guesses = [MapGuess(p > 0.0, np.zeros((2, n)), np.zeros(n), np.array([0.0 * p, 0.0 * p, p])) for p in ku[:, :n]]
         return guesses, solver.n_transforms.copy()

@@ -65,7 +65,10 @@ class MapProducts:
 
 
 def _uncoupled_inverse(compliance: Reals) -> Reals:
-    """Inverse of the compliance without what couples normal and tangential; a mean that it lacks is as stiff as waves."""
+    """Inverse of the compliance without what couples normal and tangential.
+
+    A mean displacement that it lacks, or that is nearly rigid, is as stiff as the longest wave.
+    """
     xx, xy, yy, _, _, zz = compliance
     determinant = xx * yy - xy**2
     found = np.zeros_like(compliance)
@@ -73,6 +76,6 @@ def _uncoupled_inverse(compliance: Reals) -> Reals:
         np.divide(numerator, denominator, out=found[element], where=denominator > 0.0)
     np.divide(1.0, zz, out=found[5], where=zz > 0.0)
     for element in (0, 2, 5):
-        if not found[element, 0, 0] > 0.0:
+        if not 0.0 < found[element, 0, 0] < found[element, 0, 1]:
             found[element, 0, 0] = found[element, 0, 1]
     return found

@@ -107,7 +107,7 @@ class MapFrictionalNewton:
         problem = MapStickSlip(guess, self._friction, total, self._drifts, self._products, i)
         asked = problem.prescribed(anchor, wall)
         x = problem.unknowns(guess.tractions)
-        change, _ = problem.correction(asked - problem.restricted(problem.deflected(x), x))
+        change = problem.correction(asked - problem.restricted(problem.deflected(x), x))
         peak, moved = float(np.abs(x).max(initial=0.0)), float(np.linalg.norm(change))
         aim = self._last[i] * peak
         if self._changed[i] or self._moved[i] > _CLOSE * self._asked:
@@ -115,12 +115,12 @@ class MapFrictionalNewton:
         self._moved[i] = moved / peak if peak > 0.0 else moved and np.inf
 
         def product(direction: Reals) -> Reals:
-            return problem.correction(problem.restricted(problem.deflected(direction), direction))[0]
+            return problem.correction(problem.restricted(problem.deflected(direction), direction))
 
         basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS, change.size))
         x += shares @ basis
         u = problem.deflected(x)
-        problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
+        problem.level(u, asked - problem.restricted(u, x))
         self._revise(i, u, problem.tractions(x))
 
     def _revise(self, i: int, u: Reals, tractions: Reals) -> None:

@@ -63,6 +63,7 @@ class MapStickSlip:
             prescribed.append(0.0)
         rows = len(sums), sum(sizes)
         self._sums = np.array(sums).reshape(rows)
+        self._takers = np.array(takers).reshape(rows)
         self._uniform = np.array([self._inverse(each) for each in takers]).reshape(rows)
         self._prescribed = np.array(prescribed, dtype=np.float64)
         # of uniform displacements that hardly any node takes, least squares take none
@@ -100,17 +101,14 @@ class MapStickSlip:
         across = (self._across * u[:2, self.slipping]).sum(axis=0) + self._give * x[self._parts[1] :]
         return self._join(-u[2, self.touching], u[:2, self.stuck], across)
 
-    def correction(self, misfit: Reals) -> tuple[Reals, Reals]:
-        """Change of the unknowns that about mends a misfit of displacements and changes no sum.
-
-        Also returns the uniform displacements left over, normal and tangential ones as far as these are free.
-        """
+    def correction(self, misfit: Reals) -> Reals:
+        """Change of the unknowns that about mends a misfit of displacements and changes no sum."""
         x = self._inverse(misfit)
-        uniform = self._taken @ (self._sums @ x)
-        return x - uniform @ self._uniform, uniform
+        return np.asarray(x - (self._taken @ (self._sums @ x)) @ self._uniform)
 
-    def level(self, u: Reals, uniform: Reals) -> None:
-        """Take uniform displacements left over off the displacements `[3, n]`."""
+    def level(self, u: Reals, misfit: Reals) -> None:
+        """Take uniform displacements that are left of a misfit off the displacements `[3, n]`, as far as they are free."""
+        uniform = np.linalg.pinv(self._takers @ self._takers.T, rcond=1e-10) @ (self._takers @ misfit)
         if self._normal_is_free:
             u[2] -= uniform[0]
         if self._drifts:

@@ -55,7 +55,9 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
 REFUSALS = (
     Refusal("dimension 2", "flat punch", _RANDOM_MAP, "not built yet"),
     *(
-        Refusal("dimension 2", law, f"hard_wall and friction with dimension 2; {law} needs dimension 1", "not built yet")
+        Refusal(
+            "dimension 2", law, f"hard_wall and friction with dimension 2; {law} needs dimension 1", "not built yet"
+        )
         for law in ("exponential", "cohesive")
     ),
     Refusal(

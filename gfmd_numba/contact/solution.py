@@ -56,7 +56,8 @@ def solve(
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
-    `sliding` is the tangential displacement of the punch, on maps `[component, 1, 1]`, `raised` what the surface has moved towards it on its own.
+    `sliding` is the tangential displacement of the punch, on maps `[component, 1, 1]`, `raised` what the surface has
+    moved towards it on its own.
     """
     surface = problem.surface
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)

@@ -116,8 +116,9 @@ def equilibrate(
 
     `stiffness` is K(q) `[(ny,) nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts); `sliding` the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the elastic contact comes first, and
-    is the result where it stays below. Raises ValueError for a load that the hardness cannot carry.
+    counts); `sliding` the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the
+    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
+    cannot carry.
     """
     hardness = interface.hardness
     if load is not None and hardness is not None and load >= hardness:

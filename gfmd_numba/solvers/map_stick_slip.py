@@ -1,8 +1,8 @@
 """The linear problem of a map once it is guessed which nodes touch, which of them stick, and which way others slip.
 
-Unknown are the pressure p on the nodes in contact, both tangential tractions on those that stick, and on a slipping node
-the traction t across the direction e in which it slips: along e it bears -mu p. As it slips by s, Newton's method turns
-its traction with the slip, mu p ds / s = -dt across e, so that the node gives way by t s / (mu p) (Alart & Curnier,
+Unknown are the pressure p on the nodes in contact, both tangential tractions on those that stick, and on a slipping
+node the traction t across the direction e in which it slips: along e it bears -mu p. The traction of a slip s turns by
+as much as the slip does, t / (mu p) = -ds / s across e, so that the node gives way by t s / (mu p) (Alart & Curnier,
 Comput. Methods Appl. Mech. Eng. 92:353, 1991).
 """
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.solvers.map_products import MapProducts
 
 
@@ -107,7 +107,7 @@ class MapStickSlip:
         return np.asarray(x - (self._taken @ (self._sums @ x)) @ self._uniform)
 
     def level(self, u: Reals, misfit: Reals) -> None:
-        """Take uniform displacements that are left of a misfit off the displacements `[3, n]`, as far as they are free."""
+        """Take uniform displacements left of a misfit off the displacements `[3, n]`, as far as these are free."""
         uniform = np.linalg.pinv(self._takers @ self._takers.T, rcond=1e-10) @ (self._takers @ misfit)
         if self._normal_is_free:
             u[2] -= uniform[0]

@@ -298,7 +298,11 @@ def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
     """The dynamics anchors their nodes at once, so that it has no history to differ by."""
     profile = np.full((1, 64), 10.0)
     profile[0, 20:30] = 0.0
-    body, options, law = ElasticBody(0.1, None), Options("verlet", residual=1e-10), Interactions(True, friction=friction)
+    body, options, law = (
+        ElasticBody(0.1, None),
+        Options("verlet", residual=1e-10),
+        Interactions(True, friction=friction),
+    )
     one = equilibrate(profile, body.coupled_stiffness(64), 0.01, options, law)
     two = press(np.repeat(profile[:, np.newaxis], 4, axis=1), body, 0.01, friction, options=options)
     assert one.status[0] == two.status[0] == Status.ok

@@ -3,9 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
-from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import branch, solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.prescribed_load import sliding_along_y, steps_of
@@ -13,7 +10,6 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed, RoughBody
-from gfmd_numba.scene import SceneFile
 from gfmd_numba.scene.reduced_units import rounded
 
 
@@ -30,12 +26,12 @@ class RoughBodies:
 class LoadPath:
     """Problems in g L_x and g E* for one realisation, each with the tangential displacement of its punch.
 
-    On maps that is `[component, 1, 1]`, along x and then along y.
+    On maps that is a pair, along x and along y.
     `effects` tells what became of the effects of the scene.
     """
 
     problems: tuple[Problem, ...]
-    sliding: tuple[Reals | float, ...]
+    sliding: tuple[float | tuple[float, float], ...]
     realisation: int
     effects: tuple[Effect, ...]
     rough: RoughBodies | None = None
@@ -53,14 +49,12 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order)
     problems = tuple(problem for problem, _ in reduced)
-    ways = [[rounded(rounded(way / period) / surfaces.rms_gradient) for way in each] for each in _ways(file)]
-    sliding: list[Reals | float] = [x if file.scene.dimension == 1 else np.array([[[x]], [[y]]]) for x, y in ways]
-    return LoadPath(problems, tuple(sliding), file.realisation, reduced[-1][1], rough)
-
-
-def _ways(file: SceneFile) -> Iterator[tuple[float, float]]:
-    """How far the punch is displaced along x and along y at each step (m or L_x)."""
-    return zip((sliding for _, sliding in steps_of(file)), sliding_along_y(file), strict=True)
+    along_x, along_y = (
+        [rounded(rounded(way / period) / surfaces.rms_gradient) for way in ways]
+        for ways in ((sliding for _, sliding in steps), sliding_along_y(file))
+    )
+    sliding = tuple(along_x) if file.scene.dimension == 1 else tuple(zip(along_x, along_y, strict=True))
+    return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
 
 
 def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:

@@ -51,12 +51,12 @@ def solve(
     problem: Problem,
     realisations: range,
     before: Equilibrium | None = None,
-    sliding: Reals | float = 0.0,
+    sliding: float | tuple[float, float] = 0.0,
     raised: Reals | float = 0.0,
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
-    `sliding` is the tangential displacement of the punch, on maps `[component, 1, 1]`, `raised` what the surface has
+    `sliding` is the tangential displacement of the punch, on maps along x and along y, `raised` what the surface has
     moved towards it on its own.
     """
     surface = problem.surface
@@ -73,8 +73,9 @@ def solve(
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
-    start = None if before is None else following(before, punch, sliding)
-    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
+    drag = sliding if isinstance(sliding, float) else np.reshape(sliding, (2, 1, 1))
+    start = None if before is None else following(before, punch, drag)
+    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, drag)
     return Contact(heights, punch, equilibrium, deflected)
 
 

@@ -41,13 +41,11 @@ class MapStiffness:
         elements = np.array(
             [k11 * c**2 + k22 * s**2, (k11 - k22) * c * s, k11 * s**2 + k22 * c**2, k13 * c, k13 * s, k33]
         )
-        for axis, odd in ((2, _X), (1, _Y)):
-            if shape[axis - 1] % 2 == 0:
-                place = [slice(None)] * 3
-                place[axis] = shape[axis - 1] // 2
-                compliance = _inverse(elements[tuple(place)])
+        for of_axis, nodes, odd in ((elements.swapaxes(1, 2), shape[1], _X), (elements, shape[0], _Y)):
+            if nodes % 2 == 0:
+                compliance = _inverse(of_axis[:, nodes // 2])
                 compliance[odd] = 0.0
-                elements[tuple(place)] = _inverse(compliance)
+                of_axis[:, nodes // 2] = _inverse(compliance)
         return cls(elements)
 
     @property

@@ -32,7 +32,8 @@ class CoupledDynamics:
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
-        self._sliding = batch.sliding
+        # of the cohesive law, which knows profiles alone
+        self._sliding = 0.0 if isinstance(batch.sliding, np.ndarray) else batch.sliding
         self.certificate = Certificate(rows)
         self.load = batch.loads
         self.field = Convolution(self._components * rows, *shape)

@@ -41,6 +41,12 @@ class Tangential:
     slip: Reals
     sliding: Reals | float
 
+    @classmethod
+    def zero(cls, punch: Reals, sliding: Reals | float) -> "Tangential":
+        """Nothing yet, to be filled."""
+        displacement, traction, slip = np.zeros((3, *tangential_shape(punch)))
+        return cls(displacement, traction, slip, sliding)
+
 
 @dataclass(frozen=True)
 class Equilibrium:
@@ -130,7 +136,7 @@ def equilibrate(
         displacement=np.empty_like(punch),
         pressure=np.empty_like(punch),
         touching=np.empty(punch.shape, dtype=np.bool_),
-        tangential=None if not interface.couples else Tangential(*np.zeros((3, *tangential_shape(punch))), sliding),
+        tangential=Tangential.zero(punch, sliding) if interface.couples else None,
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),

@@ -39,7 +39,7 @@ class MapStickSlip:
     ) -> None:
         self._products, self._i, self._shape = products, i, guess.tractions.shape
         self.touching = np.flatnonzero(guess.contact)
-        slips = guess.direction.any(axis=0)[self.touching]
+        slips = guess.direction[:, self.touching].any(axis=0)
         self.stuck, self.slipping = self.touching[~slips], self.touching[slips]
         self._drag = -friction * guess.direction[:, self.touching]  # tangential traction over pressure
         along = guess.direction[:, self.slipping]

@@ -19,8 +19,7 @@ def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     touching, slip = dataset["gap"].values == 0.0, dataset["slip"].values
     states = np.where(touching, np.where(slip > 0.0, 1.0, 2.0), 0.0)
     colours = ListedColormap(["white", COLOURS[1], COLOURS[0]])
-    norm = BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3)
-    bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=norm)
+    bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
     bar.set_ticks([0.0, 1.0, 2.0], labels=["open", "slipping", "sticking"])
     _draw_traction(axes[1], dataset, touching)
     values, label = scaled(dataset["slip"], "Slip in this step", "L_x")
@@ -32,7 +31,7 @@ def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
 def _draw_traction(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
     """Size of the tangential traction, and arrows along its mean over squares of nodes, the longest for the largest."""
     both = dataset["tangential_traction"], dataset["tangential_traction_y"]
-    factor, unit = prefix(np.hypot(*both).assign_attrs(both[0].attrs), "E^*")
+    factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
     traction = np.where(touching, [factor * component.values for component in both], 0.0)
     size = np.hypot(*traction)
     colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")

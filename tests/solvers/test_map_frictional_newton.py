@@ -252,15 +252,6 @@ def test_a_row_does_not_depend_on_the_others():
         assert alone.n_transforms[0] == together.n_transforms[row]
 
 
-def test_newton_takes_far_fewer_transforms_than_the_dynamics():
-    punch, body = rough((64, 64), 7, waves=16, rows=2), ElasticBody(0.3, None)
-    fast = press(punch, body, 0.05, 0.3)
-    slow = press(punch, body, 0.05, 0.3, options=Options("verlet"))
-    assert (fast.status == Status.ok).all()
-    assert (slow.status == Status.ok).all()
-    assert np.median(slow.n_transforms) > 2 * np.median(fast.n_transforms)
-
-
 def test_a_punch_that_touches_nothing_is_carried_by_nothing():
     punch = rough((16, 16), 4) + 0.1
     result = press(punch, ElasticBody(0.3, 0.5), None, 0.3)

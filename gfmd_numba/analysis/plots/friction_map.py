@@ -43,8 +43,9 @@ def _draw_traction(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
     along_x, along_y = (_mean_of_squares(component, square) for component in traction)
     places = [_mean_of_squares(each, square) for each in np.meshgrid(*(scaled(dataset[i], "", "")[0] for i in "xy"))]
     pulled = np.hypot(along_x, along_y) > 0.0
-    arrows = (each[pulled] for each in (*places, along_x, along_y))
-    axis.quiver(*arrows, color="0.15", width=0.004, pivot="middle")
+    if pulled.any():
+        arrows = (each[pulled] for each in (*places, along_x, along_y))
+        axis.quiver(*arrows, color="0.15", width=0.004, pivot="middle")
 
 
 def _mean_of_squares(values: Reals, square: list[int]) -> Reals:

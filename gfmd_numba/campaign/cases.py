@@ -13,7 +13,7 @@ from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
 from gfmd_numba.contact.bodies import contact_modulus
-from gfmd_numba.contact.prescribed_load import reduced_length, reduced_load, steps_of
+from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, GivenSurface, LoadStep, Problem, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
@@ -153,7 +153,7 @@ def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[Loa
             load = reduced_load(changed, rms_gradient, modulus)
         except ValueError as error:
             raise _beyond_measure(f"path[{i}]", changed, error) from None
-        yield LoadStep(load, reduced_length(sliding, scene, rms_gradient))
+        yield LoadStep(load, reduced_sliding(sliding, scene, rms_gradient))
 
 
 def _beyond_measure(place: str, scene: Scene, error: ValueError) -> InputError:

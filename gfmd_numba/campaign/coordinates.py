@@ -8,7 +8,7 @@ from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
-from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
@@ -66,8 +66,9 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
     loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
     found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
     if scene.interface.couples:
-        sliding = [[float(sliding) for _, sliding in each] for each in steps]
-        found["step_sliding"] = dims, sliding, attributes["sliding"]
+        for i, way in enumerate(SLIDING[: scene.dimension]):
+            slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
+            found[f"step_{way}"] = dims, slid, attributes[way]
     return found
 
 
@@ -88,7 +89,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
     if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis
         attributes[_REDUCED] = cf_attributes(REDUCED_PRESSURE)
     columns = coordinates(cases)
-    described = {name: ("case", column, attributes[name]) for name, column in columns.items()}
+    described: dict[str, Described] = {name: ("case", column, attributes[name]) for name, column in columns.items()}
     for axis in (axis for axis in AXES if axis.has_names and axis.coordinate in columns):
         known = list(dict.fromkeys(columns[axis.coordinate]))
         numbers = {name: i for i, name in enumerate(known)}

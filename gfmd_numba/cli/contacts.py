@@ -71,7 +71,10 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa",
     "kappa_r",
 )
-_PRESCRIBED = ("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement", "sliding")
+_PRESCRIBED = (
+    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
+    *("sliding", "sliding_y"),
+)
 
 
 def _show_one(dataset: xr.Dataset) -> None:

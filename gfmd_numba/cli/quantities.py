@@ -17,6 +17,7 @@ WORDS = {
     "force": "force",
     "punch_displacement": "punch displacement",
     "sliding": "sliding",
+    "sliding_y": "sliding along y",
     "mean_pressure": "mean pressure",
     "contact_area_fraction": "contact area fraction",
     "contact_area": "contact area",
@@ -30,7 +31,7 @@ WORDS = {
     "kappa_r": "kappa_r",
     "residual": "residual",
 }
-_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "mean_gap"}
+_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "sliding_y", "mean_gap"}
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:

@@ -61,7 +61,7 @@ REFUSALS = (
     *(
         Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
         for law in LAWS
-        if LAWS[law].tangential
+        if LAWS[law].tangential and law != "friction"
     ),
     Refusal(
         "dimension 2",
@@ -78,6 +78,7 @@ REFUSALS = (
     Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
+    Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
     *(

@@ -74,6 +74,7 @@ PHRASES = {
     "rough body": "a rough elastic body",
     "single": "single precision",
     "sliding": "sliding",
+    "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
     "sticking": "an infinite coefficient of friction",
     "stiffness_scale": "`stiffness_scale`",

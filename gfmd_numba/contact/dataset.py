@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
@@ -84,6 +85,7 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
         "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
         "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
+        "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
     }
 
 
@@ -119,22 +121,15 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None:
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
-    tangential = contact.equilibrium.tangential
-    sideways = None if tangential is None else tangential.displacement[0]
     if contact.deflected is not None:
         displacement = displacement + contact.deflected[1]
-        sideways = None if sideways is None else sideways + contact.deflected[0]
     fields = {
         "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
         "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
         "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
-    if tangential is not None:
-        fields |= {
-            "tangential_displacement": ("height", "tangential displacement of the body", sideways),
-            "tangential_traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
-        }
+    fields |= _tangential_fields(contact, problem.interface.friction is not None)
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
@@ -154,6 +149,32 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     refuse_nonfinite(dataset)
     dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
     return dataset
+
+
+def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
+    """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
+    tangential = contact.equilibrium.tangential
+    if tangential is None:
+        return {}
+    sideways = tangential.displacement[0]
+    if contact.deflected is not None:
+        sideways = sideways + contact.deflected[0]
+    kinds = {
+        "displacement": ("height", "tangential displacement of the body", sideways),
+        "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
+    }
+    if sideways.ndim == 1:
+        fields = {f"tangential_{kind}": found for kind, found in kinds.items()}
+    else:
+        fields = {
+            f"tangential_{kind}{suffix}": (unit, f"{long_name} along {axis}", values[i])
+            for kind, (unit, long_name, values) in kinds.items()
+            for i, (axis, suffix) in enumerate((("x", ""), ("y", "_y")))
+        }
+    if rubs:
+        slid = np.abs(tangential.slip[0]) if sideways.ndim == 1 else np.hypot(*tangential.slip[0])
+        fields["slip"] = ("height", "way a touching node has slid in this step, 0 where it sticks", slid)
+    return fields
 
 
 def refuse_nonfinite(dataset: xr.Dataset) -> None:

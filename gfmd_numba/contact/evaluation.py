@@ -136,14 +136,16 @@ def nayak(contact: Contact) -> Reals:
 def elastic_energy(contact: Contact) -> Reals:
     """Elastic energy per nominal area of what the punch adds to the deformation, in g^2 E* L_x `[realisation]`.
 
-    That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of the tangential ones.
+    That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of each tangential one.
     """
     along = tuple(range(1, contact.heights.ndim))
     u, tangential = contact.equilibrium.displacement, contact.equilibrium.tangential
     work = -contact.equilibrium.pressure * (u - u.mean(axis=along, keepdims=True))
     if tangential is not None:
         v = tangential.displacement
-        work = work + tangential.traction * (v - v.mean(axis=along, keepdims=True))
+        inside = tuple(range(v.ndim - len(along), v.ndim))
+        sideways = tangential.traction * (v - v.mean(axis=inside, keepdims=True))
+        work = work + (sideways if v.ndim == work.ndim else sideways.sum(axis=1))
     return np.asarray(0.5 * work.mean(axis=along))
 
 

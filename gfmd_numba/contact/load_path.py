@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gfmd_numba.contact import branch, solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.prescribed_load import reduced_length, steps_of
+from gfmd_numba.contact.prescribed_load import Sliding, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
@@ -29,7 +29,7 @@ class LoadPath:
     """
 
     problems: tuple[Problem, ...]
-    sliding: tuple[float, ...]
+    sliding: tuple[Sliding, ...]
     realisation: int
     effects: tuple[Effect, ...]
     rough: RoughBodies | None = None
@@ -46,7 +46,7 @@ def load_path(given: ContactInput) -> LoadPath:
     if surfaces.bodies is not None:
         rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order(file.scene.dimension))
     problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(reduced_length(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
+    sliding = tuple(reduced_sliding(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
 
 
@@ -62,7 +62,7 @@ def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
         before = pressed.contact.equilibrium
 
 
-def solve_steps(problems: Sequence[Problem], sliding: Sequence[float], realisation: int) -> Iterator[Contact]:
+def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Contact]:
     """Equilibrium at each of several loads of a realisation, begun where the last one ended."""
     one = range(realisation, realisation + 1)
     last: tuple[Problem, Contact] | None = None

@@ -21,7 +21,7 @@ from gfmd_numba.contact.dataset import (
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.path_observables import recorded_along
-from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
@@ -101,7 +101,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     """What speaks against a step, or all steps, of a path, a sentence a line."""
-    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order
+    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene.dimension)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
@@ -132,13 +132,13 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if not given.file.path:
-        del found["sliding"]
+        found = {name: values for name, values in found.items() if name not in SLIDING}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     return dataset.assign_coords({name: ("step", values, attributes[name]) for name, values in found.items()})
 
 
-def _prescribed(scene: Scene, sliding: float, rms_gradient: float) -> dict[str, float]:
+def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
     load = reduced_pressure(scene, rms_gradient, contact_modulus(scene))
     reduced = {} if load is None else {"reduced_pressure": load}
     own = {name: float(value) for name, value in scene.loading if value is not None}
-    return reduced | own | {"sliding": float(sliding)}
+    return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

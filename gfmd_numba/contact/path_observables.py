@@ -7,6 +7,9 @@ from gfmd_numba.scene import Scene
 
 PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
     "mean_tangential_traction": Observable("contact", "pressure", "mean tangential traction of the punch on the body"),
+    "mean_tangential_traction_y": Observable(
+        "contact", "pressure", "mean tangential traction along y of the punch on the body"
+    ),
     "stick_fraction": Observable(
         "contact",
         "1",
@@ -28,8 +31,9 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
         undefined_at_times=True,
     ),
 }
-_NEEDS: dict[str, Literal["drag", "friction", "loss", "tension"]] = {
+_NEEDS: dict[str, Literal["drag", "drag of maps", "friction", "loss", "tension"]] = {
     "mean_tangential_traction": "drag",
+    "mean_tangential_traction_y": "drag of maps",
     "stick_fraction": "friction",
     "energy_lost": "loss",
     "hysteresis": "loss",
@@ -46,6 +50,7 @@ def recorded_along(scene: Scene) -> dict[str, Observable]:
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
     has = {
         "drag": interface.couples,
+        "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
         "loss": (interface.couples or attracts) and scene.boundary is None and not scene.follows_topography,
         "tension": attracts and scene.loading.displacement is not None,

@@ -7,6 +7,10 @@ from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.reduced_units import quantities, rounded
 
+Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
+
+SLIDING = ("sliding", "sliding_y")
+
 
 def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) -> float | None:
     """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
@@ -46,12 +50,18 @@ def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
     return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
 
 
-def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, float]]:
+def reduced_sliding(sliding: Sliding, scene: Scene, rms_gradient: float) -> Sliding:
+    """Tangential displacement of the punch (m or L_x of the scene) in g L_x."""
+    return tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
+
+
+def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:
     """The scene and the sliding displacement (m or L_x) at its own loading, then after each change of the path."""
-    sliding = 0.0
+    sliding: Sliding = (0.0,) * scene.dimension
     yield scene, sliding
     for step in path:
         changes = step.model_dump(exclude_none=True)
-        sliding = changes.pop("sliding", sliding)
+        asked = changes.pop("sliding", sliding[0]), changes.pop("sliding_y", sliding[-1])
+        sliding = asked[: scene.dimension]
         scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
         yield scene, sliding

@@ -64,7 +64,7 @@ class LoadStep(NamedTuple):
     """A change of the loading: what is prescribed, a mean pressure or a displacement, and the sliding of the punch."""
 
     load: float
-    sliding: float
+    sliding: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)  # there may be a million
@@ -98,7 +98,7 @@ class Problem:
         return 1 + len(self.path)
 
     def _hash(self) -> str:
-        content = {
+        content: dict[str, Any] = {
             "results_version": results_version(),
             "surface": _surface_content(self.surface),
             "body": _body_content(self.body),

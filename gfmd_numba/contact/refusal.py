@@ -153,6 +153,8 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     for i, step in enumerate(path):
         if step.sliding is not None:
             yield "sliding", ("path", i, "sliding")
+        if step.sliding_y is not None:
+            yield from ((feature, ("path", i, "sliding_y")) for feature in ("sliding", "sliding_y"))
         if (step.displacement or 0.0) < 0.0:
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:

@@ -1,5 +1,6 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,9 +9,9 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import GivenSurface, Problem
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
+from gfmd_numba.solvers.iteration import Stiffness
 
 
 @dataclass(frozen=True)
@@ -51,12 +52,13 @@ def solve(
     problem: Problem,
     realisations: range,
     before: Equilibrium | None = None,
-    sliding: float = 0.0,
+    sliding: Sequence[float] | None = None,
     raised: Reals | float = 0.0,
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
-    `sliding` is the tangential displacement of the punch, `raised` what the surface has moved towards it on its own.
+    `sliding` is the tangential displacement of the punch along x, on maps also along y, `raised` what the surface has
+    moved towards it on its own.
     """
     surface = problem.surface
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
@@ -72,13 +74,17 @@ def solve(
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
-    start = None if before is None else following(before, punch, sliding)
-    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, sliding)
+    ways = sliding or (0.0,) * (heights.ndim - 1)
+    drag = ways[0] if len(ways) == 1 else np.reshape(ways, (2, 1, 1))
+    start = None if before is None else following(before, punch, drag)
+    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, drag)
     return Contact(heights, punch, equilibrium, deflected)
 
 
-def _stiffness(problem: Problem) -> Reals | CoupledStiffness:
-    """Of all that deforms: of the normal displacement alone, or of both."""
+def _stiffness(problem: Problem) -> Stiffness:
+    """Of all that deforms: of the normal displacement alone, or of all."""
+    if problem.interface.couples and len(problem.surface.shape) == 2:
+        return problem.body.coupled_stiffness_of_map(problem.surface.shape)
     if problem.interface.couples:
         return problem.body.coupled_stiffness(problem.surface.nx)
     return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))

@@ -14,6 +14,7 @@ from gfmd_numba.elasticity import coupled, moduli, stiffness, transfer
 from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.map_stiffness import MapStiffness
 from gfmd_numba.elasticity.stack import Stack, merged
 from gfmd_numba.elasticity.transfer import Transfer
 from gfmd_numba.fourier import grid
@@ -101,6 +102,16 @@ class ElasticBody:
             element[1:] = q * over_q
         return CoupledStiffness.on_grid(nx, *elements)
 
+    def coupled_stiffness_of_map(self, shape: tuple[int, ...]) -> MapStiffness:
+        """Stiffness of all three displacements of a map of ny, nx nodes, in E*/L_x."""
+        q, places = np.unique(grid.magnitudes(shape), return_inverse=True)  # every length occurs several times
+        tangential, normal = self.uniform_stiffness()
+        elements = np.empty((4, len(q)))
+        elements[:, 0] = tangential, 0.0, normal, tangential
+        for element, over_q in zip(elements, (*self._elements(q[1:]), self._across(q[1:])), strict=True):
+            element[1:] = q[1:] * over_q
+        return MapStiffness.on_grid(shape, *elements[:, places.reshape(shape[0], -1)])
+
     def compliance(self, nx: int) -> Compliance:
         """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""
         return self.compliance_along(grid.wavenumbers(nx))
@@ -131,6 +142,14 @@ class ElasticBody:
         if self.aspect_ratio is None:
             return coupled.half_space_elements(self.nu)
         return coupled.slab_elements(q * self.aspect_ratio, self.nu)
+
+    def _across(self, q: Reals) -> Reals | float:
+        """Stiffness over q of waves of shear, whose displacement is across q and along the surface, in E*."""
+        if self.stack is not None:
+            return 1.0 / self.stack.compliance_across(q)
+        if self.aspect_ratio is None:
+            return float(moduli.c44(self.nu))
+        return np.asarray(moduli.c44(self.nu) / np.tanh(q * self.aspect_ratio))
 
     def _condensed_elements(self, q: Reals) -> tuple[Reals, Reals] | tuple[float, float]:
         if self.stack is not None:

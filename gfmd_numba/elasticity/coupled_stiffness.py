@@ -29,6 +29,11 @@ class CoupledStiffness:
             k13[-1] = 0.0
         return cls(k11, k13, k33)
 
+    @property
+    def elements(self) -> tuple[Reals, Reals, Reals]:
+        """The elements in this order."""
+        return self.k11, self.k13, self.k33
+
     def condensed(self) -> Reals:
         """Stiffness of the normal displacement where no tangential traction acts (Schur complement, 6.75)."""
         softening = np.divide(self.k13**2, self.k11, out=np.zeros_like(self.k13), where=self.k13 != 0.0)

@@ -68,6 +68,14 @@ class Stack:
             found[:, some] = surface[0, 0], -surface[0, 1], surface[1, 1]
         return found[0], found[1], found[2]
 
+    def compliance_across(self, q: Reals) -> Reals:
+        """Compliance times q of waves q > 0 of shear across q, in 1/E*: displacement along the surface, u'' = q^2 u."""
+        found = np.full_like(q, 0.0 if self.base is None else 1.0 / self.base.shear)
+        for height, material in reversed(list(zip(self.heights, self.materials, strict=True))):
+            decay = np.tanh(q * height)
+            found = (found + decay / material.shear) / (1.0 + material.shear * decay * found)
+        return found
+
     def transfer(self, depth: float, q: Reals) -> Transfer:
         """Transfer of waves q > 0 from the surface to a depth."""
         compliances = self._compliances(q)

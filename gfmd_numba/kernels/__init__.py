@@ -27,6 +27,7 @@ from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
+from gfmd_numba.kernels.map_friction import couple_map, coupled_map_step, map_friction_violation
 from gfmd_numba.kernels.maps import (
     close_map,
     level_of_contact,
@@ -70,6 +71,8 @@ __all__ = [
     "closing_residual",
     "contact_nodes",
     "couple",
+    "couple_map",
+    "coupled_map_step",
     "coupled_step",
     "damp",
     "decay_contact",
@@ -93,6 +96,7 @@ __all__ = [
     "level",
     "level_of_contact",
     "list_tiles",
+    "map_friction_violation",
     "mark_contact",
     "mark_loaded",
     "move_tiles",

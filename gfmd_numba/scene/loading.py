@@ -85,8 +85,9 @@ class Step(BaseModel):
     displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
     sliding: SignedLength | None = Field(
         None,
-        description="Tangential displacement of the punch since first touch, in m, or in L_x without a length",
+        description="Tangential displacement of the punch since first touch, in m, or in L_x without a length; along x",
     )
+    sliding_y: SignedLength | None = Field(None, description="The same along y, of maps")
 
     def check(self, loading: Loading, i: int) -> None:
         """Raise a located error if this step `i` of a path changes what the loading does not prescribe."""

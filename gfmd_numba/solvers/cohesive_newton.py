@@ -52,6 +52,7 @@ class CohesiveNewton(TruncatedNewton):
             crushed = -cohesive.normal_traction(batch.punch - start, np.zeros(n)) > batch.largest_pressure
         self._u = np.zeros_like(self._source)
         self._u[:, :n] = tangential
+        self._nowhere = np.broadcast_to(np.nan, (rows, n))
         self._u[:, length : length + n] = np.where(crushed, np.minimum(start, batch.punch), start)
         self._begin(batch, options, slice(length, length + n), cohesive.normal)
 
@@ -61,9 +62,9 @@ class CohesiveNewton(TruncatedNewton):
         return self.field.n_transforms[0::2] + self.field.n_transforms[1::2]
 
     @property
-    def tangential(self) -> tuple[Reals, Reals]:
-        """Tangential displacement of the body and the traction that restores it."""
-        return self._u, self._restoring
+    def tangential(self) -> tuple[Reals, Reals, Reals]:
+        """Tangential displacement of the body, the traction that restores it, and that no node slips from anywhere."""
+        return self._u, self._restoring, self._nowhere
 
     def _stiffen(self, row: Indices) -> None:
         self._multiply(row, self._stiffness_elements)

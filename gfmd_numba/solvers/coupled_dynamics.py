@@ -1,4 +1,4 @@
-"""Damped dynamics of normal and tangential displacement together, with sticking or Coulomb friction (thesis 2.4)."""
+"""Damped dynamics of normal and tangential displacements together, with sticking or Coulomb friction (thesis 2.4)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -7,7 +7,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
-from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
@@ -15,37 +15,41 @@ Rows = npt.NDArray[np.int64]
 
 
 class CoupledDynamics:
-    """Both displacements of a batch and the tractions that restore them; two transform pairs a step.
+    """All displacements of a batch and the tractions that restore them; a transform pair of each a step.
 
-    Rows of the field are tangential displacements, then normal ones. `anchor` is where the punch holds a node that
-    touched it before, not-a-number for the others; `sliding` the tangential displacement of the punch.
+    Rows of the field are tangential displacements, on maps first along x and then along y, then normal ones. `anchor`
+    is where the punch holds a node that touched it before, not-a-number for the others; `sliding` the tangential
+    displacement of the punch.
     """
 
     check_every = 10
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness, interface, start = batch.punch, batch.coupled_stiffness, batch.interface, batch.start
-        rows, n = punch.shape
-        self._rows = rows
+        punch, stiffness, interface, start = batch.punch, batch.all_stiffness, batch.interface, batch.start
+        rows, shape = len(punch), punch.shape[1:]
+        self._of_profile = len(shape) == 1
+        self._rows, self._components = rows, 1 + len(shape)
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
-        self._sliding = batch.sliding
+        # of the cohesive law, which knows profiles alone
+        self._sliding = 0.0 if isinstance(batch.sliding, np.ndarray) else batch.sliding
         self.certificate = Certificate(rows)
         self.load = batch.loads
-        self.field = Convolution(2 * rows, n)
+        self.field = Convolution(self._components * rows, *shape)
+        n = self.field.n
         self._punch = aligned_rows(rows, n)
-        self._punch[:, :n] = punch
+        self._punch[:, :n] = punch.reshape(rows, n)
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (both,) = self.field.sources
-        self._tangential, self.displacement = both[:rows], both[rows:]
-        self._tangential[:, :n] = start.tangential
-        self.displacement[:, :n] = np.minimum(start.displacement, punch)
+        self._tangential, self.displacement = both[:-rows], both[-rows:]
+        self._tangential[:, :n] = by_component(start.tangential, n)
+        self.displacement[:, :n] = np.minimum(start.displacement, punch).reshape(rows, n)
         self._last = both.copy()
         self._anchor = np.full_like(self._tangential, np.nan)
-        self._anchor[:, :n] = start.anchor
-        self._tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
-        self._k11, self._k13, self._k33 = (self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33))
+        self._anchor[:, :n] = by_component(start.anchor, n)
+        self._tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
+        self._elements = [self.field.symbol(k) for k in stiffness.elements]
         smaller, larger = stiffness.principal()
         softest = float(smaller[smaller > 0.0].min())
         stiffest = float(larger.max()) + batch.law_stiffness()
@@ -56,19 +60,20 @@ class CoupledDynamics:
         self._restore(np.arange(rows))
 
     @property
-    def tangential(self) -> tuple[Reals, Reals]:
-        """Tangential displacement of the body and the traction that restores it."""
-        return self._tangential, self._tangential_restoring
+    def tangential(self) -> tuple[Reals, Reals, Reals]:
+        """Tangential displacement of the body, the traction that restores it, and from where it slips."""
+        return self._tangential, self._tangential_restoring, self._anchor
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation."""
-        return self.field.n_transforms[: self._rows] + self.field.n_transforms[self._rows :]
+        return np.asarray(self.field.n_transforms.reshape(self._components, self._rows).sum(axis=0))
 
     def advance(self, active: Rows) -> None:
         """Make one time step in the active rows."""
-        last_tangential, last_normal = self._last[: self._rows], self._last[self._rows :]
-        kernels.coupled_step(
+        last_tangential, last_normal = self._last[: -self._rows], self._last[-self._rows :]
+        step = kernels.coupled_step if self._of_profile else kernels.coupled_map_step
+        step(
             self._tangential, last_tangential, self._anchor, self._tangential_restoring, self.displacement, last_normal,
             self.restoring, self.wall, self.load, self._friction, active, self.field.n, self._memory, self._push,
         )  # fmt: skip
@@ -78,7 +83,8 @@ class CoupledDynamics:
         """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
-        kernels.friction_violation(
+        violation = kernels.friction_violation if self._of_profile else kernels.map_friction_violation
+        violation(
             self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
             self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
@@ -99,10 +105,11 @@ class CoupledDynamics:
         return strongest
 
     def _restore(self, active: Rows) -> None:
-        both = np.concatenate((active, active + self._rows))
-        self.field.forward(both)
-        kernels.couple(self.field.spectrum, self._k11, self._k13, self._k33, active, self._rows)
-        self.field.inverse(both)
+        every = np.concatenate([active + i * self._rows for i in range(self._components)])
+        self.field.forward(every)
+        couple = kernels.couple if self._of_profile else kernels.couple_map
+        couple(self.field.spectrum, *self._elements, active, self._rows)
+        self.field.inverse(every)
         if self._law is not None:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:

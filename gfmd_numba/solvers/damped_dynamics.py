@@ -53,7 +53,7 @@ class DampedDynamics:
     """
 
     check_every = 10
-    tangential: tuple[Reals, Reals] | None = None
+    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, integrator: Callable[[Reals], Integrator]) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]

@@ -46,7 +46,7 @@ class DecayNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals] | None = None
+    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
         rows, n = batch.punch.shape

@@ -1,5 +1,6 @@
 """Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,11 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import SOLVERS
@@ -31,12 +31,21 @@ _FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected
 class Tangential:
     """Tangential displacement of the body and the traction of the punch on it `[realisation, x]` (L_x, E*).
 
-    `sliding` is the tangential displacement of the punch.
+    `slip` is how far a touching node has slid since the state that the solver began with, exactly 0 where it sticks.
+    On maps all are `[realisation, component, y, x]`, along x and then along y. `sliding` is the tangential displacement
+    of the punch, on maps `[component, 1, 1]`.
     """
 
     displacement: Reals
     traction: Reals
-    sliding: float
+    slip: Reals
+    sliding: Reals | float
+
+    @classmethod
+    def zero(cls, punch: Reals, sliding: Reals | float) -> "Tangential":
+        """Nothing yet, to be filled."""
+        displacement, traction, slip = np.zeros((3, *tangential_shape(punch)))
+        return cls(displacement, traction, slip, sliding)
 
 
 @dataclass(frozen=True)
@@ -68,7 +77,7 @@ class Equilibrium:
     plastic: npt.NDArray[np.bool_] | None = None
 
 
-def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
+def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
     """Initial state for the next load: the equilibrium before, whose touching nodes move with the punch, also sideways.
 
     A gap torn open by the step itself would break an adhesive contact early.
@@ -77,7 +86,8 @@ def following(before: Equilibrium, punch: Reals, sliding: float) -> Start:
     if before.tangential is None:
         return replace(Start.at_rest(punch), displacement=displacement)
     dragged = sliding - before.tangential.sliding
-    anchor = np.where(before.touching, before.tangential.displacement + dragged, np.nan)
+    touching = before.touching if punch.ndim == 2 else before.touching[:, np.newaxis]
+    anchor = np.where(touching, before.tangential.displacement + dragged, np.nan)
     return Start(displacement, before.tangential.displacement, anchor, dragged)
 
 
@@ -87,7 +97,7 @@ def begin(batch: Batch, options: Options) -> Iteration:
     lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
     if lacks:
         raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
-    implementation = solver.coupled if isinstance(batch.stiffness, CoupledStiffness) else solver.condensed
+    implementation = solver.condensed if isinstance(batch.stiffness, np.ndarray) else solver.coupled
     if implementation is None:
         raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
     return _implementation(implementation)(batch, options)
@@ -101,31 +111,32 @@ def _implementation(path: str) -> Callable[[Batch, Options], Iteration]:
 
 def equilibrate(
     punch: Reals,
-    stiffness: Reals | CoupledStiffness,
+    stiffness: Stiffness,
     load: float | None,
     options: Options,
     interface: Interactions = HARD_WALL,
     start: Start | None = None,
-    sliding: float = 0.0,
+    sliding: Reals | float = 0.0,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
     `stiffness` is K(q) `[(ny,) nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
     `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts); `sliding` the tangential displacement of the punch. Under a hardness the elastic contact comes first, and
-    is the result where it stays below. Raises ValueError for a load that the hardness cannot carry.
+    counts); `sliding` the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the
+    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
+    cannot carry.
     """
     hardness = interface.hardness
     if load is not None and hardness is not None and load >= hardness:
         raise ValueError(f"a mean pressure of {load:g} at or above the hardness {hardness:g}")
     realisations, n = len(punch), punch[0].size
-    condensed = stiffness.condensed() if isinstance(stiffness, CoupledStiffness) else stiffness
+    condensed = stiffness if isinstance(stiffness, np.ndarray) else stiffness.condensed()
     scale = pressure_scale(punch, condensed)
     result = Equilibrium(
         displacement=np.empty_like(punch),
         pressure=np.empty_like(punch),
         touching=np.empty(punch.shape, dtype=np.bool_),
-        tangential=None if not interface.couples else Tangential(np.zeros_like(punch), np.zeros_like(punch), sliding),
+        tangential=Tangential.zero(punch, sliding) if interface.couples else None,
         status=np.full(realisations, Status.not_converged, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),
@@ -191,6 +202,20 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
+def _store(
+    found: Tangential, solved: tuple[Reals, Reals, Reals], done: Rows, where: Rows, touching: npt.NDArray[np.bool_]
+) -> None:
+    """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
+    components = 1 if touching.ndim == 2 else 2
+    of_each, n = len(solved[0]) // components, math.prod(touching.shape[1:])
+    for component in range(components):
+        at = (where,) if touching.ndim == 2 else (where, component)
+        rows = done + component * of_each
+        displacement, traction, anchor = (values[rows, :n].reshape(touching.shape) for values in solved)
+        found.displacement[at], found.traction[at] = displacement, traction
+        found.slip[at] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)
+
+
 def _above(pressure: float, result: Equilibrium, rows: Rows) -> npt.NDArray[np.bool_]:
     """Whether any node of each row bears more than a pressure."""
     if pressure == np.inf:
@@ -198,25 +223,25 @@ def _above(pressure: float, result: Equilibrium, rows: Rows) -> npt.NDArray[np.b
     return np.asarray((result.pressure[rows] > pressure).reshape(rows.size, -1).any(axis=1))
 
 
-def _growing_wave(result: Equilibrium, stiffness: Reals | CoupledStiffness, free_mean: bool) -> Rows:
+def _growing_wave(result: Equilibrium, stiffness: Stiffness, free_mean: bool) -> Rows:
     """Index of the wave of the largest restoring tractions where a run ended unstable: it blew up from nothing."""
     unstable = result.status == Status.unstable
-    normal = stiffness.k33 if isinstance(stiffness, CoupledStiffness) else stiffness
+    normal = stiffness if isinstance(stiffness, np.ndarray) else stiffness.k33
     tractions = np.abs(grid.coefficients(result.displacement[unstable], normal.ndim)) * normal
     if free_mean:
         tractions.reshape(len(tractions), -1)[:, 0] = 0.0
-    if isinstance(stiffness, CoupledStiffness) and result.tangential is not None:
-        sideways = np.abs(grid.coefficients(result.tangential.displacement[unstable])) * stiffness.k11
-        tractions = np.maximum(tractions, sideways)
+    if not isinstance(stiffness, np.ndarray) and result.tangential is not None:
+        sideways = np.abs(grid.coefficients(result.tangential.displacement[unstable], normal.ndim)) * stiffness.k11
+        tractions = np.maximum(tractions, sideways if normal.ndim == 1 else sideways.max(axis=1))
     growing = np.full(len(unstable), -1, dtype=np.int64)
     index = grid.magnitudes(result.displacement.shape[1:]).ravel() / (2.0 * np.pi)
     growing[unstable] = np.round(index[tractions.reshape(len(tractions), -1).argmax(axis=1)])
     return growing
 
 
-def _with_free_mean(stiffness: Reals | CoupledStiffness) -> Reals | CoupledStiffness:
+def _with_free_mean(stiffness: Stiffness) -> Stiffness:
     """Stiffness of bodies whose mean displacement follows the load without restoring force."""
-    if isinstance(stiffness, CoupledStiffness):
+    if not isinstance(stiffness, np.ndarray):
         return stiffness.with_free_mean()
     stiffness = stiffness.copy()
     stiffness.flat[0] = 0.0
@@ -254,9 +279,7 @@ def _iterate(
             if result.plastic is not None:
                 np.greater_equal(result.pressure[row], solver.certificate.hardness, out=result.plastic[row])
         if result.tangential is not None and solver.tangential is not None:
-            displacement, restoring = solver.tangential
-            result.tangential.displacement[where] = displacement[done, :n]
-            result.tangential.traction[where] = restoring[done, :n]
+            _store(result.tangential, solver.tangential, done, where, result.touching[where])
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations

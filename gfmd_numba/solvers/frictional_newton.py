@@ -10,6 +10,7 @@ from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
 from gfmd_numba.solvers.friction_sets import middle_slip, revised
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
@@ -25,6 +26,11 @@ _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not sma
 _PATIENCE = 4  # steps that may change no fewer nodes than any before; then one node alone is changed
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which a changing guess may hold too
 _DIRECTIONS = 40  # of the linear solution, at most
+
+
+def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton":
+    """Begin the method for profiles or for maps."""
+    return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
 
 
 class FrictionalNewton:
@@ -71,9 +77,9 @@ class FrictionalNewton:
         self._guess = self._first_guess(batch, options)
 
     @property
-    def tangential(self) -> tuple[Reals, Reals]:
-        """Tangential displacement of the body and the traction that restores it."""
-        return self._products.tangential, self._products.tangential_restoring
+    def tangential(self) -> tuple[Reals, Reals, Reals]:
+        """Tangential displacement of the body, the traction that restores it, and from where it slips."""
+        return self._products.tangential, self._products.tangential_restoring, self._anchor
 
     @property
     def n_transforms(self) -> Indices:

@@ -8,31 +8,47 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
+from gfmd_numba.elasticity.map_stiffness import MapStiffness
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
 
 Rows = npt.NDArray[np.int64]
+Coupled = CoupledStiffness | MapStiffness  # of all displacements, of profiles and of maps
+Stiffness = Reals | Coupled
 
 HARD_WALL = Interactions(hard_wall=True)
+
+
+def tangential_shape(punch: Reals) -> tuple[int, ...]:
+    """Shape of tangential quantities under punches: `[realisation, x]`, or on maps `[realisation, component, y, x]`."""
+    return punch.shape if punch.ndim == 2 else (len(punch), 2, *punch.shape[1:])
+
+
+def by_component(tangential: Reals, n: int) -> Reals:
+    """Tangential quantity of that shape as flat rows of n nodes, on maps the x components and then the y components."""
+    if tangential.ndim == 2:
+        return tangential
+    return np.asarray(tangential.swapaxes(0, 1).reshape(-1, n))
 
 
 @dataclass(frozen=True)
 class Start:
     """What a batch begins with `[realisation, (y,) x]`: displacements, and where the punch holds nodes it touched.
 
-    The `anchor` is tangential, and not-a-number for nodes that did not touch. `dragged` is how far the punch has moved
-    sideways since.
+    Tangential quantities have the `tangential_shape`. The `anchor` is one of them, and not-a-number for nodes that did
+    not touch. `dragged` is how far the punch has moved sideways since, on maps `[component, 1, 1]`.
     """
 
     displacement: Reals
     tangential: Reals
     anchor: Reals
-    dragged: float = 0.0
+    dragged: Reals | float = 0.0
 
     @classmethod
     def at_rest(cls, punch: Reals) -> Self:
         """The undeformed body, pushed back where the punch penetrates it."""
-        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, punch.shape), np.broadcast_to(np.nan, punch.shape))
+        shape = tangential_shape(punch)
+        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, shape), np.broadcast_to(np.nan, shape))
 
     def rows(self, some: slice | Rows) -> "Start":
         """Start of some rows alone."""
@@ -45,15 +61,15 @@ class Batch:
 
     `stiffness` is K(q) `[(ny,) nx // 2 + 1]`, condensed or coupled; `load` the mean pressure `[realisation]`, with
     K(0) = 0, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
-    displacement of the punch, `largest_pressure` what no pressure is expected to exceed.
+    displacement of the punch, on maps `[component, 1, 1]`, `largest_pressure` what no pressure is expected to exceed.
     """
 
     punch: Reals
-    stiffness: Reals | CoupledStiffness
+    stiffness: Stiffness
     load: Reals | None
     interface: Interactions
     start: Start
-    sliding: float = 0.0
+    sliding: Reals | float = 0.0
     largest_pressure: float = np.inf
 
     @property
@@ -64,21 +80,35 @@ class Batch:
     @property
     def has_rigid_mean(self) -> bool:
         """Whether the displacement is prescribed of bodies that do not change their volume."""
-        normal = self.stiffness.k33 if isinstance(self.stiffness, CoupledStiffness) else self.stiffness
+        normal = self.stiffness if isinstance(self.stiffness, np.ndarray) else self.stiffness.k33
         return not np.isfinite(normal.flat[0])
 
     @property
     def normal_stiffness(self) -> Reals:
         """Stiffness of the normal displacement where the tangential one is not followed; raises TypeError otherwise."""
-        if isinstance(self.stiffness, CoupledStiffness):
+        if not isinstance(self.stiffness, np.ndarray):
             raise TypeError("this solver follows the normal displacement alone")
         return self.stiffness
 
     @property
     def coupled_stiffness(self) -> CoupledStiffness:
-        """Stiffness of both displacements; raises TypeError where only the normal one is followed."""
+        """Stiffness of both displacements of a profile; raises TypeError where only the normal one is followed."""
         if not isinstance(self.stiffness, CoupledStiffness):
-            raise TypeError("this solver follows both displacements")
+            raise TypeError("this solver follows both displacements of profiles")
+        return self.stiffness
+
+    @property
+    def map_stiffness(self) -> MapStiffness:
+        """Stiffness of all displacements of a map; raises TypeError where only the normal one is followed."""
+        if not isinstance(self.stiffness, MapStiffness):
+            raise TypeError("this solver follows all displacements of maps")
+        return self.stiffness
+
+    @property
+    def all_stiffness(self) -> Coupled:
+        """Stiffness of all displacements of a profile or a map; raises TypeError where only the normal is followed."""
+        if isinstance(self.stiffness, np.ndarray):
+            raise TypeError("this solver follows all displacements")
         return self.stiffness
 
     def law_stiffness(self) -> float:
@@ -115,8 +145,11 @@ class Iteration(Protocol):
         ...
 
     @property
-    def tangential(self) -> tuple[Reals, Reals] | None:
-        """Tangential displacement and the traction that restores it; None where only the normal one is followed."""
+    def tangential(self) -> tuple[Reals, Reals, Reals] | None:
+        """Tangential displacement, the traction that restores it, and from where it slips, all flat rows.
+
+        On maps rows are the x components, then the y components. None where only the normal one is followed.
+        """
         ...
 
     def advance(self, active: Rows) -> None:

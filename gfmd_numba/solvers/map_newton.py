@@ -32,7 +32,7 @@ class MapNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals] | None = None
+    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness = batch.punch, batch.normal_stiffness

@@ -18,7 +18,7 @@ class PressureIterate:
     Where the displacement of the punch is prescribed, the stiffness at q = 0 may be infinite (an incompressible slab).
     """
 
-    tangential: tuple[Reals, Reals] | None = None
+    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]

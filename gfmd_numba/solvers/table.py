@@ -74,16 +74,16 @@ SOLVERS = {
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton",
-        can=frozenset({"dimension 1", "hard wall", "friction", "rigid mean"}),
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "friction", "rigid mean"}),
         condensed="gfmd_numba.solvers.bounded_newton:newton",
-        coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
+        coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
         block_samples=2**18,
         gives_up_after=100,  # usually below 12
         successor="verlet",
     ),
     "verlet": Solver(
-        "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of both",
-        can=_DISPLACEMENT | {"cohesive law", "friction", "sticking", "prescribed"},
+        "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of all",
+        can=_DISPLACEMENT | {"dimension 2", "cohesive law", "friction", "sticking", "prescribed"},
         condensed="gfmd_numba.solvers.damped_dynamics:verlet_dynamics",
         coupled="gfmd_numba.solvers.coupled_dynamics:CoupledDynamics",
         options=_TIME_STEP | _DAMPING,

@@ -70,7 +70,7 @@ class TruncatedNewton:
         self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
 
     @property
-    def tangential(self) -> tuple[Reals, Reals] | None:
+    def tangential(self) -> tuple[Reals, Reals, Reals] | None:
         """Nothing: the normal displacement alone is followed."""
         return None
 

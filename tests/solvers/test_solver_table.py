@@ -71,6 +71,7 @@ def test_auto_is_the_first_that_can():
     assert automatic(1, ["hard wall", "normal law"]) == automatic(2, ["normal law"]) == "truncated_newton"
     assert automatic(1, ["cohesive law"]) == automatic(1, ["rigid mean", "normal law"]) == "truncated_newton"
     assert able(["prescribed"]) == ("verlet",)
+    assert able(["dimension 2", "friction"]) == ("frictional_newton", "verlet")
 
 
 def test_an_option_that_the_solver_lacks_is_no_part_of_it():

@@ -43,6 +43,7 @@ _PRESCRIBED = (
     ("reduced_pressure", "$p^*$", ""),
     ("punch_displacement", "punch displacement", "L_x"),
     ("sliding", "sliding", "L_x"),
+    ("sliding_y", "sliding along $y$", "L_x"),
 )
 
 

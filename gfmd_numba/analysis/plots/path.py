@@ -86,14 +86,16 @@ def _along(dataset: xr.Dataset) -> list[_Panel]:
     panels = []
     if float(np.ptp(dataset["step_load"].values, axis=1).max()) > 0.0:
         by_displacement = "punch_displacement" in dataset.variables
-        y = (
+        drawn = (
             ("mean_pressure", "Mean pressure", "E^*")
             if by_displacement
             else ("contact_area_fraction", "Contact area", "")
         )
-        panels.append(_Panel("step_load", *y))
-    if "step_sliding" in dataset.variables and dataset["step_sliding"].any():
-        panels.append(_Panel("step_sliding", "mean_tangential_traction", "Mean tangential traction", "E^*"))
+        panels.append(_Panel("step_load", *drawn))
+    for y, along in (("", ""), ("_y", " along $y$")):
+        if f"step_sliding{y}" in dataset.variables and dataset[f"step_sliding{y}"].any():
+            label = f"Mean tangential traction{along}"
+            panels.append(_Panel(f"step_sliding{y}", f"mean_tangential_traction{y}", label, "E^*"))
     if "stick_fraction" in dataset:
         panels.append(_Panel("step", "stick_fraction", "Sticking share of the contact", ""))
     if "energy_lost" in dataset:
@@ -126,7 +128,7 @@ def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:
     """Label of what is drawn over, and what stands for its unit 1; nothing for a pure number."""
     if name == "step":
         return "Step", ""
-    if name == "step_sliding":
+    if name.startswith("step_sliding"):
         return "Sliding of the punch", "L_x"
     if "punch_displacement" in dataset.variables:
         return "Punch displacement", "L_x"

@@ -1,0 +1,29 @@
+"""Values on the nodes of a map as an image with its colours explained."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
+
+from gfmd_numba.analysis.plots.style import scaled
+from gfmd_numba.arrays import Reals
+
+_SHARE = 0.98  # of the values above 0 that colours tell apart
+
+
+def draw_image(
+    axis: Axes, dataset: xr.Dataset, values: Reals, label: str, extend: str = "neither", **look: Any
+) -> Colorbar:
+    """Draw values `[y, x]` over the positions of a dataset; `look` is told to matplotlib's imshow."""
+    (x, x_label), (y, y_label) = (scaled(dataset[dim], f"Position ${dim}$", "L_x") for dim in ("x", "y"))
+    extent = (0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
+    image = axis.imshow(values, origin="lower", extent=extent, interpolation="none", **look)
+    axis.set(xlabel=x_label, ylabel=y_label)
+    return axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
+
+
+def most(values: Reals) -> float | None:
+    """Value that nearly all of those above 0 do not exceed; None without any above 0."""
+    return float(np.quantile(values[values > 0.0], _SHARE)) if (values > 0.0).any() else None

@@ -1,0 +1,304 @@
+"""Newton's method for friction on maps: every result holds the conditions, on ridges it is that of profiles."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
+from gfmd_numba.solvers.iteration import Batch, Start
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
+from support.map_contact_conditions import largest_violation, sticking
+
+NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it
+LAYERS = ElasticBody.layered((0.05, 0.2), (Material(1.0, 0.2), Material(0.1, 0.4)), None)
+
+
+def rough(shape, seed, hurst=0.8, waves=8, rows=1):
+    """Punches of waves up to an index, whatever the shape of the grid, of about unit gradient."""
+    rng, q = np.random.default_rng(seed), grid.magnitudes(shape) / (2.0 * np.pi)
+    size = np.where((q > 0.0) & (q <= waves), np.maximum(q, 1.0) ** (-1.0 - hurst), 0.0)
+    heights = np.fft.irfft2(size * np.exp(2j * np.pi * rng.random((rows, *q.shape))), shape)
+    heights /= 2.0 * np.pi * np.sqrt((q * size) ** 2).sum() / np.prod(shape)
+    return heights.max(axis=(1, 2), keepdims=True) - heights
+
+
+def press(punch, body, load, friction, start=None, sliding=(0.0, 0.0), options=NEWTON):
+    stiffness = body.coupled_stiffness_of_map(punch.shape[1:]) if isinstance(body, ElasticBody) else body
+    drag = np.reshape(sliding, (2, 1, 1))
+    return equilibrate(punch, stiffness, load, options, Interactions(True, friction=friction), start, drag)
+
+
+def follow(steps, body, friction, options=NEWTON):
+    """Equilibrium of each step (punch, load, sliding), and what it began with."""
+    before = None
+    for punch, load, sliding in steps:
+        drag = np.reshape(sliding, (2, 1, 1))
+        start = None if before is None else following(before, punch, drag)
+        before = press(punch, body, load, friction, start, drag, options)
+        yield before, start
+
+
+def random_path(seed):
+    """Stiffness, friction and steps (punch, load, sliding) of a random scene."""
+    rng = np.random.default_rng(seed)
+    shape = tuple(int(n) for n in rng.choice([16, 21, 32], 2))
+    nu = float(rng.choice([rng.uniform(-0.5, 0.5), 0.0, 0.3, 0.5]))
+    aspect_ratio = rng.choice([None, 10 ** rng.uniform(-2.0, 0.5)])
+    friction, load = 10 ** rng.uniform(-2.0, 0.0), 10 ** rng.uniform(-2.0, 0.0)
+    punch = rough(shape, seed, rng.uniform(0.1, 1.0), rng.uniform(3.0, min(shape) / 2))
+    deep = rng.uniform(0.1, 0.6) * punch.mean()
+    controls_load = aspect_ratio is None or rng.random() < 0.5
+    sliding, steps = np.zeros(2), []
+    for _ in range(4):
+        steps.append((punch, load, sliding) if controls_load else (punch - deep, None, sliding))
+        factor = 10 ** rng.uniform(-0.5, 0.2)
+        load, deep = load * factor, min(deep * factor, 0.7 * punch.mean())
+        if aspect_ratio is not None:
+            way = friction * min(aspect_ratio, 1.0) * 10 ** rng.uniform(-3.0, 0.0)
+            sliding = sliding + way * rng.normal(size=2)
+    return ElasticBody(nu, aspect_ratio).coupled_stiffness_of_map(shape), friction, steps
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_every_step_of_a_random_path_holds_the_conditions_of_signorini_and_coulomb(seed):
+    stiffness, friction, steps = random_path(seed)
+    for (punch, load, _), (result, start) in zip(steps, follow(steps, stiffness, friction), strict=True):
+        assert result.status[0] == Status.ok
+        assert largest_violation(stiffness, punch, load, friction, result, start) < 2e-8
+
+
+def test_a_wrong_traction_is_told_from_a_right_one():
+    """The conditions above can fail: of the friction, the way, the pressure and the penetration."""
+    punch, stiffness = rough((24, 24), 1), ElasticBody(0.2, 0.5).coupled_stiffness_of_map((24, 24))
+    result = press(punch, stiffness, 0.1, 0.2)
+    assert largest_violation(stiffness, punch, 0.1, 0.2, result) < 2e-8
+    assert largest_violation(stiffness, punch, 0.1, 0.19, result) > 1e-3
+    assert largest_violation(stiffness, punch, 0.101, 0.2, result) > 1e-3
+    assert largest_violation(stiffness, punch - 1e-3, 0.1, 0.2, result) > 1e-4
+    start = Start.at_rest(punch)
+    turned = Start(punch, start.tangential + np.reshape([0.0, 1e-3], (2, 1, 1)), start.anchor)
+    assert largest_violation(stiffness, punch, 0.1, 0.2, result, turned) > 1e-3  # of slip in another direction
+
+
+@pytest.mark.parametrize("along", ["x", "y"])
+@pytest.mark.parametrize(
+    ("body", "friction"),
+    [
+        (ElasticBody(0.0, None), 0.2),
+        (ElasticBody(0.3, None), 1.0),
+        (ElasticBody(0.2, 0.3), 0.3),
+        (ElasticBody(0.5, 0.3), 0.3),
+        (LAYERS, 0.4),
+    ],
+)
+def test_ridges_are_profiles(body, friction, along):
+    """Dragged along their profile and back; a ridge has the stiffness of a profile, and nothing moves along it."""
+    n, across = 64, 6
+    heights = self_affine.profiles(0.8, 2, 16, n, 3, range(1))
+    punch = heights.max() - heights
+    ridges = np.repeat(punch[:, np.newaxis], across, axis=1)
+    ridges = ridges if along == "x" else ridges.swapaxes(1, 2)
+    drags = (0.0,) if body.aspect_ratio is None else (0.0, 1e-3, 2e-2, 1.9e-2)
+    ways = [(drag, 0.0) if along == "x" else (0.0, drag) for drag in drags]
+    options = Options("frictional_newton", residual=1e-10)
+    maps = follow([(ridges, 0.1, way) for way in ways], body, friction, options)
+    before, slipped = None, 0
+    for drag, (found, _) in zip(drags, maps, strict=True):
+        start = None if before is None else following(before, punch, drag)
+        law = Interactions(True, friction=friction)
+        before = equilibrate(punch, body.coupled_stiffness(n), 0.1, options, law, start, drag)
+        assert before.status[0] == found.status[0] == Status.ok
+        own, other = found.tangential.traction[0], found.tangential.slip[0]
+        if along == "y":
+            own, other = own[::-1].swapaxes(1, 2), other[::-1].swapaxes(1, 2)
+        pressure = found.pressure[0] if along == "x" else found.pressure[0].T
+        peak, tangential = before.pressure.max(), before.tangential
+        np.testing.assert_allclose(pressure, np.tile(before.pressure, (across, 1)), atol=1e-8 * peak)
+        np.testing.assert_allclose(own[0], np.tile(tangential.traction, (across, 1)), atol=1e-8 * peak)
+        np.testing.assert_allclose(other[0], np.tile(tangential.slip, (across, 1)), atol=1e-8 * peak)
+        np.testing.assert_array_equal(other[0] == 0.0, np.tile(tangential.slip, (across, 1)) == 0.0)
+        assert abs(own[1]).max() < 1e-8 * peak
+        slipped += np.count_nonzero(tangential.slip)
+    assert slipped > 0
+
+
+def dense_contact(stiffness, wall, anchor, friction, sweeps):
+    """Tractions `[3, node]` of a contact by projections node by node, on the inverse of a dense matrix."""
+    n, shape = wall.size, wall.shape
+    xx, xy, yy, xz, yz, zz = stiffness.elements
+    symbol = np.array([[xx + 0j, xy, 1j * xz], [xy, yy, 1j * yz], [-1j * xz, -1j * yz, zz]])
+    matrix = np.empty((3, n, 3, n))
+    for component, node in np.ndindex(3, n):
+        unit = np.zeros((3, n))
+        unit[component, node] = 1.0
+        waves = np.fft.rfft2(unit.reshape(3, *shape))
+        matrix[:, :, component, node] = np.fft.irfft2(np.einsum("ijyx,jyx->iyx", symbol, waves), shape).reshape(3, n)
+    compliance = np.linalg.inv(matrix.reshape(3 * n, 3 * n)).reshape(3, n, 3, n)
+    t, u = np.zeros((3, n)), np.zeros((3, n))
+    wall, anchor = wall.ravel(), anchor.reshape(2, n)
+    for _ in range(sweeps):
+        for j in range(n):
+            own = compliance[:, j, :, j]
+            new = t[:, j].copy()
+            new[2] = min(t[2, j] - (u[2, j] - wall[j]) / own[2, 2], 0.0)  # pressure is minus that
+            trial = t[:2, j] - (u[:2, j] - anchor[:, j]) / own[0, 0]
+            size = np.hypot(*trial)
+            new[:2] = trial * min(1.0, -friction * new[2] / size if size > 0.0 else 1.0)
+            u += compliance[:, :, :, j] @ (new - t[:, j])
+            t[:, j] = new
+    return t.reshape(3, *shape)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+def test_small_maps_are_those_of_dense_algebra(nu):
+    body, shape, friction = ElasticBody(nu, 0.3), (8, 9), 0.3
+    wall, stiffness = rough(shape, 5, waves=3) - 0.05, body.coupled_stiffness_of_map((8, 9))
+    drag = np.reshape([0.004, -0.007], (2, 1, 1))
+    start = Start(np.minimum(wall, 0.0), np.zeros((1, 2, *shape)), np.full((1, 2, *shape), np.nan), drag)
+    found = press(wall, stiffness, None, friction, start, drag)
+    dense = dense_contact(stiffness, wall[0], np.broadcast_to(drag, (2, *shape)), friction, sweeps=300)
+    assert found.status[0] == Status.ok
+    peak = found.pressure.max()
+    np.testing.assert_allclose(found.pressure[0], -dense[2], atol=1e-7 * peak)
+    np.testing.assert_allclose(found.tangential.traction[0], dense[:2], atol=1e-7 * peak)
+    stuck = sticking(found)
+    assert 0 < stuck.sum() < found.touching.sum() < wall.size
+
+
+@pytest.mark.parametrize(("nu", "friction", "aspect_ratio"), [(0.0, 0.2, None), (0.3, 0.4, 0.3), (0.5, 0.3, 0.5)])
+def test_the_dynamics_has_the_same_nodes_sticking_and_slipping(nu, friction, aspect_ratio):
+    """Damped dynamics anchors a node where its own motion touched down, so its anchors are given to Newton's method."""
+    shape, load = (24, 20), 0.1
+    punch, stiffness = rough(shape, 3, waves=6), ElasticBody(nu, aspect_ratio).coupled_stiffness_of_map(shape)
+    drag = np.reshape([0.002, 0.001], (2, 1, 1)) if aspect_ratio else 0.0
+    at_rest, row = Start.at_rest(punch), np.arange(1)
+    pressed = press(punch, stiffness, load, friction) if aspect_ratio else None
+    start = at_rest if pressed is None else following(pressed, punch, drag)
+    law = Interactions(True, friction=friction)
+    batch = Batch(punch, stiffness.with_free_mean(), np.array([load]), law, start, drag, 10.0)
+    dynamics = begin(batch, Options("verlet"))
+    while dynamics.residual(row)[0] > 1e-10:
+        for _ in range(20):
+            dynamics.advance(row)
+    u1, t1, anchor = (each[:, : punch.size].reshape(1, 2, *shape) for each in dynamics.tangential)
+    held = Start(at_rest.displacement, np.where(np.isnan(anchor), u1, anchor), at_rest.anchor)
+    found = press(punch, stiffness, load, friction, held, options=Options("frictional_newton", residual=1e-10))
+    assert found.status[0] == Status.ok
+    restoring = dynamics.restoring[0, : punch.size].reshape(shape)
+    touching = (dynamics.displacement[0, : punch.size].reshape(shape) >= punch[0]) & (restoring < load)
+    np.testing.assert_array_equal(found.touching[0], touching)
+    np.testing.assert_array_equal(sticking(found), touching & (u1 == anchor)[0].all(axis=0))
+    peak = found.pressure.max()
+    np.testing.assert_allclose(found.tangential.traction, t1, atol=1e-8 * peak)
+    np.testing.assert_allclose(found.pressure[0][touching], load - restoring[touching], atol=1e-8 * peak)
+
+
+def test_turned_by_a_right_angle_a_contact_is_the_same():
+    punch, body = rough((20, 24), 6), ElasticBody(0.1, 0.4)
+    steps = [(0.0, 0.0), (0.004, 0.001), (0.004, -0.003)]
+    straight = list(follow([(punch, 0.1, way) for way in steps], body, 0.3))
+    turned = list(follow([(punch.swapaxes(1, 2), 0.1, way[::-1]) for way in steps], body, 0.3))
+    for (one, _), (other, _) in zip(straight, turned, strict=True):
+        peak = one.pressure.max()
+        np.testing.assert_allclose(one.pressure, other.pressure.swapaxes(1, 2), atol=1e-7 * peak)
+        other_traction = other.tangential.traction[:, ::-1].swapaxes(2, 3)
+        np.testing.assert_allclose(one.tangential.traction, other_traction, atol=1e-7 * peak)
+
+
+def test_a_punch_dragged_far_slides_against_its_way():
+    punch, body, friction = rough((24, 24), 2), ElasticBody(0.5, 0.5), 0.25
+    way = 5.0 * np.array([np.cos(0.7), np.sin(0.7)])
+    _, (found, _) = follow([(punch, 0.2, (0.0, 0.0)), (punch, 0.2, way)], body, friction)
+    assert found.status[0] == Status.ok
+    assert not sticking(found).any()
+    dragged = friction * found.pressure[0] * way[:, np.newaxis, np.newaxis] / 5.0
+    # the body gives way by some hundredths of the drag, which turns each node by no more than that
+    np.testing.assert_allclose(found.tangential.traction[0], dragged, atol=0.02 * friction * found.pressure.max())
+    mean = found.tangential.traction[0].mean(axis=(1, 2))
+    assert np.hypot(*mean) == pytest.approx(friction * 0.2, rel=1e-3)
+
+
+@pytest.mark.parametrize("aspect_ratio", [0.1, 1.0])
+def test_a_rigid_mean_is_the_limit_of_one_that_is_nearly_rigid(aspect_ratio):
+    punch, friction, found = rough((20, 20), 2), 0.3, []
+    punch -= 0.4 * punch.mean()
+    ways = [(0.0, 0.0), (0.01 * aspect_ratio, 0.02 * aspect_ratio), (0.0, 0.0)]
+    for nu in (0.5, 0.5 - 1e-9):
+        body = ElasticBody(nu, aspect_ratio)
+        stiffness = body.coupled_stiffness_of_map((20, 20))
+        for result, start in follow([(punch, None, way) for way in ways], body, friction):
+            assert result.status[0] == Status.ok
+            assert largest_violation(stiffness, punch, None, friction, result, start) < 2e-8
+        found.append(result)
+    rigid, nearly = found
+    peak = rigid.pressure.max()
+    assert abs(rigid.tangential.traction).max() > 0.01 * peak
+    np.testing.assert_allclose(rigid.pressure, nearly.pressure, atol=1e-5 * peak)
+    np.testing.assert_allclose(rigid.tangential.traction, nearly.tangential.traction, atol=1e-5 * peak)
+
+
+def test_a_row_does_not_depend_on_the_others():
+    punch, body = rough((20, 24), 9, rows=3), ElasticBody(0.2, 0.4)
+    together = press(punch, body, 0.1, 0.25)
+    for row in range(3):
+        alone = press(punch[row : row + 1], body, 0.1, 0.25)
+        np.testing.assert_array_equal(alone.pressure[0], together.pressure[row])
+        np.testing.assert_array_equal(alone.tangential.slip[0], together.tangential.slip[row])
+        assert alone.n_transforms[0] == together.n_transforms[row]
+
+
+def test_a_punch_that_touches_nothing_is_carried_by_nothing():
+    punch = rough((16, 16), 4) + 0.1
+    result = press(punch, ElasticBody(0.3, 0.5), None, 0.3)
+    assert result.status[0] == Status.ok
+    assert not result.pressure.any()
+    assert not result.tangential.traction.any()
+
+
+def test_a_run_that_is_cut_short_says_so():
+    punch, body = rough((32, 32), 6), ElasticBody(0.0, None)
+    result = press(punch, body, 0.2, 0.1, options=Options("frictional_newton", max_iterations=1))
+    assert result.status[0] == Status.not_converged
+    assert 1e-8 < result.residual[0] < np.inf
+
+
+def test_what_newton_gives_up_the_dynamics_takes_over():
+    """Two spots on a half-space that all but slide against each other: the guess goes to and fro."""
+    punch, body = rough((21, 21), 189, waves=3.4), ElasticBody(0.3, None)
+    found = press(punch, body, 1e-3, 0.01, options=Options("frictional_newton"))
+    assert found.status[0] == Status.ok
+
+
+def test_an_infinite_friction_is_left_to_the_dynamics():
+    punch, body = rough((16, 16), 1), ElasticBody(0.0, None)
+    with pytest.raises(ValueError, match="the solver frictional_newton knows no sticking"):
+        press(punch, body, 0.1, np.inf)
+    found = press(punch, body, 0.1, np.inf, options=Options("verlet"))
+    assert found.status[0] == Status.ok
+    assert not found.tangential.slip.any()
+    assert abs(found.tangential.traction[0][:, found.touching[0]]).max() > 0.1 * found.pressure.max()
+
+
+@pytest.mark.parametrize("friction", [0.2, np.inf])
+def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
+    """The dynamics anchors their nodes at once, so that it has no history to differ by."""
+    profile = np.full((1, 64), 10.0)
+    profile[0, 20:30] = 0.0
+    body, options, law = (
+        ElasticBody(0.1, None),
+        Options("verlet", residual=1e-10),
+        Interactions(True, friction=friction),
+    )
+    one = equilibrate(profile, body.coupled_stiffness(64), 0.01, options, law)
+    two = press(np.repeat(profile[:, np.newaxis], 4, axis=1), body, 0.01, friction, options=options)
+    assert one.status[0] == two.status[0] == Status.ok
+    peak = one.pressure.max()
+    np.testing.assert_allclose(two.pressure[0], np.tile(one.pressure, (4, 1)), atol=1e-8 * peak)
+    traction = two.tangential.traction[0]
+    np.testing.assert_allclose(traction[0], np.tile(one.tangential.traction, (4, 1)), atol=1e-8 * peak)
+    assert abs(traction[1]).max() < 1e-12 * peak

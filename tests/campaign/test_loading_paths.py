@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers, _outcome
+from gfmd_numba.campaign.block_work import _outcome
+from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.run import run as run_campaign
@@ -248,7 +249,7 @@ def _yaml(file):
 def test_a_shard_holds_its_steps(tmp_path):
     planned = plan(DRAGGED | {"realisations": 1})
     block = next(planned.blocks)
-    measures = _outcome(block, tmp_path, None, mortal=False)
+    measures = _outcome(block, None, None)
     (tmp_path / "shards").mkdir()
     from gfmd_numba.campaign import shards
 

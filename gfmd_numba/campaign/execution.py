@@ -27,7 +27,7 @@ from gfmd_numba.text.input_error import brief
 
 SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
 _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
-_LOST = "its worker died or froze, also with nothing else at work"
+_LOST = "its worker died or froze, even when nothing else was running"
 
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]

@@ -130,7 +130,7 @@ def run(
     if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError(f"output: given {output!r:.60}; allowed: the path of a directory")
     if until is None and budget is not None:
-        raise InputError("budget: given without until; allowed: beside it, as it bounds what that may spend")
+        raise InputError("budget: given without until; allowed: together with until, whose processor time it bounds")
     if until is None:
         results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     else:

@@ -91,7 +91,7 @@ def _allowed(value: dict[str, Any]) -> str:
         return allowed(value)
     kind = value.get("type")
     if kind == "array":
-        return f"a list of {allowed(value['items'])}" if "items" in value else "a list"
+        return f"a list, each entry {allowed(value['items'])}" if "items" in value else "a list"
     if kind == "object":
         return "a mapping"
     if kind == "boolean":

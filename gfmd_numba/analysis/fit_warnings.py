@@ -91,8 +91,8 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> list[str]:
             # a small exponent that the data know well is not pressed
             if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
                 lines.append(
-                    f"exponent of {parameter.limit} is pressed to the low end of its range, {low:g}: allow less, or "
-                    "do not trust this limit"
+                    f"exponent of {parameter.limit} lies at the low end of its range, {low:g}, and the true limit may "
+                    "be further away: allow smaller exponents, or do not trust this limit"
                 )
     return lines
 

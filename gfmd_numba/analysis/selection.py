@@ -87,7 +87,7 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
     lacking = {"case_id", "is_reference"} - set(map(str, dataset.variables))
     if not {"case", "realisation"} <= set(dataset.dims) or lacking or 0 < len(discretisations(dataset)) < len(LIMITS):
-        raise UnusableDataError("given no campaign's results; allowed: what a finished `gfmd run` leaves")
+        raise UnusableDataError("given no results of a campaign; allowed: what a finished `gfmd run` leaves")
     if not axes(dataset):
         raise UnusableDataError(
             "given results whose coordinates do not say, by the attribute `axis`, which of them are physics; "

@@ -49,7 +49,8 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
         chosen = [i for i in chosen if i in found]
     if not chosen:
         given = " ".join(f"--only {name}={value}" for name, value in conditions.items())
-        raise InputError(f"--only: given {given}, which no case meets together; allowed: what at least one case is")
+        allowed = "conditions that at least one case meets"
+        raise InputError(f"--only: given {given}, and no case meets all of these; allowed: {allowed}")
     return [cases[i] for i in chosen]
 
 

@@ -216,8 +216,8 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
         )
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(
-            f"{left}, as the exponents are not known any better; allowed: a larger target, finer levels, or narrower "
-            "ranges under `fit: {fixed: ...}`"
+            f"{left}, as the exponents are not known better than that; allowed: a larger target, finer levels, or "
+            "narrower ranges under `fit: {fixed: ...}`"
         )
     return UnusableDataError(f"{left}; allowed: a larger target, or levels further from the reference")
 

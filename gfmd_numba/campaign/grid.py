@@ -125,7 +125,7 @@ def _lack(scene: Scene, axis: Axis) -> str:
     if isinstance(record, Random) and key not in type(record).model_fields:
         return f"nothing, as {home} with {record.named_by} {getattr(record, record.named_by)} has no {key}"
     if key not in getattr(type(record), "model_fields", ()):
-        return f"nothing without {home}.{key}: add `{key}` to {home}, in place of which the values are taken"
+        return f"nothing without {home}.{key}: add `{key}` to {home}; the values of the grid then replace it"
     if record is scene.loading and getattr(record, key) is None:
         return f"nothing, as the loading is a {next(name for name, value in scene.loading if value is not None)}"
     return ""

@@ -41,7 +41,7 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> R
         refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
         return state.ending(f"not {REACHED}: the fit is refused, {'; '.join(str(refused[0]).splitlines())}")
     if len(state.rounds) > _MOST:
-        return state.ending(f"not {REACHED}: {_MOST} rounds did not get there")
+        return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
     return _with_another(state, results, fitted, found, fit)
 
 
@@ -56,7 +56,7 @@ def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found:
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:
-        return state.ending(f"not {REACHED}: the budget does not do for another round")
+        return state.ending(f"not {REACHED}: the budget is too small for another round")
     another = Round(
         realisations=tuple(decision.realisations.tolist()),
         is_last=decision.is_last,

@@ -25,10 +25,10 @@ _RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 _VARIABLES = {
     "predicted_error": "relative standard error of the limit, times its factor, that was expected before the round",
-    "error": "relative standard error of the limit that the fit said after the round, that of the worst group",
+    "error": "relative standard error of the limit that the fit reported after the round, of the worst group",
     "error_factor": "factor on the error of the fit that allows for the uncertainty of the error itself",
     "price": f"price of all realisations, in {UNITS}",
-    "target_price": "price at which the target was expected to be reached, not-a-number where nothing told",
+    "target_price": "price at which the target was expected to be reached, nan if unknown",
     "cpu_seconds": "processor time of the contacts up to the end of the round",
 }
 
@@ -84,7 +84,7 @@ class Rounds(BaseModel):
     def variables(self) -> dict[str, tuple[Any, ...]]:
         """What the results say of the rounds: dims, values and CF attributes by name."""
         numbered = cf_attributes("round of the run, 0 is the pilot")
-        asked = cf_attributes("realisations that the case was asked of in the round")
+        asked = cf_attributes("realisations asked of the case in the round")
         found: dict[str, tuple[Any, ...]] = {
             "round": ("round", np.arange(len(self.rounds)), numbered),
             "round_realisations": (("round", "case"), [each.realisations for each in self.rounds], asked),

@@ -17,7 +17,7 @@ from gfmd_numba.campaign.watchdog import expired
 
 Told = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
 
-_LOST = "its worker died or froze, also with nothing else at work"
+_LOST = "its worker died or froze, even when nothing else was running"
 _NO_SCHEDULER = "the dask scheduler is lost"
 
 

@@ -153,7 +153,7 @@ class _Run:
 
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
-    """Raise InputError for a goal that the campaign cannot have, or a budget that does not do for its pilot."""
+    """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
     fitted = planned.campaign.fit.variable
     if goal.variable != fitted:
         raise InputError(

@@ -24,7 +24,7 @@ variable_option = click.option("--variable", type=_variables, help="Quantity to 
 exponents_option = click.option(
     "--exponents",
     type=click.Choice(["shared", "free"]),
-    help="Fit one set of exponents to all groups of cases, or one to each [as in the campaign]",
+    help="Share exponents among all groups of cases, or fit those of each group [as in the campaign]",
 )
 
 
@@ -130,10 +130,10 @@ def check_output(output: Path, *inputs: Path) -> None:
             raise InputError(f"--output: given {output}, which is an input; allowed: another file")
     if output.exists() and not output.is_file():
         raise InputError(
-            f"--output: given {output}, which is no regular file; allowed: a new file, or one that gfmd wrote"
+            f"--output: given {output}, which is not a regular file; allowed: a new file, or one that gfmd wrote"
         )
     if not output.parent.is_dir():
-        raise InputError(f"--output: given {output}; allowed: a file in an existing folder, unlike {output.parent}")
+        raise InputError(f"--output: given {output}; allowed: a file in a folder that exists, unlike {output.parent}")
     folder = Path(os.path.realpath(output)).parent  # in which a temporary file is written first
     if not os.access(folder, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
         raise InputError(f"--output: given {output}, which you may not write; allowed: a file that you may write")

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     type=click.IntRange(0),
     help="Number of local worker processes; 0 works in this process",
 )
-@click.option("--scheduler", metavar="ADDRESS", help="Have the dask cluster at this address do the work")
+@click.option("--scheduler", metavar="ADDRESS", help="Use the dask scheduler at this address")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @click.option(
     "--cluster",
@@ -126,7 +126,7 @@ def show_results(results: Path, failures: Failures) -> bool:
     numbers = _Numbers.of(dataset["status"])
     drawn = True
     if numbers.to_do:
-        say("note", f"{numbers.to_do} of {numbers.asked} simulations are not run yet: the same command resumes")
+        say("note", f"{numbers.to_do} of {numbers.asked} simulations have not run yet: the same command resumes")
     elif LIMITS.keys() & set(dataset["limit"].values):
         drawn = _show_limit(dataset, results.with_suffix(".png"))
     elif "step" in dataset.dims:

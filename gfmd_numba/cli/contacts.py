@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 def solve(file: Path, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
-    Writes height, pressure, displacement and gap over x, with contact area, mean gap and the like, and prints the
-    latter. If the run does not converge, its `status` says so and the command exits with 3.
+    The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
+    and other numbers of the whole contact. If the run does not converge, its `status` says so and the command exits
+    with 3.
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
@@ -146,8 +147,8 @@ def fields(file: Path, output: Path, body: str) -> None:
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE.
 
-    Writes and draws the heights, with spectrum, autocorrelation and height distribution beside theory. The picture
-    (.png) has the name of the netCDF file.
+    The command writes and draws the heights, and their spectrum, autocorrelation and height distribution beside
+    those of theory. The picture (.png) has the name of the netCDF file.
     """
     from gfmd_numba.analysis import plot_surface
     from gfmd_numba.scene.measured_record import Measured

@@ -79,9 +79,9 @@ def _text(load: float, si: str) -> float | str:
 def curve(file: Path, loads: list[float | str], realisations: int, output: Path) -> None:
     """Solve the scene in FILE at one load after another.
 
-    Prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a unit is what
-    the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch. Beside the
-    netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
+    The command prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a
+    unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
+    Beside the netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 def check(file: Path) -> None:
     """Check a campaign, scene, surface or cluster FILE.
 
-    Prints what the file describes, with the size, modulus and load that it gives. If something is wrong, the message
-    names the line, the column, what was given and what is allowed. Nothing is computed.
+    The command prints what the file describes, with the size, modulus and load that it gives. If something is wrong,
+    the message names the line, the column, what was given and what is allowed. Nothing is computed.
     """
     from gfmd_numba.scene.document import read_document
 
@@ -161,8 +161,8 @@ def init(file: Path) -> None:
 def doctor() -> None:
     """Check this installation.
 
-    Prints the versions of the packages and the cache folder, solves a contact whose solution is known, and starts two
-    workers.
+    The command prints the versions of the packages and the cache folder, solves a contact whose solution is known, and
+    starts two workers.
     """
     from gfmd_numba.campaign import provenance
     from gfmd_numba.storage import cache

@@ -51,9 +51,9 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
 @main.command()
 @_directory
 def collect(directory: Path) -> None:
-    """Gather finished work of a DIRECTORY in its netCDF file.
+    """Write the finished work in a DIRECTORY to its netCDF file.
 
-    You can do this during a run, too. DIRECTORY is the output directory of a campaign.
+    You can do this while the campaign runs. DIRECTORY is the output directory of a campaign.
     """
     from gfmd_numba.campaign.collection import collect as collect_campaign
     from gfmd_numba.campaign.status import campaign_in
@@ -74,7 +74,7 @@ def verify(directory: Path) -> None:
     from gfmd_numba.campaign.status import verify as verify_shards
 
     verdict = verify_shards(directory)
-    click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} not there")
+    click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} missing")
     for name in verdict.damaged:
         say("damaged", f"{name}: `gfmd run` computes it again")
     for name in verdict.foreign:

@@ -40,12 +40,16 @@ _SHOWN = {  # words, and the unit of a contact without units
     "-o", "--output", required=True, type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write"
 )
 @click.option(
-    "--percolation", is_flag=True, help="Whether channels connect the sides of a map, and how narrow they get"
+    "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
 )
-@click.option("--leakage", is_flag=True, help="Flow through the gap of a map, by the Reynolds equation")
-@click.option("--conductance", is_flag=True, help="Electrical or thermal conductance of the contact")
+@click.option("--leakage", is_flag=True, help="Compute the flow through the gap of a map by the Reynolds equation")
+@click.option("--conductance", is_flag=True, help="Compute the electrical or thermal conductance of the contact")
 def statistics(file: Path, output: Path, percolation: bool, leakage: bool, conductance: bool) -> None:
-    """Write and draw the distributions of pressure, gap and contacts in FILE, left by `gfmd solve`."""
+    """Compute distributions of pressure, gap and contacts.
+
+    FILE is a contact that `gfmd solve` wrote. The command writes and draws the distributions. The picture (.png) has
+    the name of the netCDF file.
+    """
     import gfmd_numba
     from gfmd_numba.analysis import plot_statistics
     from gfmd_numba.campaign.results import read_results

@@ -128,12 +128,12 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
 
 
 def _sources(fitted: xr.Dataset) -> str:
-    """Return what the errors of the limit come from, the largest of each source, and the contacts' processor time."""
+    """Return the parts of the errors of the limit, the largest of each source, and the contacts' processor time."""
     most = fitted["error_budget"].max("group")
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
     spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
-    return f"at most by {', '.join(parts)}{spent}"
+    return f"largest parts {', '.join(parts)}{spent}"
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:

@@ -26,10 +26,12 @@ if TYPE_CHECKING:
 def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
     """Raise a usage error for options that do not go together."""
     if until is None and budget is not None:
-        raise click.UsageError("--budget: given without --until; allowed: beside it, as it bounds what that may spend")
+        allowed = "together with --until, whose processor time it bounds"
+        raise click.UsageError(f"--budget: given without --until; allowed: {allowed}")
     if until is not None and (only or limit):
         name = "--only" if only else "--limit"
-        raise click.UsageError(f"{name}: given with --until; allowed: one of them, as an error needs all cases")
+        allowed = "one of the two, as the error of a limit needs all cases"
+        raise click.UsageError(f"{name}: given with --until; allowed: {allowed}")
 
 
 def run_rounds(

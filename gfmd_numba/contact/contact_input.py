@@ -129,5 +129,5 @@ def check_room(
     room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
-            allowed = f"at most {room:.6g}, where this punch has no more room for an incompressible body"
+            allowed = f"at most {room:.6g}, as an incompressible body has no room for more of this punch"
             raise document.error(place, document.value(place), allowed)

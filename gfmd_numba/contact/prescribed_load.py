@@ -26,7 +26,7 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
     found = load / unit
     if not SMALLEST <= found <= LARGEST:
-        raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, where this comes to {found:.3g}")
+        raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
     hardness = scene.interface.hardness
     if hardness is not None and found >= (most := hardness / (rms_gradient * true_modulus)):
         raise ValueError(f"below {most * unit:.6g}, at which the mean pressure is the hardness itself")

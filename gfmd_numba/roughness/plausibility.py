@@ -33,7 +33,7 @@ def of_surface(heights: Reals, lengths: tuple[float, ...]) -> tuple[str, ...]:
 def _filled(share: float) -> str:
     if share <= FILLED:
         return ""
-    return f"{100 * share:.3g} % of the heights were missing and filled: measure them again, or cut out a whole part"
+    return f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
 
 
 def _tilt(heights: Reals) -> str:
@@ -60,7 +60,7 @@ def _spike(heights: Reals) -> str:
         if rms > 0.0
         else f"{off[where]:.3g} where all others are level"
     )
-    return f"the height at index {index} stands off its neighbours by {times}: if it is a spike, remove it"
+    return f"the height at index {index} stands out from its neighbours by {times}: if it is a spike, remove it"
 
 
 def _seams(heights: Reals) -> Iterable[str]:
@@ -88,8 +88,8 @@ def _gradient(heights: Reals, lengths: tuple[float, ...]) -> str:
     if gradient <= GRADIENT:
         return ""
     return (
-        f"an rms gradient of {gradient:.3g}, above {GRADIENT:g}, up to which linear elasticity is good: check the "
-        "units of the file, or keep fewer short waves by cutoff"
+        f"an rms gradient of {gradient:.3g}, above {GRADIENT:g}, where linear elasticity is no longer good: check the "
+        "units of the file, or leave out short waves by a cutoff"
     )
 
 
@@ -97,4 +97,4 @@ def _range(heights: Reals, lengths: tuple[float, ...]) -> str:
     found = float(np.ptp(heights))
     if found <= min(lengths):
         return ""
-    return f"heights over a range of {found / min(lengths):.3g} periods: check the units of the file, and the length"
+    return f"heights that range over {found / min(lengths):.3g} periods: check the units of the file, and the length"

@@ -41,7 +41,8 @@ def psd_power(
 def filter_power(model: Model | anisotropy.AnisotropicModel, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2, laid out like that of `psd_power`, of the Fourier filtering method.
 
-    It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves.
+    It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves. The
+    power of shorter waves is folded into them, so that the last octave has too much.
     (3.26) filters with the transform itself, whose surfaces have the autocorrelation R * R; R takes its square root.
     Raises ValueError like `psd_power`, where the period is too short for the correlation.
     """

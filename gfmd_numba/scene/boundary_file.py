@@ -42,5 +42,5 @@ class BoundaryFile(BaseModel):
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         if self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary):
-            raise broken_rule(("points",), "the number of nodes, which no file of the boundary tells")
+            raise broken_rule(("points",), "the number of nodes, as no file of the boundary gives it")
         return self

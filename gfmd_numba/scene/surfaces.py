@@ -159,7 +159,10 @@ class KCorrelation(Correlated):
 
 
 class LengthAnisotropy(Spectral):
-    """K-correlation model of maps with two correlation lengths, thesis (3.15)."""
+    """K-correlation model of maps with two correlation lengths, thesis (3.15).
+
+    If both are xi, it is the k_correlation model with the correlation length xi sqrt(2H).
+    """
 
     implementation: ClassVar = "gfmd_numba.roughness.model_waves:length_anisotropy"
     of_maps: ClassVar = True

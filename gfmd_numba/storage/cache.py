@@ -34,7 +34,7 @@ def directory() -> Path:
         pass
     else:
         warnings.warn(
-            f"the cache {folder} is not used: it belongs to somebody else, or others may write it; kernels are "
+            f"the cache {folder} is not used: it belongs to somebody else, or others may write to it; kernels are "
             "compiled again (delete that folder, or name one of your own in GFMD_CACHE_DIR)",
             RuntimeWarning,
             stacklevel=2,

@@ -37,7 +37,7 @@ def test_an_exponent_pressed_to_the_low_end_of_its_range_is_told():
     dataset = noisy(campaign(realisations=60), np.random.default_rng(5), spread=0.02).rename(kappa="kappa_r")
     said = [fit_tfc(dataset, "kappa_r", fixed=ALPHA | {"eps_f": ends}) for ends in ((0.2, 2.0), (1.0, 2.0))]
     assert ["low end of its range" in fit["message"].item() for fit in said] == [False, True]
-    assert "exponent of eps_f is pressed to the low end of its range, 1: allow less" in said[1]["message"].item()
+    assert "exponent of eps_f lies at the low end of its range, 1, and the true limit" in said[1]["message"].item()
 
 
 def test_a_small_exponent_that_the_data_know_is_not_pressed():

@@ -99,5 +99,5 @@ def test_a_unit_beside_a_scene_without_units_is_refused():
 
 def test_conditions_that_no_case_meets_together_are_refused(planned):
     limits = plan({**CAMPAIGN, "limits": {"eps_c": [1 / 4]}, "grid": {}})
-    with pytest.raises(InputError, match="given --only limit=eps_c --only eps_c=1/2, which no case meets together"):
+    with pytest.raises(InputError, match="given --only limit=eps_c --only eps_c=1/2, and no case meets all of these"):
         limits.only({"limit": "eps_c", "eps_c": "1/2"})

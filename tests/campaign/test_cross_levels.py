@@ -86,7 +86,7 @@ def test_cross_cases_are_chosen_planned_checked_and_watched(tmp_path):
     assert "cases         14, of which 14 distinct problems" in planned.output
     ran = CliRunner().invoke(main, ["run", str(path), "-o", str(out), "--workers=0", "--only=limit=cross"])
     assert ran.exit_code == 0, ran.output
-    assert "60 of 84 simulations are not run yet" in ran.output
+    assert "60 of 84 simulations have not run yet" in ran.output
     said = CliRunner().invoke(main, ["status", str(out)])
     assert "4 of 14" in said.output
     results = gfmd_numba.open_campaign(out / "small.nc")

@@ -76,7 +76,7 @@ def test_interactions_that_no_cross_level_tells_ask_for_cross_levels():
 
 def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
     one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=HELD))
-    with pytest.raises(UnknownExponentsError, match=r"as the exponents are not known any better; .* narrower ranges"):
+    with pytest.raises(UnknownExponentsError, match=r"exponents are not known better than that; .* narrower ranges"):
         decided(one, 0.00005, Fit("kappa", {"eps_f": (0.1, 4)}))
     with pytest.raises(UnusableDataError, match=r"error of 0.014%; allowed: a larger target, or levels further from"):
         decided(one, 0.00005, Fit("kappa", {"eps_f": 0.6}))

@@ -111,7 +111,7 @@ def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     monkeypatch.setattr(next_round, "_MOST", 2)
     monkeypatch.setattr(decision, "_GROWTH", 1.3)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL.model_copy(update={"target": 0.005}), tmp_path / "out", HERE)
-    assert outcome.rounds.ended == "not reached: 2 rounds did not get there"
+    assert outcome.rounds.ended == "not reached: 2 rounds did not suffice"
     assert len(outcome.rounds.rounds) == 3
 
 

@@ -74,7 +74,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
     failures = perform_all(tasks, tmp_path, Workers(2), timeout=4.0)
     assert [failures[task[0].name].status for task in bad] == ["crashed", "crashed", "timeout"]
     reasons = (
-        "its worker died or froze, also with nothing else at work",
+        "its worker died or froze, even when nothing else was running",
         "ZeroDivisionError: poison",
         "case_timeout of 4 s",
     )

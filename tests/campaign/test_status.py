@@ -17,7 +17,7 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     ran = gfmd("run", path, "-o", out, "--workers=0", "--only=hurst=0.3", "--only=eps_f=1/16", "--limit=2")
     assert ran.exit_code == 0, ran.output
-    assert f"{8 * 6} of 60 simulations are not run yet" in ran.output
+    assert f"{8 * 6} of 60 simulations have not run yet" in ran.output
     part = gfmd_numba.open_campaign(out)
     done = part["status"].values == 0
     assert done.all(axis=1).sum() == 2
@@ -102,7 +102,7 @@ def test_verify_finds_what_was_altered(tmp_path):
     dataset = gfmd_numba.run(path, out)
     sound = gfmd("verify", out)
     assert sound.exit_code == 0
-    assert "10 sound, 0 damaged, 0 not there" in sound.output
+    assert "10 sound, 0 damaged, 0 missing" in sound.output
     shard, other, gone, *_ = sorted(out.glob("shards/*.shard"))
     shard.write_bytes(shard.read_bytes()[:-1])
     other.rename(other.with_name("foreign.shard"))
@@ -111,7 +111,7 @@ def test_verify_finds_what_was_altered(tmp_path):
     dataset.to_netcdf(out / "small.nc", engine="netcdf4")
     ran = gfmd("verify", out)
     assert ran.exit_code == 3
-    assert "7 sound, 1 damaged, 2 not there" in ran.output
+    assert "7 sound, 1 damaged, 2 missing" in ran.output
     assert f"damaged  {shard.stem}" in ran.output
     assert "foreign  foreign:" in ran.output
     assert "small.nc differs from its digest" in unfolded(ran.output)

@@ -93,7 +93,7 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.1%", "--budget=1 s")
     assert done.exit_code == 3
     said = unfolded(done.stdout)
-    assert "kappa to 0.10%: not reached: the budget does not do for another round" in said
+    assert "kappa to 0.10%: not reached: the budget is too small for another round" in said
     assert "reference limit continuum" in said
 
 

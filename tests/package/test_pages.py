@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-NARROW = ("accuracy", "campaigns", "errata", "hard-cases", "limit", "maps", "statistics", "surfaces")
+NARROW = (
+    *("accuracy", "bodies", "campaigns", "errata", "hard-cases", "limit", "maps", "results", "statistics", "surfaces"),
+    "two-step",
+)
 
 
 @pytest.mark.parametrize("page", ["README.md", *(f"docs/{name}.md" for name in NARROW)])

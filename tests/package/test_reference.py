@@ -63,7 +63,7 @@ def test_every_key_is_documented_with_unit_and_allowed_values(page, record):
         assert len(meaning) >= 8, f"{key} has no meaning"
         assert allowed not in ("", "a number", "a whole number"), f"{key} has no range: {allowed}"
         assert default, key
-        if re.match(r"(a list of )?(a|whole) ?(whole )?number", allowed):
+        if re.match(r"(a list, each entry )?(a|whole) ?(whole )?number", allowed):
             assert unit != "-", f"{key} has no unit"
 
 

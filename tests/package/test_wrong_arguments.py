@@ -90,7 +90,7 @@ def test_options_of_a_fit_are_checked(tmp_path):
 @pytest.mark.parametrize(
     ("function", "said"),
     [
-        (gfmd_numba.fit_tfc, "given no campaign's results; allowed: what a finished `gfmd run` leaves"),
+        (gfmd_numba.fit_tfc, "given no results of a campaign; allowed: what a finished `gfmd run` leaves"),
         (gfmd_numba.contact_statistics, "given no results of a contact; allowed: what `gfmd solve` leaves"),
         (gfmd_numba.gap_percolation, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
         (gfmd_numba.leakage, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),

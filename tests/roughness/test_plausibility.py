@@ -70,8 +70,11 @@ def test_a_wall_at_the_seam_is_one_of_several():
         (COSINE[:200], "the heights jump by 0.000829"),
         (COSINE + 0.02 * np.arange(256) / 256, "a tilt makes up 98.5"),
         (200 * COSINE, "an rms gradient of 0.889, above 0.3"),
-        (1e4 * COSINE, "heights over a range of 20 periods"),
-        (COSINE + np.where(np.arange(256) == 77, 0.1, 0.0), "the height at index 77 stands off its neighbours by 1"),
+        (1e4 * COSINE, "heights that range over 20 periods"),
+        (
+            COSINE + np.where(np.arange(256) == 77, 0.1, 0.0),
+            "height at index 77 stands out from its neighbours by 1",
+        ),
         (np.where(np.arange(256) == 77, 1e-4, 0.0), "the height at index 77 .* where all others are level"),
         (np.add.outer(COSINE[::4], COSINE[:200]), "where the period along x closes"),
         (np.add.outer(COSINE[:200], COSINE[::4]), "where the period along y closes"),

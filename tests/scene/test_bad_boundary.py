@@ -27,7 +27,7 @@ LOADS = {
     ),
     "no grid": (
         ("normal_traction: pull.csv\n    tangential_displacement: held.npy", "normal_traction: 0.1"),
-        "bad.yaml:1:1: points: given nothing; allowed: the number of nodes, which no file of the boundary tells",
+        "bad.yaml:1:1: points: given nothing; allowed: the number of nodes, as no file of the boundary gives it",
     ),
     "unknown key": (
         ("normal_traction", "normal_tracton"),

@@ -198,7 +198,7 @@ def test_scenes_that_have_no_load_curve_are_refused(tmp_path):
 def test_a_displacement_without_room_names_its_load():
     body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
     with pytest.raises(
-        InputError, match=r"loads\[1\]: given 0.5; allowed: at most .*, where this punch has no more room"
+        InputError, match=r"loads\[1\]: given 0.5; allowed: at most .*, as an incompressible body has no room"
     ):
         load_curve(scene_file(body=body, loading={"displacement": 1e-5}), [1e-5, 0.5])
 

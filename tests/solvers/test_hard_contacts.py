@@ -90,10 +90,10 @@ def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
 def test_an_incompressible_body_needs_room(displacement):
     """Pushed further than volume is left below the punch, it was said to be in full contact under any pressure."""
     body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
-    with pytest.raises(InputError, match=r"scene.loading.displacement: given .*at most .*no more room"):
+    with pytest.raises(InputError, match=r"scene.loading.displacement: given .*at most .*no room for more"):
         gfmd_numba.solve(scene_file(body=body, loading={"displacement": displacement}))
     steps = {"path": [{"displacement": displacement}]}
-    with pytest.raises(InputError, match=r"path\[0\].displacement: given .*at most .*no more room"):
+    with pytest.raises(InputError, match=r"path\[0\].displacement: given .*at most .*no room for more"):
         gfmd_numba.solve(scene_file(body=body, loading={"displacement": 1e-4}) | steps)
 
 

@@ -157,4 +157,4 @@ def test_a_device_or_folder_is_not_replaced(tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE)
     said = gfmd(["solve", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "pipe")])
     assert said.exit_code == 2
-    assert "pipe, which is no regular file" in said.stderr
+    assert "pipe, which is not a regular file" in said.stderr

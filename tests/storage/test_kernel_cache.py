@@ -118,7 +118,7 @@ def test_nothing_is_run_that_somebody_else_may_have_put_there(tmp_path, danger):
     assert not witness.exists()
     assert hits == 0
     whole = "cache" in danger or "inside" in danger
-    assert ("is not used: it belongs to somebody else, or others may write it" in said) == whole
+    assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole
 
 
 def test_no_cache_is_no_failure(tmp_path):

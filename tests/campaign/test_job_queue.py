@@ -1,5 +1,6 @@
 """A run in jobs of a queueing system, which here are processes of this machine."""
 
+import sys
 import time
 
 import pytest
@@ -16,6 +17,7 @@ from support.fake_slurm import fake_slurm, jobs_of, kill_job
 
 pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
 
+PYTHON = f"env INSIDE=1 {sys.executable}"  # of several words, as that of a container is
 CLUSTER = {"cores": 1, "memory": 2e9, "walltime": 3600.0, "jobs": {"max": 1}}
 
 
@@ -42,7 +44,7 @@ def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_pa
             for job in jobs_of(slurm):
                 kill_job(slurm, job)
 
-    workers = workers_of(CLUSTER | {"setup": ["export TESTED=1"], "directives": ["--nice"]})
+    workers = workers_of(CLUSTER | {"setup": ["export TESTED=1"], "directives": ["--nice"], "python": PYTHON})
     path, failures = run_campaign(campaign(tmp_path), out, workers, lambda *_: ended)
     assert failures == {}
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
@@ -52,7 +54,7 @@ def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_pa
         assert "#SBATCH --nice\n" in script
         assert "#SBATCH -t 0-01:00:00\n" in script
         assert "export TESTED=1\n" in script
-        assert " tls://" in script
+        assert f"\n{PYTHON} -m distributed.cli.dask_worker tls://" in script
     assert len(keys) == 3
     assert not readable, "others may read a key"
     assert not list(out.glob("jobs/tls-*")), "a key outlived its run"

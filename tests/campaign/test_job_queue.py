@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import job_supply
+from gfmd_numba.campaign import job_queue, job_supply
 from gfmd_numba.campaign.execution import check, workers_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
@@ -26,7 +26,8 @@ def slurm(tmp_path, monkeypatch):
     folder = tmp_path / "slurm"
     folder.mkdir()
     fake_slurm(folder, monkeypatch)
-    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.5)
+    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.3)
+    monkeypatch.setattr(job_queue, "_INTERVAL", "0.3s")
     yield folder
     deadline = time.monotonic() + 5.0
     while jobs_of(folder):

@@ -35,7 +35,8 @@ def slurm(tmp_path, monkeypatch):
         time.sleep(0.1)
 
 
-def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_path, slurm):
+def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_path, slurm):
+    """The first before its worker comes, the second when it has done a block."""
     out, keys, readable = tmp_path / "out", [], []
 
     def ended(blocks):
@@ -45,16 +46,18 @@ def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_pa
             for job in jobs_of(slurm):
                 kill_job(slurm, job)
 
-    workers = workers_of(CLUSTER | {"setup": ["export TESTED=1"], "directives": ["--nice"], "python": PYTHON})
+    workers = workers_of(
+        CLUSTER | {"setup": [f"mkdir {slurm}/first && exit 1"], "directives": ["--nice"], "python": PYTHON}
+    )
     path, failures = run_campaign(campaign(tmp_path), out, workers, lambda *_: ended)
     assert failures == {}
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
     scripts = [path.read_text() for path in slurm.glob("*.script")]
-    assert len(scripts) == 2
+    assert len(scripts) == 3
     for script in scripts:
         assert "#SBATCH --nice\n" in script
         assert "#SBATCH -t 0-01:00:00\n" in script
-        assert "export TESTED=1\n" in script
+        assert f"mkdir {slurm}/first && exit 1\n" in script
         assert f"\n{PYTHON} -m distributed.cli.dask_worker tls://" in script
     assert len(keys) == 3
     assert not readable, "others may read a key"

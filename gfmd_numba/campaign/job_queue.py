@@ -17,6 +17,7 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.text.input_error import brief
 
 FOLDER = "jobs"  # in the output directory: what jobs print, and for the time of a run the certificates of its workers
+_INTERVAL = "2s"  # between looks at how many jobs are wanted
 _KEYS = "tls-"  # how the folder of keys and certificates begins, in that folder
 _ROLES = ("scheduler", "worker", "client")
 _COMMANDS = ("sbatch", "squeue", "scancel")
@@ -88,7 +89,7 @@ def jobs(cluster: Cluster, directory: Path) -> Iterator[Any]:
             Adaptive=JobSupply,
             minimum_jobs=cluster.jobs.min,
             maximum_jobs=cluster.jobs.max,
-            interval="2s",
+            interval=_INTERVAL,
             client=client,
             job_name=name,
             cores=cluster.cores,

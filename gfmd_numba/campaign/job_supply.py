@@ -86,7 +86,7 @@ class JobSupply(Adaptive):
                 await job.close()
         if self._in_vain >= _MOST_IN_VAIN:
             self.fault = f"{self._in_vain} jobs ended or were refused before any of their workers came"
-            tasks = [Future(key, client=self._client) for key in list(self._client.futures)]
+            tasks: list[Any] = [Future(key, client=self._client) for key in list(self._client.futures)]
             await self._client.cancel(tasks, asynchronous=True, force=True)
 
     async def _queued(self) -> set[str] | None:

@@ -4,7 +4,9 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import islice
+from math import inf
 from pathlib import Path
+from time import monotonic
 from typing import Any
 from uuid import uuid4
 
@@ -18,6 +20,7 @@ from gfmd_numba.campaign.watchdog import expired
 Told = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
 
 _LOST = "its worker died or froze, even when nothing else was running"
+_SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
 _NO_SCHEDULER = "the dask scheduler is lost"
 
 
@@ -100,11 +103,15 @@ class Submission:
                 at_work[future.key] = task
                 yield future
 
+        wanted, counted = 1, -inf
+
         def missing() -> int:
-            try:
-                wanted = 1 if alone else 2 * max(1, self.most, len(self.client.nthreads()))
-            except OSError:
-                raise ConnectionError(_NO_SCHEDULER) from None
+            nonlocal wanted, counted
+            if not alone and monotonic() - counted > _SECONDS_BETWEEN_COUNTS:
+                try:
+                    wanted, counted = 2 * max(1, self.most, len(self.client.nthreads())), monotonic()
+                except OSError:
+                    raise ConnectionError(_NO_SCHEDULER) from None
             return max(0, wanted - len(at_work))
 
         submissions = submitted()

@@ -12,7 +12,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.stability import smallest_curvature
 from gfmd_numba.solvers.status import Status
 
-_LOST = "its worker died or froze, even when nothing else was running"
+_LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
 _CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
 _UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
 _DIVISIONS = 12  # halvings of a step at most

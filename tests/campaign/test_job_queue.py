@@ -1,12 +1,13 @@
 """A run in jobs of a queueing system, which here are processes of this machine."""
 
+import sys
 import time
 
 import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import job_supply
+from gfmd_numba.campaign import job_queue, job_supply
 from gfmd_numba.campaign.execution import check, workers_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
@@ -16,6 +17,7 @@ from support.fake_slurm import fake_slurm, jobs_of, kill_job
 
 pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
 
+PYTHON = f"env INSIDE=1 {sys.executable}"  # of several words, as that of a container is
 CLUSTER = {"cores": 1, "memory": 2e9, "walltime": 3600.0, "jobs": {"max": 1}}
 
 
@@ -24,7 +26,8 @@ def slurm(tmp_path, monkeypatch):
     folder = tmp_path / "slurm"
     folder.mkdir()
     fake_slurm(folder, monkeypatch)
-    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.5)
+    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.3)
+    monkeypatch.setattr(job_queue, "_INTERVAL", "0.3s")
     yield folder
     deadline = time.monotonic() + 5.0
     while jobs_of(folder):
@@ -32,7 +35,8 @@ def slurm(tmp_path, monkeypatch):
         time.sleep(0.1)
 
 
-def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_path, slurm):
+def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_path, slurm):
+    """The first before its worker comes, the second when it has done a block."""
     out, keys, readable = tmp_path / "out", [], []
 
     def ended(blocks):
@@ -42,17 +46,19 @@ def test_a_job_that_is_killed_is_replaced_and_changes_no_number(finished, tmp_pa
             for job in jobs_of(slurm):
                 kill_job(slurm, job)
 
-    workers = workers_of(CLUSTER | {"setup": ["export TESTED=1"], "directives": ["--nice"]})
+    workers = workers_of(
+        CLUSTER | {"setup": [f"mkdir {slurm}/first && exit 1"], "directives": ["--nice"], "python": PYTHON}
+    )
     path, failures = run_campaign(campaign(tmp_path), out, workers, lambda *_: ended)
     assert failures == {}
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
     scripts = [path.read_text() for path in slurm.glob("*.script")]
-    assert len(scripts) == 2
+    assert len(scripts) == 3
     for script in scripts:
         assert "#SBATCH --nice\n" in script
         assert "#SBATCH -t 0-01:00:00\n" in script
-        assert "export TESTED=1\n" in script
-        assert " tls://" in script
+        assert f"mkdir {slurm}/first && exit 1\n" in script
+        assert f"\n{PYTHON} -m distributed.cli.dask_worker tls://" in script
     assert len(keys) == 3
     assert not readable, "others may read a key"
     assert not list(out.glob("jobs/tls-*")), "a key outlived its run"

@@ -1,0 +1,40 @@
+"""`gfmd run` takes one kind of workers, and `gfmd check` reads the file of a cluster."""
+
+import pytest
+from click.testing import CliRunner
+
+from gfmd_numba.cli import main
+from support.campaigns import campaign
+from support.command_line import unfolded
+
+CLUSTER = "cores: 4\nmemory: 8 GB\nwalltime: 2 h\njobs: {max: 10}\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--workers=2", "--scheduler=tcp://127.0.0.1:1"], "--scheduler: given with --workers; allowed: one of them"),
+        (["--scheduler=tcp://127.0.0.1:1", "--cluster=c.yaml"], "--cluster: given with --scheduler; allowed: one"),
+        (["--insecure"], "--insecure: given without --scheduler; allowed: beside it"),
+    ],
+)
+def test_options_that_name_two_kinds_of_workers_are_refused(tmp_path, options, said):
+    refused = CliRunner().invoke(main, ["run", str(campaign(tmp_path)), *options])
+    assert refused.exit_code == 2
+    assert said in unfolded(refused.output)
+
+
+def test_a_cluster_file_is_checked(tmp_path):
+    (tmp_path / "cluster.yaml").write_text(CLUSTER)
+    checked = CliRunner().invoke(main, ["check", str(tmp_path / "cluster.yaml")])
+    assert (checked.exit_code, checked.output.partition(": ")[2]) == (0, "a cluster of up to 10 jobs, 40 workers\n")
+
+
+def test_a_fault_in_a_cluster_file_is_told_before_a_run_begins(tmp_path):
+    (tmp_path / "cluster.yaml").write_text(CLUSTER.replace("8 GB", "8 m"))
+    output = str(tmp_path / "out")
+    command = ["run", str(campaign(tmp_path)), "-o", output, "--cluster", str(tmp_path / "cluster.yaml")]
+    refused = CliRunner().invoke(main, command)
+    assert refused.exit_code == 2
+    assert "cluster.yaml:2:9: memory: given '8 m'; allowed: a memory in B, MB, GB" in unfolded(refused.output)
+    assert not (tmp_path / "out").exists()

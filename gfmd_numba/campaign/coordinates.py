@@ -88,7 +88,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
     if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis
         attributes[_REDUCED] = cf_attributes(REDUCED_PRESSURE)
     columns = coordinates(cases)
-    described = {name: ("case", column, attributes[name]) for name, column in columns.items()}
+    described: dict[str, Described] = {name: ("case", column, attributes[name]) for name, column in columns.items()}
     for axis in (axis for axis in AXES if axis.has_names and axis.coordinate in columns):
         known = list(dict.fromkeys(columns[axis.coordinate]))
         numbers = {name: i for i, name in enumerate(known)}

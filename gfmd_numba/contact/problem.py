@@ -98,7 +98,7 @@ class Problem:
         return 1 + len(self.path)
 
     def _hash(self) -> str:
-        content = {
+        content: dict[str, Any] = {
             "results_version": results_version(),
             "surface": _surface_content(self.surface),
             "body": _body_content(self.body),

@@ -134,12 +134,15 @@ def files_page() -> str:
     """Return the page of what results hold, from the tables of observables and axes."""
     from gfmd_numba.campaign.axes import AXES
     from gfmd_numba.contact.observables import OBSERVABLES
+    from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 
     symbols = {"E*/stiffness": "1", "gradient": "1", "height": "m", "pressure": "Pa", "energy": "J m-2"}
-    rows = "\n".join(
-        f"| `{name}` | {symbols.get(row.unit, row.unit)} | {_text(row.long_name)} |"
-        for name, row in OBSERVABLES.items()
-    )
+
+    def described(table: dict[str, Any]) -> str:
+        units = {name: symbols.get(row.unit, row.unit) for name, row in table.items()}
+        return "\n".join(f"| `{name}` | {units[name]} | {_text(row.long_name)} |" for name, row in table.items())
+
+    rows, of_paths = described(OBSERVABLES), described(PATH_OBSERVABLES)
     axes = "\n".join(f"| `{axis.name}` | {_text(axis.symbol)} | {_text(axis.long_name)} |" for axis in AXES)
     return f"""\
 # Variables of the results
@@ -149,7 +152,7 @@ Every file of results is netCDF-4 and follows the CF conventions. Read it with `
 
 ## Numbers of each contact
 
-Campaigns hold these over `case` and `realisation`, load curves over `prescribed_load`, and paths over `step`.
+Campaigns hold these over `case` and `realisation`, load curves over `prescribed_load`, and paths over `step` too.
 In a single contact they have no dimension. The units are those of a scene with a `length` and moduli. In a
 scene without moduli, stress is in E\\*; in a scene without a `length`, lengths are in L_x. The files then say
 so.
@@ -157,6 +160,15 @@ so.
 | Variable | Unit | Meaning |
 |---|---|---|
 {rows}
+
+## Numbers of a loading path
+
+Contacts and campaigns with a `path` hold these, if the scene has the effect: the first three over `step`, the others
+once for each realisation.
+
+| Variable | Unit | Meaning |
+|---|---|---|
+{of_paths}
 
 ## Coordinates of a campaign
 

@@ -57,6 +57,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
         campaign, validity = planned.campaign, planned.validity
     kind = f"a campaign of {campaign.n_cases} cases"
     kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
+    kind += f" along a path of {len(campaign.path)} steps" if campaign.path else ""
     return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), validity
 
 

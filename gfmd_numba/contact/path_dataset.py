@@ -26,6 +26,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
+from gfmd_numba.solvers.status import Status
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
@@ -39,7 +40,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
         contact = each if isinstance(each, Contact) else each.contact
         steps.append(step_dataset(given, problem, each))
         if file.path:
-            record.add(problem, contact)
+            record.add(problem, contact, bool(steps[-1]["status"] == Status.ok))
         if contact.followed is not None:
             _add_followed(steps[-1], given, problem, contact, contact.followed)
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)

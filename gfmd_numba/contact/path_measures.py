@@ -79,13 +79,13 @@ class PathRecord:
     _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
     _balance: Balance | None = None
 
-    def add(self, problem: Problem, contact: Contact) -> None:
+    def add(self, problem: Problem, contact: Contact, is_ok: bool) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
         pressure = float(mean_pressure(contact)[0])
         self._loads.append(load_of(problem))
         self._pressures.append(pressure)
         self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
-        if contact.equilibrium.status[0] != Status.ok:
+        if not is_ok:
             for values in self.steps.values():
                 values.append(nan)
             return
@@ -154,8 +154,9 @@ def _along(problem: Problem, realisation: int) -> Measures:
     record, found = PathRecord(), []
     for one, contact in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
         found.append(measure(contact))
-        record.add(one, contact)
-        if contact.equilibrium.status[0] != Status.ok:
+        is_ok = bool(found[-1]["status"][0] == Status.ok)
+        record.add(one, contact, is_ok)
+        if not is_ok:
             break
     rows = recorded(hardness=False)
     values = {name: np.concatenate([each[name] for each in found]) for name in rows}

@@ -1,6 +1,7 @@
 """`gfmd plot` draws whatever gfmd writes, and its pictures can be read in grey and without blank axes."""
 
 from itertools import pairwise
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -26,6 +27,15 @@ FILE = {"scene": SCENE, "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t":
 
 def _contact():
     return gfmd_numba.solve(FILE)
+
+
+def _paths():
+    """Dragged to and fro under a load, for two coefficients of friction."""
+    scene = SCENE | {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}}}
+    campaign = {"name": "dragged", "seed": 1, "realisations": 2, "scene": scene, "reference": FILE["discretisation"]}
+    campaign |= {"grid": {"friction_coefficient": [0.1, 0.2]}, "path": [{"sliding": s} for s in (1e-3, 0.0, -1e-3)]}
+    with TemporaryDirectory() as folder:
+        return gfmd_numba.run(campaign, f"{folder}/out")
 
 
 def _studies():
@@ -60,6 +70,7 @@ WRITTEN = {
     ),
     "accuracy": _studies,
     "fit": _fit,
+    "loading path of a campaign": _paths,
 }
 
 

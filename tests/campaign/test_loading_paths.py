@@ -1,7 +1,14 @@
 """A campaign along a loading path: what it records, how it resumes, and what it refuses."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
+import yaml
 
 import gfmd_numba
 from gfmd_numba.campaign.block_work import _outcome
@@ -170,6 +177,24 @@ def test_a_path_resumes_and_is_spread_over_workers_with_one_digest(dragged, tmp_
     assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
 
 
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path, workers):
+    """SIGKILL after the first of two shards."""
+    path, out = campaign(tmp_path, yaml.safe_dump(DRAGGED)), tmp_path / "out"
+    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, **silent, start_new_session=True)
+    while process.poll() is None and not list(out.glob("shards/*.shard")):
+        time.sleep(0.001)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    assert len(list(out.glob("shards/*.shard"))) >= 1
+    assert subprocess.run(command, **silent, check=False).returncode == 0
+    assert gfmd_numba.open_campaign(out).attrs["content_sha256"] == dragged.attrs["content_sha256"]
+
+
 def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     """The first loading takes fewer iterations than the drag."""
     file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}
@@ -229,21 +254,16 @@ def test_a_block_of_a_path_is_as_much_work_as_any_other():
 
 def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    written = campaign(tmp_path, _yaml(PULLED | {"realisations": 1}))
+    written = campaign(tmp_path, yaml.safe_dump(PULLED | {"realisations": 1}))
     said = gfmd("run", written, "-o", "out", "--workers=0")
     assert said.exit_code == 0, said.output
     assert "end of the path of 8 steps" in said.output
     assert "hysteresis" in said.output
     assert "pull off" in said.output
+    assert "1 realisations along a path of 8 steps" in gfmd("check", written).output
     assert gfmd("plot", "out", "-o", "picture.png").exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 5_000
     assert "path          8 steps" in gfmd("plan", written, "--pilot=0").output
-
-
-def _yaml(file):
-    import yaml
-
-    return yaml.safe_dump(file, sort_keys=False)
 
 
 def test_a_shard_holds_its_steps(tmp_path):

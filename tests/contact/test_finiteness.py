@@ -152,6 +152,19 @@ def test_a_spoiled_loaded_body_is_not_ok(monkeypatch):
     assert int(found["status"]) == Status.nonfinite
 
 
+def test_a_spoiled_path_of_a_campaign_ends_where_it_is_spoiled(tmp_path, monkeypatch):
+    _solve_with(monkeypatch, "displacement", np.nan)
+    scene = {"body": {"poissons_ratio": 0.3, "aspect_ratio": 1.0}, "loading": {"reduced_pressure": 0.1}}
+    scene |= {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}}
+    scene |= {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}
+    file = {"name": "spoiled", "seed": 1, "realisations": 1, "scene": scene, "path": [{"sliding": 1e-4}]}
+    with np.errstate(all="ignore"):
+        found = gfmd_numba.run(file | {"reference": {"eps_c": 0.25, "eps_f": 0.125, "eps_t": 1}}, tmp_path / "out")
+    assert (found["status"] == Status.nonfinite).all()
+    assert found["energy_lost"].isnull().all()
+    assert found["hysteresis"].isnull().all()
+
+
 def test_a_spoiled_case_of_a_campaign_is_not_ok(tmp_path, monkeypatch):
     _solve_with(monkeypatch, "pressure", np.inf)
     with np.errstate(all="ignore"):

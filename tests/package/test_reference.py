@@ -15,6 +15,7 @@ from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.cli import main
 from gfmd_numba.cli.inspection import schemas
 from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.scene import BoundaryFile, SceneFile
 from gfmd_numba.scene.surface_file import SurfaceFile
 
@@ -85,6 +86,6 @@ def test_every_command_and_option_is_documented():
 
 def test_every_observable_is_documented():
     page = reference.files_page().replace("\\", "")
-    for name, row in OBSERVABLES.items():
+    for name, row in (OBSERVABLES | PATH_OBSERVABLES).items():
         assert f"| `{name}` |" in page
         assert row.long_name in page

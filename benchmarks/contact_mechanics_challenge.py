@@ -73,18 +73,16 @@ def main():
     parser.add_argument("--whole", action="store_true")
     asked = parser.parse_args()
     finest = 1024 if asked.quick else 2048
-    grids, one = [n for n in (256, 512, 1024, 2048) if n <= finest], asked.surface
+    finest, one = 1024 if asked.quick else 2048, asked.surface
+    grids = [n for n in (512, 1024, 2048, 4096) if n <= finest or asked.whole]
 
-    header("The same waves and range on finer grids")
-    areas = [solve(64, n, LONG, one) for n in grids[-3:]]
-    dense, order = limit(areas)
-    print(f"limit {dense:.5f}, order {order:.1f}; the finest grid is {areas[-1] / dense - 1:+.2%} off")
-
-    header("Shorter ranges on the finest grid, and as well resolved on each grid")
-    for halvings in (0.5, 1.0):
-        solve(64, finest, LONG * 2.0**-halvings, one)
-    for n in grids[-3:]:
-        solve(64, n, LONG * (512 / n) ** 0.5, one)
+    header("The same waves on all grids that resolve a range (x < 1)")
+    for halvings, coarsest in ((0.0, 512), (0.5, 1024), (1.0, 2048)):
+        length = LONG * 2.0**-halvings
+        areas = [solve(64, n, length, one) for n in grids if n >= coarsest]
+        if len(areas) > 2:
+            dense, order = limit(areas)
+            print(f"limit {dense:.5f}, order {order:.1f}; the finest grid is {areas[-1] / dense - 1:+.2%} off")
 
     header("More waves, without adhesion and with the long range, on the finest grid")
     for cut_off in (64, 128, 256, 512, *([CUT_OFF] if finest == 2048 else [])):

@@ -32,7 +32,8 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     rms_height = dataset["height"].std(nodes)
     pressure, gap = dataset["pressure"] / dataset["full_contact_pressure"], dataset["gap"] / rms_height
     lowest = min(0.0, float(pressure.where(touching).min()))  # an adhesive law may pull on touching nodes
-    pressures = np.linspace(lowest, float(pressure.max()) or 1.0, _BINS + 1)
+    highest = float(pressure.max())  # below 0 where an adhesive law pulls and nothing touches
+    pressures = np.linspace(lowest, highest if highest > lowest else lowest + 1.0, _BINS + 1)
     gaps = np.linspace(0.0, float(gap.max()) or 1.0, _BINS + 1)
     result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)

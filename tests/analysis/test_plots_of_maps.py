@@ -38,6 +38,25 @@ def test_heights_pressure_and_gap_are_drawn_in_their_units(rough, tmp_path):
     figure.savefig(tmp_path / "map.png", dpi=40)
 
 
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_surfaces_that_attract_each_other_apart_are_drawn(dimension, tmp_path):
+    found = gfmd_numba.solve(
+        {
+            "dimension": dimension,
+            "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
+            "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+            "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-6, "range": 5e-4}},
+            "loading": {"displacement": -1e-3},
+            "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2},
+        }
+    )
+    assert found["pressure"].max() < 0.0 < found["gap"].min()
+    plot_contact(found).savefig(tmp_path / "apart.png", dpi=40)
+    statistics = gfmd_numba.contact_statistics(found)
+    assert float(statistics["pressure_density"].sum()) == 0.0
+    assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
+
+
 def test_touching_nodes_have_a_colour_that_no_gap_has(rough):
     gap = panels(plot_contact(rough))[0][2]
     touching = rough["gap"].values == 0.0

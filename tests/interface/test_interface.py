@@ -26,6 +26,18 @@ def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
     assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_change_of_energy_is_that_of_the_energy_near_and_far():
+    law = ExponentialLaw(0.3, 0.2)
+    gap = np.array([0.0, 0.5, 0.5, 0.5, 0.5, 400.0, 400.0, 1e3])
+    closing = np.array([-0.2, 0.0, 0.3, -0.3, 1e-14, 400.0, 399.5, -1e3])
+    expected = law.energy(gap - closing) - law.energy(gap)
+    np.testing.assert_allclose(
+        law.energy_change(gap, closing)[closing != 1e-14], expected[closing != 1e-14], rtol=1e-12
+    )
+    assert law.energy_change(gap, closing)[4] == pytest.approx(-law.traction(0.5) * 1e-14, rel=1e-12)
+
+
 @pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
 def test_the_kernel_is_the_law(kernel):
     u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))

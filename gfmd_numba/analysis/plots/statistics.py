@@ -41,7 +41,8 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
         gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)
         contacts.plot(step[size], step[counted].where(step[counted] > 0), "o-", ms=4, color=colour)
     pressure.plot([], [], "--", color="0.4", label="Persson")
-    pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, None))
+    top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
+    pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, top))
     pressure.legend()
     gap.set(
         xlabel="Gap over rms height", ylabel="Density", yscale="log" if (mean["gap_density"] > 0.0).any() else "linear"

@@ -1,0 +1,52 @@
+"""Pull-off of a paraboloid over Tabor's parameter and the grid, beside 3/2 pi w R (JKR) and 2 pi w R (DMT).
+
+The punch is drawn off in steps of a quarter of the range; its work of adhesion gives JKR's contact a radius of 0.1 L_x
+at pull-off, where the images of the period change the curvature of the body by 0.2 %. `--quick` stops at 512^2.
+"""
+
+import sys
+import time
+
+import numpy as np
+
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.equilibrium import equilibrate, following
+from gfmd_numba.solvers.options import Options
+
+RADIUS_AT_PULL_OFF = 0.1  # of the contact, in L_x; the paraboloid has the radius L_x
+
+
+def pull_off(nodes, tabor, contact=RADIUS_AT_PULL_OFF, solver="truncated_newton", part=0.25):
+    """Largest tension in w R, x, median of transforms a step, and seconds."""
+    begun = time.perf_counter()
+    work = 8.0 * contact**3 / (9.0 * np.pi)
+    length = work ** (2.0 / 3.0) / tabor
+    law, x = Interactions(True, ExponentialLaw(work, length)), np.arange(nodes) / nodes - 0.5
+    punch = 0.5 * (x**2 + x[:, np.newaxis] ** 2)[np.newaxis]
+    body, before, most, spent = stiffness.slab(grid.magnitudes((nodes, nodes)), 0.3, 1.0), None, 0.0, []
+    while before is None or before.touching.any():
+        start = None if before is None else following(before, punch, 0.0)
+        before = equilibrate(punch, body, None, Options(solver, residual=1e-6), law, start)
+        assert before.status[0] == 0
+        spent.append(int(before.n_transforms[0]))
+        most = max(most, -float(before.pressure.mean()))
+        punch = punch + part * length
+    return most / work, law.softening / (np.pi * nodes / 2.0), np.median(spent), time.perf_counter() - begun
+
+
+grids = (128, 256, 512) if "--quick" in sys.argv else (128, 256, 512, 1024)
+print(" nodes  Tabor      x   over JKR   over DMT   transforms a step       s")
+for tabor in (1.0, 2.0, 3.0, 5.0, 7.0):
+    for nodes in grids:
+        if tabor**2 / (RADIUS_AT_PULL_OFF * nodes) > 0.7:  # about x
+            continue
+        tension, x, transforms, seconds = pull_off(nodes, tabor)
+        jkr, dmt = tension / (1.5 * np.pi), tension / (2.0 * np.pi)
+        print(f"{nodes:4}^2 {tabor:6} {x:7.3f} {jkr:9.4f} {dmt:10.4f} {transforms:13.0f} {seconds:14.1f}", flush=True)
+print("Small Tabor parameters, 128^2 nodes, a contact of 0.004 L_x, steps of 1/200 of the range")
+for tabor in (0.3, 0.1, 0.03, 0.01):
+    tension, x, *_ = pull_off(128, tabor, 0.004, part=0.005)
+    print(f" 128^2 {tabor:6} {x:7.3f} {tension / (1.5 * np.pi):9.4f} {tension / (2.0 * np.pi):10.4f}", flush=True)

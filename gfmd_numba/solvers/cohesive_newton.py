@@ -110,10 +110,10 @@ class CohesiveNewton(TruncatedNewton):
         return np.asarray(self._sliding - self._u[i, self._sideways])
 
     def _pull(self, i: int) -> Reals:
-        pull, gap, slip = np.zeros(self._u.shape[1]), self._gap(i), self._slip(i)
-        pull[self._normal] = self._cohesive.normal_traction(gap, slip)
-        pull[self._sideways] = self._cohesive.tangential_traction(gap, slip)
-        return pull
+        gap, slip = self._gap(i), self._slip(i)
+        self._pulled[self._normal] = self._cohesive.normal_traction(gap, slip)
+        self._pulled[self._sideways] = self._cohesive.tangential_traction(gap, slip)
+        return self._pulled
 
     def _bend(self, i: int) -> None:
         tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))

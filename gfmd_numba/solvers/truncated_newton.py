@@ -127,7 +127,10 @@ class TruncatedNewton:
         self._load[:, normal] = self.load[:, np.newaxis]
         self._punch = batch.punch.reshape(rows, -1).copy()
         self._wall[:] = np.inf
-        self.displacement, self.restoring, self.wall = (aligned_rows(rows, n) for _ in range(3))
+        self.wall = aligned_rows(rows, n)
+        self.displacement, self.restoring = self._u, self._restoring
+        if unknowns > self.wall.shape[1]:  # or what is followed is the normal displacement alone
+            self.displacement, self.restoring = aligned_rows(rows, n), aligned_rows(rows, n)
         if batch.interface.hard_wall:
             self._wall[:, normal] = self._punch
         self.wall[:, :n] = self._wall[:, normal]
@@ -136,6 +139,9 @@ class TruncatedNewton:
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
         self._floats = batch.load is not None and not batch.interface.hard_wall
         self._level = np.zeros((rows, 1))
+        if self._floats:
+            self.displacement = aligned_rows(rows, n)
+        self._pulled = np.zeros(unknowns)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts = np.zeros(rows, dtype=np.bool_)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
@@ -156,9 +162,8 @@ class TruncatedNewton:
 
     def _pull(self, i: int) -> Reals:
         """Traction of the law on each unknown of a row."""
-        pull = np.zeros(self._u.shape[1])
-        pull[self._normal] = self._law.traction(self._gap(i))
-        return pull
+        self._pulled[self._normal] = self._law.traction(self._gap(i))
+        return self._pulled
 
     def _bend(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
@@ -264,22 +269,25 @@ class TruncatedNewton:
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
-        mean = float(self._source[i, self._normal].mean()) if self._floats else 0.0
         self._u[i] = self._source[i]
-        self._u[i, self._normal] -= mean
-        self._punch[i] -= mean
-        self._level[i] += mean
+        if self._floats:
+            mean = float(self._u[i, self._normal].mean())
+            self._u[i, self._normal] -= mean
+            self._punch[i] -= mean
+            self._level[i] += mean
         self._elastic[i] = self._result[i]
         if self._reach > 0.0:
             closing = np.maximum(self._gap(i) - _FAR * self._reach, self._reach)
             bound = self._u[i, self._normal] + closing
             self._bound[i, self._normal] = np.minimum(self._wall[i, self._normal], bound)
         pull = self._pull(i)
-        self._restoring[i] = self._elastic[i] - pull
+        np.subtract(self._elastic[i], pull, out=self._restoring[i])
         self._strongest[i] = np.abs(pull).max()
         n = self.field.n
-        self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
-        self.restoring[i, :n] = self._restoring[i, self._normal]
+        if self.displacement is not self._u:
+            self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
+        if self.restoring is not self._restoring:
+            self.restoring[i, :n] = self._restoring[i, self._normal]
 
 
 def _decreases(change: float, slope: float) -> bool:

@@ -7,6 +7,8 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.held_mean import condition, held
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.truncated_newton import TruncatedNewton
@@ -31,8 +33,9 @@ class CohesiveNewton(TruncatedNewton):
         self._cohesive, self._sliding = cohesive, batch.sliding
         self.field = Convolution(2 * rows, n)
         given = batch.coupled_stiffness
-        self._hold_mean(batch, given.k33)
-        stiffness = CoupledStiffness(given.k11, given.k13, self._held(given.k33))
+        rigid_mean = condition(batch, given.k33)
+        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
+        stiffness = CoupledStiffness(given.k11, given.k13, held(given.k33, rigid_mean))
         compliance = stiffness.compliance()
         for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
@@ -81,9 +84,9 @@ class CohesiveNewton(TruncatedNewton):
         zero = np.zeros_like(self._k11)
         elements = [zero, zero, zero]
         for k, (part, stiffness) in {0: (self._sideways, self._k11), 2: (self._normal, self._k33)}.items():
-            held = self._curvature[part][where[part]]
-            if held.size:
-                mean = np.exp(np.log(held).mean())
+            curvature = self._curvature[part][where[part]]
+            if curvature.size:
+                mean = np.exp(np.log(curvature).mean())
                 elements[k] = self.field.symbol(mean / (mean + stiffness))
         self._gripped_elements = elements
 

@@ -1,7 +1,6 @@
 """Truncated Newton method on the energy of a contact under a law of the gap, with or without the hard wall."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,8 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.held_mean import condition, held, taken_over
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 
@@ -25,7 +25,6 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_HELD = 10.0  # stiffness of a mean displacement that has to vanish over the largest of the body
 
 
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
@@ -40,8 +39,7 @@ class TruncatedNewton:
     the energy never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the
     bodies, restricted to the free nodes. The first transforms of a step are those of its gradient.
 
-    A mean displacement that has to vanish is held by a large stiffness, and the mean pressure is the multiplier that
-    takes over what holds it (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
+    A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
     """
 
     check_every = 1
@@ -51,8 +49,9 @@ class TruncatedNewton:
         self.field = Convolution(rows, *shape)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
-        self._hold_mean(batch, batch.normal_stiffness)
-        stiffness = self._held(batch.normal_stiffness)
+        rigid_mean = condition(batch, batch.normal_stiffness)
+        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
+        stiffness = held(batch.normal_stiffness, rigid_mean)
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
         compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
@@ -101,22 +100,6 @@ class TruncatedNewton:
                 self._shift_load(row[0])
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
-
-    def _hold_mean(self, batch: Batch, stiffness: Reals) -> None:
-        """Take down the condition of the mean displacement, for which a hard wall alone may leave no room."""
-        rigid_mean = RigidMean.of(batch.punch, stiffness)
-        if rigid_mean is not None and not batch.interface.hard_wall:
-            rigid_mean = replace(rigid_mean, impossible=np.zeros_like(rigid_mean.impossible))
-        self.certificate = Certificate(len(batch.punch), rigid_mean=rigid_mean)
-
-    def _held(self, stiffness: Reals) -> Reals:
-        """Normal stiffness in which a mean displacement that has to vanish is no more than very stiff."""
-        rigid_mean = self.certificate.rigid_mean
-        if rigid_mean is None:
-            return stiffness
-        held = stiffness.copy()
-        held.flat[0] = _HELD * rigid_mean.stiffest
-        return held
 
     def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
         """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""
@@ -194,7 +177,7 @@ class TruncatedNewton:
         """Let the mean pressure of a row take over what held its mean displacement."""
         rigid_mean = self.certificate.rigid_mean
         if rigid_mean is not None:
-            self.load[i] -= _HELD * rigid_mean.stiffest * self.displacement[i, : self.field.n].mean()
+            self.load[i] += taken_over(self.displacement[i, : self.field.n], rigid_mean)
             self._load[i, self._normal] = self.load[i]
 
     def _find_direction(self, row: Rows) -> bool:

@@ -7,8 +7,6 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.solvers.certificate import Certificate
-from gfmd_numba.solvers.held_mean import condition, held
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.truncated_newton import TruncatedNewton
@@ -33,9 +31,7 @@ class CohesiveNewton(TruncatedNewton):
         self._cohesive, self._sliding = cohesive, batch.sliding
         self.field = Convolution(2 * rows, n)
         given = batch.coupled_stiffness
-        rigid_mean = condition(batch, given.k33)
-        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
-        stiffness = CoupledStiffness(given.k11, given.k13, held(given.k33, rigid_mean))
+        stiffness = CoupledStiffness(given.k11, given.k13, self._with_held_mean(batch, given.k33))
         compliance = stiffness.compliance()
         for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it

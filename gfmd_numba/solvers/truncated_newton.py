@@ -11,7 +11,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.solvers.certificate import Certificate
-from gfmd_numba.solvers.held_mean import condition, held, taken_over
+from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 
@@ -49,9 +49,7 @@ class TruncatedNewton:
         self.field = Convolution(rows, *shape)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
-        rigid_mean = condition(batch, batch.normal_stiffness)
-        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
-        stiffness = held(batch.normal_stiffness, rigid_mean)
+        stiffness = self._with_held_mean(batch, batch.normal_stiffness)
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
         compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
@@ -100,6 +98,12 @@ class TruncatedNewton:
                 self._shift_load(row[0])
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
+
+    def _with_held_mean(self, batch: Batch, stiffness: Reals) -> Reals:
+        """Normal stiffness in which a mean that has to vanish is held; begins the certificate, which says so."""
+        self._held_mean = held = HeldMean.of(batch, stiffness)
+        self.certificate = Certificate(len(batch.punch), rigid_mean=None if held is None else held.condition)
+        return stiffness if held is None else held.on(stiffness)
 
     def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
         """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""
@@ -175,9 +179,8 @@ class TruncatedNewton:
 
     def _shift_load(self, i: int) -> None:
         """Let the mean pressure of a row take over what held its mean displacement."""
-        rigid_mean = self.certificate.rigid_mean
-        if rigid_mean is not None:
-            self.load[i] += taken_over(self.displacement[i, : self.field.n], rigid_mean)
+        if self._held_mean is not None:
+            self.load[i] += self._held_mean.pressure(self.displacement[i, : self.field.n])
             self._load[i, self._normal] = self.load[i]
 
     def _find_direction(self, row: Rows) -> bool:

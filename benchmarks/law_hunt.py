@@ -22,7 +22,7 @@ KINDS = ("exponential", "cohesive", "rigid", "friction", "friction_and_law")
 
 
 def random_scene(kind, seed):
-    """A path of four steps on a self-affine surface of 16 to 2048 nodes; the softening of its law is x to 1."""
+    """A path of four steps on a self-affine surface of 16 to 4096 nodes; its law softens by x up to 1."""
     rng = np.random.default_rng([KINDS.index(kind), seed])
     g, hurst = 10 ** rng.uniform(-3, -0.5), rng.uniform(0.1, 1)
     inverse = [int(rng.choice(each)) for each in ([1, 2, 4, 8], [8, 32, 64, 128], [1, 2])]

@@ -31,8 +31,7 @@ class CohesiveNewton(TruncatedNewton):
         self._cohesive, self._sliding = cohesive, batch.sliding
         self.field = Convolution(2 * rows, n)
         given = batch.coupled_stiffness
-        self._hold_mean(batch, given.k33)
-        stiffness = CoupledStiffness(given.k11, given.k13, self._held(given.k33))
+        stiffness = CoupledStiffness(given.k11, given.k13, self._with_held_mean(batch, given.k33))
         compliance = stiffness.compliance()
         for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
@@ -82,9 +81,9 @@ class CohesiveNewton(TruncatedNewton):
         zero = np.zeros_like(self._k11)
         elements = [zero, zero, zero]
         for k, (part, stiffness) in {0: (self._sideways, self._k11), 2: (self._normal, self._k33)}.items():
-            held = self._curvature[part][where[part]]
-            if held.size:
-                mean = np.exp(np.log(held).mean())
+            curvature = self._curvature[part][where[part]]
+            if curvature.size:
+                mean = np.exp(np.log(curvature).mean())
                 elements[k] = self.field.symbol(mean / (mean + stiffness))
         self._gripped_elements = elements
 
@@ -111,10 +110,10 @@ class CohesiveNewton(TruncatedNewton):
         return np.asarray(self._sliding - self._u[i, self._sideways])
 
     def _pull(self, i: int) -> Reals:
-        pull, gap, slip = np.zeros(self._u.shape[1]), self._gap(i), self._slip(i)
-        pull[self._normal] = self._cohesive.normal_traction(gap, slip)
-        pull[self._sideways] = self._cohesive.tangential_traction(gap, slip)
-        return pull
+        gap, slip = self._gap(i), self._slip(i)
+        self._pulled[self._normal] = self._cohesive.normal_traction(gap, slip)
+        self._pulled[self._sideways] = self._cohesive.tangential_traction(gap, slip)
+        return self._pulled
 
     def _bend(self, i: int) -> None:
         tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))

@@ -1,7 +1,6 @@
 """Truncated Newton method on the energy of a contact under a law of the gap, with or without the hard wall."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,8 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 
@@ -25,7 +25,6 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_HELD = 10.0  # stiffness of a mean displacement that has to vanish over the largest of the body
 
 
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
@@ -40,8 +39,7 @@ class TruncatedNewton:
     the energy never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the
     bodies, restricted to the free nodes. The first transforms of a step are those of its gradient.
 
-    A mean displacement that has to vanish is held by a large stiffness, and the mean pressure is the multiplier that
-    takes over what holds it (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
+    A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
     """
 
     check_every = 1
@@ -51,8 +49,7 @@ class TruncatedNewton:
         self.field = Convolution(rows, *shape)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
-        self._hold_mean(batch, batch.normal_stiffness)
-        stiffness = self._held(batch.normal_stiffness)
+        stiffness = self._with_held_mean(batch, batch.normal_stiffness)
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
         compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
@@ -102,21 +99,11 @@ class TruncatedNewton:
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
 
-    def _hold_mean(self, batch: Batch, stiffness: Reals) -> None:
-        """Take down the condition of the mean displacement, for which a hard wall alone may leave no room."""
-        rigid_mean = RigidMean.of(batch.punch, stiffness)
-        if rigid_mean is not None and not batch.interface.hard_wall:
-            rigid_mean = replace(rigid_mean, impossible=np.zeros_like(rigid_mean.impossible))
-        self.certificate = Certificate(len(batch.punch), rigid_mean=rigid_mean)
-
-    def _held(self, stiffness: Reals) -> Reals:
-        """Normal stiffness in which a mean displacement that has to vanish is no more than very stiff."""
-        rigid_mean = self.certificate.rigid_mean
-        if rigid_mean is None:
-            return stiffness
-        held = stiffness.copy()
-        held.flat[0] = _HELD * rigid_mean.stiffest
-        return held
+    def _with_held_mean(self, batch: Batch, stiffness: Reals) -> Reals:
+        """Normal stiffness in which a mean that has to vanish is held; begins the certificate, which says so."""
+        self._held_mean = held = HeldMean.of(batch, stiffness)
+        self.certificate = Certificate(len(batch.punch), rigid_mean=None if held is None else held.condition)
+        return stiffness if held is None else held.on(stiffness)
 
     def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
         """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""
@@ -127,7 +114,10 @@ class TruncatedNewton:
         self._load[:, normal] = self.load[:, np.newaxis]
         self._punch = batch.punch.reshape(rows, -1).copy()
         self._wall[:] = np.inf
-        self.displacement, self.restoring, self.wall = (aligned_rows(rows, n) for _ in range(3))
+        self.wall = aligned_rows(rows, n)
+        self.displacement, self.restoring = self._u, self._restoring
+        if unknowns > self.wall.shape[1]:  # or what is followed is the normal displacement alone
+            self.displacement, self.restoring = aligned_rows(rows, n), aligned_rows(rows, n)
         if batch.interface.hard_wall:
             self._wall[:, normal] = self._punch
         self.wall[:, :n] = self._wall[:, normal]
@@ -136,6 +126,9 @@ class TruncatedNewton:
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
         self._floats = batch.load is not None and not batch.interface.hard_wall
         self._level = np.zeros((rows, 1))
+        if self._floats:
+            self.displacement = aligned_rows(rows, n)
+        self._pulled = np.zeros(unknowns)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts = np.zeros(rows, dtype=np.bool_)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
@@ -156,9 +149,8 @@ class TruncatedNewton:
 
     def _pull(self, i: int) -> Reals:
         """Traction of the law on each unknown of a row."""
-        pull = np.zeros(self._u.shape[1])
-        pull[self._normal] = self._law.traction(self._gap(i))
-        return pull
+        self._pulled[self._normal] = self._law.traction(self._gap(i))
+        return self._pulled
 
     def _bend(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
@@ -187,9 +179,8 @@ class TruncatedNewton:
 
     def _shift_load(self, i: int) -> None:
         """Let the mean pressure of a row take over what held its mean displacement."""
-        rigid_mean = self.certificate.rigid_mean
-        if rigid_mean is not None:
-            self.load[i] -= _HELD * rigid_mean.stiffest * self.displacement[i, : self.field.n].mean()
+        if self._held_mean is not None:
+            self.load[i] += self._held_mean.pressure(self.displacement[i, : self.field.n])
             self._load[i, self._normal] = self.load[i]
 
     def _find_direction(self, row: Rows) -> bool:
@@ -264,22 +255,25 @@ class TruncatedNewton:
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
-        mean = float(self._source[i, self._normal].mean()) if self._floats else 0.0
         self._u[i] = self._source[i]
-        self._u[i, self._normal] -= mean
-        self._punch[i] -= mean
-        self._level[i] += mean
+        if self._floats:
+            mean = float(self._u[i, self._normal].mean())
+            self._u[i, self._normal] -= mean
+            self._punch[i] -= mean
+            self._level[i] += mean
         self._elastic[i] = self._result[i]
         if self._reach > 0.0:
             closing = np.maximum(self._gap(i) - _FAR * self._reach, self._reach)
             bound = self._u[i, self._normal] + closing
             self._bound[i, self._normal] = np.minimum(self._wall[i, self._normal], bound)
         pull = self._pull(i)
-        self._restoring[i] = self._elastic[i] - pull
+        np.subtract(self._elastic[i], pull, out=self._restoring[i])
         self._strongest[i] = np.abs(pull).max()
         n = self.field.n
-        self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
-        self.restoring[i, :n] = self._restoring[i, self._normal]
+        if self.displacement is not self._u:
+            self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
+        if self.restoring is not self._restoring:
+            self.restoring[i, :n] = self._restoring[i, self._normal]
 
 
 def _decreases(change: float, slope: float) -> bool:

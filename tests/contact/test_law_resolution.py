@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 import yaml
+from scipy.special import ive
 
 import gfmd_numba
 from gfmd_numba.contact.contact_input import read_contact
@@ -107,6 +108,43 @@ def test_pull_off_of_a_wave_is_off_by_what_x_says():
     np.testing.assert_allclose(list(found), [1.865, 0.933, 0.466, 0.187], rtol=3e-3)
     np.testing.assert_allclose(list(found.values())[:3], [0.93, 0.28, 0.053], rtol=0.05)
     assert all((abs(error) < 0.01) == (x < COARSEST) for x, error in found.items())
+
+
+def first_pull_off(nodes, work, tabor):
+    """Largest tension on the branch that is drawn back from first touch, and x."""
+    stretch = (work**2 / (4 * np.pi**2 * AMPLITUDE)) ** (1 / 3)
+    law = ExponentialLaw(work, stretch / tabor)
+    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    punch, before, most = AMPLITUDE * (1 - np.cos(2 * np.pi * np.arange(nodes) / nodes))[np.newaxis], None, 0.0
+    while before is None or before.touching.any():
+        start = None if before is None else following(before, punch, 0.0)
+        before = equilibrate(punch, body, None, OPTIONS, Interactions(True, law), start)
+        assert before.status[0] == 0
+        most, punch = max(most, -before.pressure.mean()), punch + min(stretch / 50, law.length / 4)
+    return most, law.softening / body[-1]
+
+
+@pytest.mark.parametrize(("tabor", "nodes"), [(0.5, 64), (1, 64), (2, 256), (4.9, 1280)])
+def test_where_no_warning_is_given_pull_off_is_that_of_a_fine_grid(tabor, nodes):
+    (coarse, x), (fine, _) = (first_pull_off(each, WORK, tabor) for each in (nodes, 4 * nodes))
+    assert x < COARSEST
+    assert coarse == pytest.approx(fine, rel=0.01)
+
+
+@pytest.mark.parametrize(("tabor", "off"), [(0.5, -0.117), (1, -0.039), (2, -0.008), (4.9, 0.0)])
+def test_pull_off_tends_to_that_of_a_short_range(tabor, off):
+    """Johnson's closed form is the limit of large Tabor parameters, and is not to be had at small ones."""
+    psi = np.linspace(1e-3, 1.2, 100001)
+    exact = -(np.pi * AMPLITUDE * np.sin(psi) ** 2 - np.sqrt(2 * WORK * np.tan(psi))).min()
+    assert first_pull_off(2048 if tabor > 4 else 512, WORK, tabor)[0] / exact - 1 == pytest.approx(off, abs=2e-3)
+
+
+def test_pull_off_tends_to_that_of_a_rigid_body():
+    """The mean of the law's traction over a wave that touches in one point is a Bessel function."""
+    tabor, stretch = 0.02, (WORK**2 / (4 * np.pi**2 * AMPLITUDE)) ** (1 / 3)
+    length = stretch / tabor
+    exact = WORK / length * ive(0, AMPLITUDE / length)
+    assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)
 
 
 def scene(points, tmp_path, **interface):

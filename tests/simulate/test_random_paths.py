@@ -1,0 +1,43 @@
+"""Random paths with laws between the surfaces, as in the benchmark: each is solved, and checked by NumPy alone."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+from gfmd_numba.solvers.status import Status
+
+HUNT = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "law_hunt.py"))
+MODERATE = ("exponential", "cohesive", "rigid", "friction")
+
+
+def hunt(kind, seeds):
+    """Paths that were not solved, and those with a step that is called ok and fails the check."""
+    ended = {seed: found for seed in seeds if (found := HUNT["follow"](kind, seed)) is not None}
+    unsolved = [seed for seed, (status, _, _) in ended.items() if status != Status.ok]
+    return unsolved, [seed for seed, (_, worst, _) in ended.items() if not worst <= 1.0]
+
+
+@pytest.mark.parametrize("kind", MODERATE)
+def test_random_paths_are_solved(kind):
+    assert hunt(kind, range(12)) == ([], [])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", MODERATE)
+def test_a_hundred_random_paths_are_solved(kind):
+    assert hunt(kind, range(100, 200)) == ([], [])
+
+
+def test_what_would_jump_open_and_shut_at_a_rigid_mean_is_solved():
+    """The law softens nearly as fast as the shortest wave stiffens, so that volume moves node by node."""
+    assert hunt("rigid", (1132, 1161)) == ([], [])
+
+
+def test_the_check_sees_a_wrong_displacement():
+    scene = HUNT["random_scene"]("cohesive", 0)
+    path = HUNT["load_path"](HUNT["read_contact"](*HUNT["load_scene"](scene)))
+    contact = next(HUNT["solve_path"](path))
+    assert HUNT["violation"](path.problems[0], contact, 0.0, None)[0] <= 1.1e-8
+    contact.equilibrium.displacement[0, 3] -= 1e-6 * abs(contact.equilibrium.displacement).max()
+    assert HUNT["violation"](path.problems[0], contact, 0.0, None)[0] > 1e-6

@@ -53,7 +53,7 @@ def test_a_sphere_slips_in_a_ring_as_cattaneo_and_mindlin_say(dragged_spheres):
 
     That costs up to 2 % of the traction along the drag here, and the traction across it, 7 %, altogether.
     """
-    r, pressed, steps = dragged_spheres
+    _, pressed, steps = dragged_spheres
     peak = FRICTION * pressed.pressure.max()
     shares = []
     for found, along, across, left, pressure in steps:

@@ -211,8 +211,9 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     anisotropies = list(_anisotropies(campaign))
     check_surfaces(document, campaign.scene)
     points = values_of(campaign.grid, "points") or ()
+    couples = campaign.scene.interface.couples
     for i, value in enumerate(points):
-        check_memory(document, ("grid", "points", i), value, campaign.scene.dimension)
+        check_memory(document, ("grid", "points", i), value, campaign.scene.dimension, couples)
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
         return campaign, document
@@ -220,7 +221,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         if discretisation is not None:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
-            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension)
+            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, couples)
     return campaign, document
 
 

@@ -5,7 +5,13 @@ from collections.abc import Collection, Mapping
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.records import Discretisation, Scene
 
-ARRAYS_PER_REALISATION = {1: 16, 2: 24}  # of its size, for a profile and a map
+_ARRAYS = {1: 16, 2: 24}  # of its size that a realisation needs, for a profile and a map
+_ARRAYS_OF_FRICTION = 128  # for a map whose tangential displacements are followed
+
+
+def arrays_per_realisation(dimension: int, couples: bool) -> int:
+    """Arrays of its size that solving a realisation needs; `couples` is whether tangential tractions act."""
+    return _ARRAYS_OF_FRICTION if couples and dimension == 2 else _ARRAYS[dimension]
 
 
 def check_discretisation(
@@ -14,6 +20,7 @@ def check_discretisation(
     locations: Mapping[str, Location],
     varied: Collection[str] = (),
     dimension: int = 1,
+    couples: bool = False,
 ) -> None:
     """Raise InputError, at one of the varied values if any, unless waves are whole and the grid fits in memory."""
     import psutil
@@ -21,7 +28,8 @@ def check_discretisation(
     eps = discretisation.model_dump()
     nx = discretisation.waves["eps_c"]
     nodes = nx * nx if dimension == 2 else nx  # a power of floats raises where their product is infinite
-    needed, available = 8 * nodes * ARRAYS_PER_REALISATION[dimension] / 1e9, psutil.virtual_memory().total / 1e9
+    needed = 8 * nodes * arrays_per_realisation(dimension, couples) / 1e9
+    available = psutil.virtual_memory().total / 1e9
     if needed > available:
         axis = min(varied or eps, key=eps.__getitem__)
         raise document.error(
@@ -47,20 +55,21 @@ def check_surfaces(document: Document, scene: Scene) -> None:
     """Raise InputError for surfaces whose own points do not fit in memory."""
     for place, surface in scene.surfaces.items():
         if surface.points is not None:
-            check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension)
+            couples = scene.interface.couples
+            check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension, couples)
 
 
-def check_memory(document: Document, location: Location, points: int, dimension: int) -> None:
+def check_memory(document: Document, location: Location, points: int, dimension: int, couples: bool) -> None:
     """Raise InputError for a surface of so many points each way that does not fit in memory."""
-    if allowed := smaller_than(float(points) ** dimension, dimension):
+    if allowed := smaller_than(float(points) ** dimension, dimension, couples):
         raise document.error(location, points, allowed)
 
 
-def smaller_than(nodes: float, dimension: int) -> str:
+def smaller_than(nodes: float, dimension: int, couples: bool = False) -> str:
     """What is allowed in place of a grid of so many nodes that does not fit in memory; nothing of one that does."""
     import psutil
 
-    needed = 8 * nodes * ARRAYS_PER_REALISATION[dimension] / 1e9
+    needed = 8 * nodes * arrays_per_realisation(dimension, couples) / 1e9
     available = psutil.virtual_memory().total / 1e9
     if needed <= available:
         return ""

@@ -84,7 +84,8 @@ def _check_grid(file: SceneFile, document: Document) -> None:
     scene = file.scene
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
-        check_discretisation(document, file.discretisation, locations, dimension=scene.dimension)
+        couples = scene.interface.couples
+        check_discretisation(document, file.discretisation, locations, (), scene.dimension, couples)
         anisotropy = getattr(scene.roughness, "anisotropy", None)
         if anisotropy is not None and scene.dimension == 2:
             check_anisotropy_fits(document, anisotropy, ("scene", "roughness", "anisotropy"), file.discretisation)

@@ -60,7 +60,7 @@ CASES = (
 
 @dataclass
 class Measured:
-    """Seconds and residuals of one code on the surfaces of a case; of a peer also ratios to here and differing nodes."""
+    """Seconds and residuals of one code in one case; of a peer also the ratios to here, and how many nodes differ."""
 
     seconds: list[float] = field(default_factory=list)
     residuals: list[float] = field(default_factory=list)

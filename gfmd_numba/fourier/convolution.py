@@ -96,19 +96,22 @@ class Convolution:
 
     def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""
-        self.forward(active, source)
+        for i in active:
+            self._forward[source][i].execute()
         kernels.multiply(self.spectrum, symbol, active)
-        self.inverse(active)
+        for i in active:
+            self._inverse[i].execute()
+        kernels.count(self.n_transforms, active, 2)
 
     def forward(self, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `spectrum` with n times the Fourier coefficients of a source."""
         plans = self._forward[source]
         for i in active:
             plans[i].execute()
-        self.n_transforms[active] += 1
+        kernels.count(self.n_transforms, active, 1)
 
     def inverse(self, active: Indices) -> None:
         """Fill the active rows of `result` from the `spectrum`, which is lost."""
         for i in active:
             self._inverse[i].execute()
-        self.n_transforms[active] += 1
+        kernels.count(self.n_transforms, active, 1)

@@ -29,8 +29,8 @@ exponent H. Their longest wavelength is half the period, and the shortest one ha
   counts; importing it and compiling it do not. Each code solves one surface at a time, although gfmd-numba would share
   some fixed work among the surfaces of a campaign.
 - **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
-  of another code stands between two solves of gfmd-numba, and its ratio is to their mean. Solves shorter than 0.05 s are repeated
-  up to five times, and the median counts.
+  of another code stands between two solves of gfmd-numba, and its ratio is to their mean. Solves shorter than 0.05 s
+  are repeated up to five times, and the median counts.
 - **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose number of iterations
   grows with the number of nodes in contact and with the load. gfmd-numba uses its active-set Newton method, which needs
   few transforms. That is why the ratios grow with the grid, and why they are small for small maps.

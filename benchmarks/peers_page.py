@@ -61,8 +61,8 @@ are in contact in one code and open in another. {agreement}
 - **ContactMechanics**: contacts that are not periodic along one or both axes; many machines (MPI). Its companions are
   Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
 
-In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, no layers of several materials
-and no certificate with each result. The [README](../README.md#how-it-compares) has a table of both sides.
+In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
+materials. The [README](../README.md#how-it-compares) has a table of both sides.
 
 ## Codes that are not compared
 

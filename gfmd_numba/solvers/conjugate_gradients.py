@@ -48,7 +48,7 @@ class ConjugateGradients(PressureIterate):
         self._is_open = False
 
     def residual(self, active: Rows) -> Reals:
-        """Relative violation of the contact conditions; costs four transforms a row, two of them for the next iteration."""
+        """Relative violation of the contact conditions; costs four transforms a row, two for the next step."""
         self._open_gap(active)
         self._is_open = True
         return self.violation(active)

@@ -46,12 +46,24 @@ def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> Reals:
     return array
 
 
+def padded(waves: int, itemsize: int) -> int:
+    """Length of rows for so many waves of a map that is an odd number of cache lines.
+
+    Transforms along y walk from row to row, and a distance that is a power of two would map all rows onto the same few
+    lines of the cache. At 4096 x 4096 nodes that halves the time.
+    """
+    line = _LINE // itemsize
+    lines = -(-waves // line)
+    return (lines + 1 - lines % 2) * line
+
+
 class Convolution:
     """Product with a symbol of q on a batch: `result = inverse(symbol * forward(source))`, one plan a row.
 
     `shape` is (nx,) or (ny, nx); every row of a buffer is one profile or one map, flat.
 
-    Each of the `sources` is a buffer of its own; spectrum and result are shared. All are of the precision `dtype`.
+    Each of the `sources` is a buffer of its own; spectrum and result are shared. All are of the precision `dtype`. Rows
+    of the spectrum of a map are `padded`.
 
     Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
     ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
@@ -61,17 +73,20 @@ class Convolution:
         self.n = n = math.prod(shape)
         self.shape = shape
         axes = tuple(range(len(shape)))
-        waves = (*shape[:-1], shape[-1] // 2 + 1)
-        half = math.prod(waves)
+        complex_dtype = np.result_type(dtype, 1j)
+        half = shape[-1] // 2 + 1
+        row = half if len(shape) == 1 else padded(half, complex_dtype.itemsize)
+        self._waves = waves = (*shape[:-1], row)
         self.sources = [aligned_rows(rows, n, dtype) for _ in range(sources)]
         self.result = aligned_rows(rows, n, dtype)
-        self.spectrum = aligned_rows(rows, half, np.result_type(dtype, 1j))
+        self.spectrum = aligned_rows(rows, math.prod(waves), complex_dtype)
+        spectra = self.spectrum[:, : math.prod(waves)].reshape(rows, *waves)[..., :half]
         self.n_transforms = np.zeros(rows, dtype=np.int64)
         self._forward = [
             [
                 pyfftw.FFTW(
                     source[i, :n].reshape(shape),
-                    self.spectrum[i, :half].reshape(waves),
+                    spectra[i],
                     axes=axes,
                     flags=("FFTW_ESTIMATE",),
                 )
@@ -81,7 +96,7 @@ class Convolution:
         ]
         self._inverse = [
             pyfftw.FFTW(
-                self.spectrum[i, :half].reshape(waves),
+                spectra[i],
                 self.result[i, :n].reshape(shape),
                 axes=axes,
                 direction="FFTW_BACKWARD",
@@ -91,24 +106,30 @@ class Convolution:
         ]
 
     def symbol(self, values: Reals) -> Reals:
-        """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat, with the forward transform's 1/n."""
-        return (values.ravel() / self.n).astype(self.result.dtype)
+        """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
+        symbol: Reals = np.zeros(self._waves, dtype=self.result.dtype)
+        half = self.shape[-1] // 2 + 1
+        symbol[..., :half] = values.reshape(*self.shape[:-1], half) / self.n
+        return symbol.ravel()
 
     def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""
-        self.forward(active, source)
+        for i in active:
+            self._forward[source][i].execute()
         kernels.multiply(self.spectrum, symbol, active)
-        self.inverse(active)
+        for i in active:
+            self._inverse[i].execute()
+        kernels.count(self.n_transforms, active, 2)
 
     def forward(self, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `spectrum` with n times the Fourier coefficients of a source."""
         plans = self._forward[source]
         for i in active:
             plans[i].execute()
-        self.n_transforms[active] += 1
+        kernels.count(self.n_transforms, active, 1)
 
     def inverse(self, active: Indices) -> None:
         """Fill the active rows of `result` from the `spectrum`, which is lost."""
         for i in active:
             self._inverse[i].execute()
-        self.n_transforms[active] += 1
+        kernels.count(self.n_transforms, active, 1)

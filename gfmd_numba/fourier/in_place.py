@@ -7,21 +7,16 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Complexes, Reals
-from gfmd_numba.fourier.convolution import pyfftw
+from gfmd_numba.fourier.convolution import padded, pyfftw
 
 _LINE = 64  # bytes of a cache line
 
 
 def storage(maps: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64) -> Complexes:
-    """Zeroed memory `[map, y, padded]` of as many transforms.
-
-    Rows are an odd number of cache lines long: transforms along y walk from row to row, and a distance that is a power
-    of two would map all rows onto the same few lines of the cache. At 4096 x 4096 nodes that halves the time.
-    """
+    """Zeroed memory `[map, y, padded]` of as many transforms, with rows of a `padded` length."""
     waves = np.result_type(dtype, 1j)
-    line = _LINE // waves.itemsize
-    lines = -(-(shape[1] // 2 + 1) // line)
-    zeroed: Complexes = pyfftw.zeros_aligned((maps, shape[0], (lines + 1 - lines % 2) * line), dtype=waves, n=_LINE)
+    row = padded(shape[1] // 2 + 1, waves.itemsize)
+    zeroed: Complexes = pyfftw.zeros_aligned((maps, shape[0], row), dtype=waves, n=_LINE)
     return zeroed
 
 

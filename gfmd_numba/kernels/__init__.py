@@ -23,7 +23,7 @@ from gfmd_numba.kernels.energy_descent import (
     descent_work,
 )
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
-from gfmd_numba.kernels.gradients import cg_direction, cg_gap, cg_update, close_gap
+from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
@@ -41,7 +41,7 @@ from gfmd_numba.kernels.maps import (
     take_tiles,
 )
 from gfmd_numba.kernels.near_field import near_field_pressure
-from gfmd_numba.kernels.spectral import couple, multiply, power, soften, stiffen
+from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 from gfmd_numba.kernels.tile_newton import (
     closing_residual,
@@ -63,6 +63,7 @@ from gfmd_numba.kernels.tiles import (
 __all__ = [
     "bound",
     "cg_direction",
+    "cg_free",
     "cg_gap",
     "cg_update",
     "close_gap",
@@ -70,6 +71,7 @@ __all__ = [
     "closing_displacement",
     "closing_residual",
     "contact_nodes",
+    "count",
     "couple",
     "couple_map",
     "coupled_map_step",

@@ -15,6 +15,13 @@ def multiply(spectrum: Complexes, symbol: Reals, active: Indices) -> None:
 
 
 @jit
+def count(numbers: Indices, active: Indices, more: int) -> None:
+    """Raise the numbers of the active rows; NumPy takes a tenth of a short transform for that."""
+    for i in active:
+        numbers[i] += more
+
+
+@jit
 def power(spectrum: Complexes, symbol: Reals) -> float:
     """Sum of the squares of a spectrum times a real symbol, without that of the mean."""
     total = 0.0

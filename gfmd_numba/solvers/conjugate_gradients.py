@@ -26,31 +26,37 @@ class ConjugateGradients(PressureIterate):
 
     def __init__(self, batch: Batch, options: Options) -> None:
         super().__init__(batch)
-        self._norm, self._step, self._keep = np.zeros((3, len(batch.punch)))
+        rows = len(batch.punch)
+        self._norm, self._step, self._keep = np.zeros((3, rows))
+        self._free = np.zeros((rows, self.field.n), dtype=np.uint32), np.zeros(rows, dtype=np.int64)
+        self._is_open = False  # whether the gap is that of the pressure
+        kernels.cg_free(self.pressure, self.direction, *self._free, np.arange(rows), self.field.n, self.hardness)
 
     def advance(self, active: Rows) -> None:
         """Make one iteration in the active rows."""
-        self._open_gap(active)
         field, n = self.field, self.field.n
+        if not self._is_open:
+            self._open_gap(active)
         kernels.cg_direction(
-            self.pressure, self.gap, self.direction, self._norm, self._keep, self.rounding, active, n,
-            self.free_mean, self.hardness,
-        )  # fmt: skip
+            self.gap, self.direction, *self._free, self._norm, self._keep, self.rounding, active, self.free_mean
+        )
         field.apply(self.compliance, active, source=1)
         kernels.cg_update(
-            self.pressure, field.result, self.gap, self.direction, self.load, self._step, self._keep, active, n,
-            self.free_mean, self.hardness,
+            self.pressure, field.result, self.gap, self.direction, *self._free, self.load, self._step, self._keep,
+            active, n, self.free_mean, self.hardness,
         )  # fmt: skip
+        self._is_open = False
 
     def residual(self, active: Rows) -> Reals:
-        """Relative violation of the contact conditions; costs four transforms a row."""
+        """Relative violation of the contact conditions; costs four transforms a row, two for the next step."""
         self._open_gap(active)
+        self._is_open = True
         return self.violation(active)
 
     def _open_gap(self, active: Rows) -> None:
         field = self.field
         field.apply(self.compliance, active, source=0)
-        kernels.cg_gap(self.pressure, field.result, self.wall, self.gap, active, field.n, self.free_mean)
+        kernels.cg_gap(field.result, self.wall, self.gap, *self._free, active, field.n, self.free_mean)
 
 
 class BoundedConjugateGradients(ConjugateGradients):
@@ -77,3 +83,4 @@ class BoundedConjugateGradients(ConjugateGradients):
                 self._last.remember(i, p, gap)
             if self.free_mean:
                 kernels.level(p, gap, self.hardness, n)
+        kernels.cg_free(self.pressure, self.direction, *self._free, active, n, self.hardness)

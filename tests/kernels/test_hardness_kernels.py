@@ -203,8 +203,9 @@ def test_close_gap_lets_plastic_nodes_penetrate(kernel, rng):
 def test_cg_directions_move_free_nodes_alone(kernel, rng):
     p, gap = pressures(rng)[np.newaxis], rng.normal(size=(1, N))
     t, norm, keep = np.zeros((1, N)), np.zeros(1), np.zeros(1)
-    kernel(p, gap, t, norm, keep, np.zeros(1), np.array([0]), N, True, HARDNESS)
     free = (p > 0.0) & (p < HARDNESS)
+    nodes = np.flatnonzero(free[0]).astype(np.uint32)[np.newaxis]
+    kernel(gap, t, nodes, np.array([nodes.size]), norm, keep, np.zeros(1), np.array([0]), True)
     np.testing.assert_array_equal(t, np.where(free, gap, 0.0))
     assert norm[0] == pytest.approx((gap[free] ** 2).sum())
 
@@ -218,7 +219,8 @@ def test_cg_steps_as_far_as_the_free_nodes_ask(kernel, rng):
     best = (gap * t)[free].sum() / ((st - st[free].mean()) * t)[free].sum()
     expected_keep = bounded_step(by_hand, gap[0], t[0], best, 0.3, HARDNESS, N, True)
     step, keep = np.zeros(1), np.zeros(1)
-    kernel(p, st, gap, t, np.array([0.3]), step, keep, np.array([0]), N, True, HARDNESS)
+    nodes = np.flatnonzero(free[0]).astype(np.uint32)[np.newaxis]
+    kernel(p, st, gap, t, nodes, np.array([nodes.size]), np.array([0.3]), step, keep, np.array([0]), N, True, HARDNESS)
     assert step[0] == pytest.approx(best)
     assert keep[0] == expected_keep
     np.testing.assert_allclose(p[0], by_hand, atol=1e-13)

@@ -10,6 +10,15 @@ ROWS, PADDED, N = 3, 16, 13
 ACTIVE = np.array([0, 2])
 
 
+def listed(p):
+    """Nodes under pressure `[realisation, x]`, as `cg_free` lists them, and how many there are."""
+    nodes, count = np.full(p.shape, 99, dtype=np.uint32), np.zeros(len(p), dtype=np.int64)
+    for i in range(len(p)):
+        free = np.flatnonzero(p[i, :N] > 0.0)
+        nodes[i, : free.size], count[i] = free, free.size
+    return nodes, count
+
+
 def only_active(new, old):
     expected = old.copy()
     expected[ACTIVE, :N] = new[ACTIVE, :N]
@@ -133,6 +142,24 @@ def test_wall_pressure_is_its_plain_twin(kernel, rng):
     np.testing.assert_array_equal(p, expected)
 
 
+@pytest.mark.parametrize("n", [13, 64, 200])
+@pytest.mark.parametrize("hardness", [0.5, np.inf])
+@pytest.mark.parametrize("kernel", both(kernels.cg_free))
+def test_cg_free_lists_the_nodes_between_the_bounds_and_forgets_the_directions_of_others(kernel, hardness, n, rng):
+    p = np.clip(rng.normal(size=(3, n + 8)), 0.0, hardness)
+    p[0, :n], p[1, n // 3 :] = 0.4, 0.0  # one row is free everywhere, one in a part
+    t = rng.normal(size=p.shape)
+    nodes, count = np.zeros(p.shape, dtype=np.uint32), np.array([0, n, n])
+    nodes[1:, :n] = np.arange(n)  # every direction of the last two rows is known
+    free = (p > 0.0) & (p < hardness)
+    expected = t.copy()
+    expected[1:, :n] *= free[1:, :n]
+    kernel(p, t, nodes, count, np.arange(3), n, hardness)
+    for i in range(3):
+        np.testing.assert_array_equal(nodes[i, : count[i]], np.flatnonzero(free[i, :n]))
+    np.testing.assert_array_equal(t, expected)
+
+
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.cg_gap))
 def test_cg_gap_is_its_plain_twin(kernel, free_mean, rng):
@@ -143,7 +170,7 @@ def test_cg_gap_is_its_plain_twin(kernel, free_mean, rng):
         touching = p[i, :N] > 0.0
         opened[i] -= opened[i, :N][touching].mean() if free_mean else 0.0
     expected = only_active(opened, gap)
-    kernel(p, sp, punch, gap, ACTIVE, N, free_mean)
+    kernel(sp, punch, gap, *listed(p), ACTIVE, N, free_mean)
     np.testing.assert_allclose(gap, expected, rtol=1e-13, atol=1e-13)
 
 
@@ -153,7 +180,8 @@ def test_cg_direction_is_its_plain_twin(kernel, free_mean, rng):
     gap, t = rng.normal(size=(2, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
     norm, keep = np.array([2.0, 3.0, 0.0]), np.array([1.0, 1.0, 1.0])
-    t[0] *= np.sign((np.where(p > 0.0, gap, 0.0) * t)[0, :N].sum())  # downhill
+    t[p == 0.0] = 0.0  # as the list before left it
+    t[0] *= np.sign((gap * t)[0, :N].sum())  # downhill
     squares = np.where(p > 0.0, gap**2, 0.0)[:, :N].sum(axis=1)
     beta = [squares[0] / 2.0, 0.0, 0.0]  # the last row has no history
     new = np.zeros_like(t)
@@ -162,7 +190,7 @@ def test_cg_direction_is_its_plain_twin(kernel, free_mean, rng):
         mean = t[i, :N][touching[:N]].mean() if free_mean else 0.0
         new[i, touching] = (gap[i] + beta[i] * (t[i] - mean))[touching]
     expected = only_active(new, t)
-    kernel(p, gap, t, norm, keep, np.zeros(ROWS), ACTIVE, N, free_mean)
+    kernel(gap, t, *listed(p), norm, keep, np.zeros(ROWS), ACTIVE, free_mean)
     np.testing.assert_allclose(t, expected, rtol=1e-13)
     np.testing.assert_allclose(norm, [squares[0], 3.0, squares[2]])
 
@@ -172,14 +200,14 @@ def test_cg_direction_never_leads_uphill(kernel):
     p, gap = np.ones((1, N)), np.zeros((1, N))
     gap[0, :2] = 1.0, -1.0
     t, norm = -2.0 * gap, np.array([1.0])
-    kernel(p, gap, t, norm, np.ones(1), np.full(1, 0.1), np.array([0]), N, True)
+    kernel(gap, t, *listed(p), norm, np.ones(1), np.full(1, 0.1), np.array([0]), True)
     np.testing.assert_array_equal(t, gap)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
 def test_cg_direction_stops_at_rounding(kernel):
     p, gap, t = np.ones((1, N)), np.full((1, N), 0.1), np.ones((1, N))
-    kernel(p, gap, t, np.ones(1), np.ones(1), np.full(1, 0.11), np.array([0]), N, True)
+    kernel(gap, t, *listed(p), np.ones(1), np.ones(1), np.full(1, 0.11), np.array([0]), True)
     assert not t[0, :N].any()
 
 
@@ -203,15 +231,22 @@ def test_cg_update_is_its_plain_twin(kernel, overlap, free_mean, rng):
     st = t + 0.1 * st  # positive curvature
     gap = gap if overlap else abs(gap)
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
+    t[p == 0.0] = 0.0  # as the list before left it
+    downhill = np.sign((gap * t)[:, :N].sum(axis=1, keepdims=True))
+    st, t = downhill * st, downhill * t
     load, step, keep = np.array([0.3, 0.4, 0.5]), np.array([1.0, 2.0, 3.0]), np.full(ROWS, 0.5)
     expected, steps, keeps = p.copy(), step.copy(), keep.copy()
     for i in ACTIVE:
         row = updated(p[i, :N], st[i, :N], gap[i, :N], t[i, :N], load[i], step[i], keep[i], free_mean)
         expected[i, :N], steps[i], keeps[i] = row
-    kernel(p, st, gap, t, load, step, keep, ACTIVE, N, free_mean)
+    nodes, count = listed(p)
+    kernel(p, st, gap, t, nodes, count, load, step, keep, ACTIVE, N, free_mean)
     np.testing.assert_allclose(p, expected, rtol=1e-13, atol=1e-15)
     np.testing.assert_allclose(step, steps)
     np.testing.assert_array_equal(keep, keeps)
+    for i in ACTIVE:
+        assert sorted(nodes[i, : count[i]]) == np.flatnonzero(p[i, :N]).tolist()
+        assert not t[i, :N][p[i, :N] == 0.0].any()
     assert (keep[ACTIVE] == 0.0).all() == overlap
 
 
@@ -220,7 +255,7 @@ def test_cg_update_keeps_the_last_step_at_a_single_touching_node(kernel):
     p, st, gap, t = (np.zeros((1, 8)) for _ in range(4))
     p[0, 3], st[0, 3], gap[0, 5] = 8.0, 1.0, -0.25  # one node touches, another overlaps
     step, keep = np.array([2.0]), np.ones(1)
-    kernel(p, st, gap, t, np.ones(1), step, keep, np.array([0]), 8, True)
+    kernel(p, st, gap, t, *listed(p), np.ones(1), step, keep, np.array([0]), 8, True)
     assert step[0] == 2.0
     np.testing.assert_allclose(p[0, [3, 5]], np.array([8.0, 0.5]) * 8.0 / 8.5)
 

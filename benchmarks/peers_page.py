@@ -1,0 +1,166 @@
+"""The page that `peers.py` writes: its two tables, and the sentences around them."""
+
+import platform
+import textwrap
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+PAGE = """\
+# Beside other codes
+
+This page is for whoever has to choose a code for frictionless contacts of rough surfaces. It says how long other
+public Python codes take for the same contacts, to the same accuracy, and what those codes can do that gfmd-numba
+cannot. The command `python benchmarks/peers.py --page docs/peers.md` measured everything and wrote the page.
+
+## How long they take
+
+{summary}
+
+{times}
+
+The first column of times is that of gfmd-numba, for one surface. The columns of the other codes say how many times as
+long each takes: the median, and in brackets the range over the {surfaces} surfaces of a row. p\\* is the reduced
+pressure, the mean pressure over E\\* and the rms gradient (which is 1 here). All punches are self-affine with a Hurst
+exponent H. Their longest wavelength is half the period, and the shortest one has four nodes.
+
+- **Task.** Each code gets the heights and the load, and gives the pressure. Setting up its grid and its transforms
+  counts; importing it and compiling it do not. Each code solves one surface at a time, although gfmd-numba would share
+  some fixed work among the surfaces of a campaign.
+- **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
+  of another code stands between two solves of gfmd-numba, and its ratio is to their mean. Solves shorter than 0.05 s
+  are repeated up to five times, and the median counts.
+- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose number of iterations
+  grows with the number of nodes in contact and with the load. gfmd-numba uses its active-set Newton method, which needs
+  few transforms. That is why the ratios grow with the grid, and why they are small for small maps.
+- **Versions.** {versions}, Python {python}.
+
+## Equal accuracy
+
+Each code has a stopping criterion of its own, and they are not comparable. So we compute one residual for all of them,
+from the pressure alone, by a formula that belongs to none of the codes (`residual` in `benchmarks/peers.py`). The
+pressure leaves a gap. Where there is pressure the gap is set to zero, and elsewhere it may not be negative. The
+displacement that follows has a traction. The residual is the largest traction that violates the contact conditions,
+divided by the largest pressure (or the error of the mean, divided by the load). We tighten the tolerance of every
+code, also that of gfmd-numba, until its residual is at most {target}. A tolerance that was sufficient for one surface
+is the first one for the next.
+
+{residuals}
+
+The table shows the largest residual of each row{unreached}. The last column counts the nodes, over all surfaces, which
+are in contact in one code and open in another. {agreement}
+
+## What the others can do and gfmd-numba cannot
+
+[What can be combined](combinations.md) lists what gfmd-numba refuses. Some of it, and more, is in the other codes:
+
+- **Tamaas**: adhesion on maps (exponential, squared exponential, Maugis) and friction on maps; plastic flow inside
+  the body with isotropic hardening; viscoelastic bodies (generalised Maxwell); an operator for contacts that are not
+  periodic; several threads (OpenMP), and many machines (MPI) when built from source.
+- **ContactMechanics**: contacts that are not periodic along one or both axes; many machines (MPI). Its companions are
+  Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
+
+In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
+materials. The [README](../README.md#how-it-compares) has a table of both sides.
+
+## Codes that are not compared
+
+- **slippy** 0.5.2 asks for NumPy below 1.21 and uses a part of SciPy that was since removed, so it cannot be imported
+  beside the NumPy that gfmd-numba needs. pip installs its release 0.2.0 instead. Both turn pressure into displacement
+  by influence coefficients of loaded rectangles, not wave by wave. Their solution on the same nodes is therefore
+  another one, and equal residuals cannot be had.
+- **tribology** 0.5.16 asks for NumPy 1.16 or older, which has no wheels for Python 3.11.
+"""
+
+
+def label(case):
+    if len(case.shape) == 1:
+        return f"profile {case.shape[0]}"
+    return f"map {case.shape[0]}²"
+
+
+def rounded(number):
+    return f"{number:.0f}" if number >= 9.5 else f"{number:.1f}"
+
+
+def spread(ratios):
+    return f"{rounded(np.median(ratios))} ({rounded(min(ratios))} to {rounded(max(ratios))})"
+
+
+def line(case, results):
+    """One row for the terminal."""
+    parts = [f"{label(case)}, H = {case.hurst}, p* = {case.load}: {1e3 * np.median(results['here'].seconds):.2f} ms"]
+    parts += [
+        f"{name} {spread(found.ratios)} times, residual {max(found.residuals):.0e}, {found.differing} nodes differ"
+        for name, found in results.items()
+        if found.ratios
+    ]
+    return "; ".join(parts)
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+
+
+def times(rows, peers):
+    def cells(case, results):
+        milliseconds = 1e3 * np.median(results["here"].seconds)
+        shown = f"{milliseconds:.2f}" if milliseconds < 9.995 else f"{milliseconds:.0f}"
+        return [label(case), str(case.hurst), str(case.load), shown, *(spread(results[name].ratios) for name in peers)]
+
+    return table(["contact", "H", "p\\*", "ms", *peers], [cells(*row) for row in rows])
+
+
+def residuals(rows, peers):
+    def cells(case, results):
+        largest = [f"{max(results[name].residuals):.0e}" for name in ("here", *peers)]
+        differing = sum(results[name].differing for name in peers)
+        return [label(case), str(case.hurst), str(case.load), *largest, str(differing)]
+
+    return table(["contact", "H", "p\\*", "gfmd-numba", *peers, "differ"], [cells(*row) for row in rows])
+
+
+def summary(rows, peers):
+    """Range of the medians, for profiles and for maps."""
+    sentences = []
+    for name in peers:
+        ranges = []
+        for dimension, kind in ((1, "profiles"), (2, "maps")):
+            medians = [np.median(results[name].ratios) for case, results in rows if len(case.shape) == dimension]
+            if medians:
+                ranges.append(f"{rounded(min(medians))} to {rounded(max(medians))} times as long on {kind}")
+        sentences.append(f"{name} takes {' and '.join(ranges)}, depending on the grid and the load.")
+    return " ".join(sentences) or "No other code was installed, so only the times of gfmd-numba are given."
+
+
+def versions(peers):
+    names = ("gfmd-numba", *peers, "NumPy")
+    return ", ".join(f"{name} {metadata.version(name)}" for name in names)
+
+
+def processor():
+    for found in Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else ():
+        if found.startswith("model name"):
+            return found.split(":", 1)[1].strip()
+    return platform.machine()
+
+
+def text(rows, peers, target):
+    """The whole page."""
+    counts = [case.surfaces for case, _ in rows]
+    worst = max(max(found.residuals) for _, results in rows for found in results.values())
+    differing = sum(found.differing for _, results in rows for found in results.values())
+    return PAGE.format(
+        summary=textwrap.fill(summary(rows, peers), 110),
+        times=times(rows, peers),
+        residuals=residuals(rows, peers),
+        surfaces=f"{min(counts)} to {max(counts)}" if min(counts) < max(counts) else counts[0],
+        processor=processor(),
+        versions=versions(peers),
+        python=platform.python_version(),
+        target=f"{target:g}",
+        unreached="" if worst <= target else "; those above the target are the best that any tolerance reached",
+        agreement="All codes find the same contacts." if differing == 0 else "So the contacts are not all the same.",
+    )

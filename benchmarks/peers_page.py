@@ -55,7 +55,7 @@ are in contact in one code and open in another. {agreement}
 
 [What can be combined](combinations.md) lists what gfmd-numba refuses. Some of it, and more, is in the other codes:
 
-- **Tamaas**: adhesion on maps (exponential, squared exponential, Maugis) and friction on maps; plastic flow inside
+- **Tamaas**: more laws of adhesion (squared exponential, Maugis) and friction along with them; plastic flow inside
   the body with isotropic hardening; viscoelastic bodies (generalised Maxwell); an operator for contacts that are not
   periodic; several threads (OpenMP), and many machines (MPI) when built from source.
 - **ContactMechanics**: contacts that are not periodic along one or both axes; many machines (MPI). Its companions are

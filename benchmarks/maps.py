@@ -116,7 +116,7 @@ def line_contact(hurst, nx, load, profiles=600):
 
 
 def one_pair(nx):
-    """Processor seconds of a planned transform and its inverse, in two buffers and in one; medians of seven."""
+    """Processor seconds of a planned transform and its inverse, in two buffers and in one, all padded; medians of 7."""
     two, one, row = Convolution(1, nx, nx), InPlaceTransform((nx, nx), storage(1, (nx, nx))[0]), np.arange(1)
 
     def both():

@@ -28,7 +28,7 @@ def cg_free(
                 t[i, j] = 0.0
         found = 0
         for j in range(n):
-            if 0.0 < p[i, j] < hardness:
+            if p[i, j] > 0.0 and p[i, j] < hardness:  # a chain of both takes longer where most are zero
                 nodes[i, found] = j
                 found += 1
         count[i] = found

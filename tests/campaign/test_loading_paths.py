@@ -101,8 +101,12 @@ def test_a_step_tells_what_it_prescribed(dragged, pulled):
 
 
 def test_what_the_scene_has_not_is_not_recorded(dragged, pulled, tmp_path):
-    assert PATH_OBSERVABLES.keys() - dragged.keys() == {"pull_off_pressure"}
-    assert PATH_OBSERVABLES.keys() - pulled.keys() == {"mean_tangential_traction", "stick_fraction"}
+    assert PATH_OBSERVABLES.keys() - dragged.keys() == {"pull_off_pressure", "mean_tangential_traction_y"}
+    assert PATH_OBSERVABLES.keys() - pulled.keys() == {
+        "mean_tangential_traction",
+        "mean_tangential_traction_y",
+        "stick_fraction",
+    }
     text = TINY + "path: [{reduced_pressure: 0.1}]\n"
     hard = gfmd_numba.open_campaign(run_campaign(campaign(tmp_path, text), tmp_path / "out", Workers(0))[0])
     assert not PATH_OBSERVABLES.keys() & hard.keys()

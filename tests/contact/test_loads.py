@@ -81,7 +81,10 @@ FAULTS = {
     "no length": (("  length: 1 mm\n", ""), "given '1 kN/m'; allowed: line_load beside the length of the period, or a"),
     "on a map": (("  length", "  dimension: 2\n  length"), "given '1 kN/m'; allowed: a force with dimension 2"),
     "another dimension": (("1 kN/m", "1 kN"), "given '1 kN'; allowed: a force per length in N/m, kN/m, N/mm or the"),
-    "beyond measure": (("1 kN/m", "1e30"), "given 1e+30; allowed: a reduced pressure from 1e-30 to 1e+30, where this"),
+    "beyond measure": (
+        ("1 kN/m", "1e30"),
+        "given 1e+30; allowed: a reduced pressure from 1e-30 to 1e+30, while this one",
+    ),
 }
 
 

@@ -6,8 +6,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 NARROW = (
-    *("accuracy", "bodies", "campaigns", "errata", "hard-cases", "limit", "maps", "results", "statistics", "surfaces"),
-    "two-step",
+    *("accuracy", "bodies", "campaigns", "errata", "hard-cases", "licences", "limit", "maps", "results", "statistics"),
+    *("surfaces", "two-step"),
 )
 
 

@@ -111,7 +111,7 @@ MUTANTS = [
     ("linear_fit.py", "np.where(np.isfinite(scatter), 0.0, np.inf)", "scatter", "test_error_budget"),
     # whether any law fits
     ("linear_fit.py", "means.whitener.T @ left @ left", "means.whitener.T @ left", "test_goodness_of_fit"),
-    ("goodness_of_fit.py", "ppf(0.95,", "ppf(0.8,", "test_goodness_of_fit"),
+    ("goodness_of_fit.py", "freedom, 0.95)", "freedom, 0.8)", "test_goodness_of_fit"),
     ("goodness_of_fit.py", "form = weights @ scatter", "form = weights @ weights", "test_goodness_of_fit"),
     (
         "goodness_of_fit.py",

@@ -130,6 +130,8 @@ def _surface_content(surface: RandomSurface | GivenSurface) -> dict[str, Any]:
     if isinstance(surface, RandomSurface):
         # its text names the classes: models with equal numbers differ in nothing else
         content["generator"] = repr(surface.generator)
+        if not surface.by_theory:
+            del content["by_theory"]
     return content
 
 

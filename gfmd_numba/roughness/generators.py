@@ -22,7 +22,7 @@ class Generator(Protocol):
 
     @property
     def unit_gradient(self) -> bool:
-        """Whether the heights that it draws have an rms gradient of 1."""
+        """Whether each surface that it draws has an rms gradient of 1."""
 
     @property
     def hurst(self) -> float:
@@ -34,6 +34,9 @@ class Generator(Protocol):
 
     def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
         """Heights `[realisation, (y,) x]` of period 1 and zero mean, on no particular scale."""
+
+    def mean_square_height(self, shape: Shape) -> float:
+        """Mean square height that theory expects of what `heights` draws, averaged over the ensemble."""
 
     def power(self, shape: Shape) -> Reals:
         """Mean power `[(y,) nx // 2 + 1]` of the coefficients that theory expects, on no particular scale."""
@@ -60,7 +63,8 @@ class RandomSurface:
     """An ensemble of periodic surfaces `[nx]` or `[nx, nx]` in units of their period and their rms gradient.
 
     Each surface is scaled to the same rms gradient, 1, or, where `by_height`, to the same rms height: that of an
-    ensemble whose rms gradient is 1 in theory.
+    ensemble whose rms gradient is 1 in theory. Where `by_theory`, all surfaces are scaled by one factor, with
+    which theory expects of the ensemble what each surface has otherwise.
     """
 
     generator: Generator
@@ -68,6 +72,7 @@ class RandomSurface:
     seed: int
     dimension: int = 1
     by_height: bool = False
+    by_theory: bool = False
 
     @property
     def shape(self) -> Shape:
@@ -83,6 +88,10 @@ class RandomSurface:
         """Heights `[realisation, (y,) x]` of zero mean; raises ValueError for a grid that cannot hold the waves."""
         drawn = self.generator.heights(self.shape, self.seed, realisations)
         periods = (1.0,) * self.dimension
+        if self.by_theory:
+            height = np.sqrt(self.generator.mean_square_height(self.shape))
+            centred = drawn - drawn.mean(axis=tuple(range(1, drawn.ndim)), keepdims=True)
+            return np.asarray(centred / (height * gradient_over_height(self.generator, self.shape)))
         if self.by_height:
             return statistics.scaled(drawn, periods, rms_height=1.0 / gradient_over_height(self.generator, self.shape))
         return drawn if self.generator.unit_gradient else statistics.scaled(drawn, periods, rms_gradient=1.0)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness import anisotropy, spectra, spectral
+from gfmd_numba.roughness import anisotropy, spectra, spectral, statistics
 from gfmd_numba.roughness.generators import Shape
 from gfmd_numba.scene import surfaces as records
 from gfmd_numba.scene.records import Discretisation
@@ -39,8 +39,12 @@ class ModelWaves:
         return 1.0 / self.model.correlation_length, self.largest_index
 
     def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
-        """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms height in the ensemble."""
+        """Heights `[realisation, (y,) x]` of period 1, zero mean, whose mean power is that of theory."""
         return spectral.surfaces(self.power(shape), shape[0], self.largest_index, seed, realisations)
+
+    def mean_square_height(self, shape: Shape) -> float:
+        """Sum of the mean powers of the waves that fit the period and the grid."""
+        return float(statistics.moment_of_power(self.power(shape), shape, 0))
 
     def without_shortest(self, halvings: int) -> Self | None:
         """The same up to half its largest index, so often."""

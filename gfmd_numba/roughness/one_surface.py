@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.generators import gradient_over_height
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.recipe import random_surface, rms_gradient
 from gfmd_numba.scene.measured_record import Measured
@@ -44,7 +45,11 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     heights = rms_gradient(record, surface, period) * period * drawn
     lengths = (period,) * dimension
     power = surface.generator.power(surface.shape)
-    power *= statistics.rms_height(heights, lengths) ** 2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
+    if record.scaling == "ensemble":
+        asked = rms_gradient(record, surface, period) * period / gradient_over_height(surface.generator, surface.shape)
+    else:
+        asked = float(statistics.rms_height(heights, lengths))
+    power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
     return Made(heights, lengths, "1" if file.length is None else "m", power)
 
 

@@ -25,7 +25,8 @@ def random_surface(
         nx,
         seed,
         dimension,
-        by_height=record.rms_height is not None,
+        by_height=record.rms_height is not None and record.scaling == "each",
+        by_theory=record.scaling == "ensemble",
     )
     if record.points is not None and not surface.by_height:  # where it is, the rms gradient below asks for the power
         surface.generator.power(surface.shape)

@@ -34,6 +34,10 @@ class RecursiveSubdivision:
         """Heights `[realisation, (y,) x]` of period 1 and unit rms height in the ensemble."""
         return recursive.surfaces(self.recursion, shape[0], seed, realisations)
 
+    def mean_square_height(self, shape: Shape) -> float:
+        """Mean square height of the ensemble, to which the recursion is scaled."""
+        return 1.0
+
     def without_shortest(self, halvings: int) -> Self | None:
         """The same from twice its cut-on wavelength, so often."""
         cut_on = self.recursion.cut_on * 2**halvings

@@ -15,8 +15,9 @@ def profiles(
     seed: int,
     realisations: range,
     plateau: bool = True,
+    by_theory: bool = False,
 ) -> Reals:
-    """Heights `[realisation, nx]` of zero mean and unit rms gradient, in L_x.
+    """Heights `[realisation, nx]` of zero mean and unit rms gradient, each or `by_theory` in the ensemble, in L_x.
 
     The amplitude falls as q^-(1/2 + H) (3.28) between the wave indices `cut_on_index` = L_x / lambda_l and
     `cut_off_index` = L_x / lambda_s,H, is constant below (zero without `plateau`) and zero above. Random numbers
@@ -30,7 +31,8 @@ def profiles(
     spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
     for row, realisation in zip(spectrum, realisations, strict=True):
         amplitudes = envelope * complex_gaussian(seed, realisation, cut_off_index)
-        amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * np.abs(amplitudes) ** 2))
+        power = 2.0 * envelope**2 if by_theory else np.abs(amplitudes) ** 2
+        amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * power))
         row[index] = amplitudes
     if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
         spectrum[:, -1] = 2.0 * spectrum[:, -1].real
@@ -46,8 +48,9 @@ def maps(
     realisations: range,
     anisotropy: float = 1.0,
     plateau: bool = True,
+    by_theory: bool = False,
 ) -> Reals:
-    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, in L_x.
+    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, each or `by_theory` in the ensemble, in L_x.
 
     As `profiles`, with amplitudes that fall as |q|^-(1 + H) and random numbers of (seed, realisation, wave vector).
     With an `anisotropy` of 1 or more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths,
@@ -64,7 +67,8 @@ def maps(
     heights = np.empty((len(realisations), nx, nx))
     for row, realisation in zip(heights, realisations, strict=True):
         amplitudes = envelope * waves(seed, realisation, smallest, cut_off_index)
-        amplitudes /= np.sqrt((weight * np.abs(amplitudes) ** 2).sum())
+        power = envelope**2 if by_theory else np.abs(amplitudes) ** 2
+        amplitudes /= np.sqrt((weight * power).sum())
         spectrum = np.zeros((nx, nx // 2 + 1), dtype=np.complex128)
         np.add.at(spectrum, (k_y % nx, k_x), amplitudes)
         if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient; along y they add up

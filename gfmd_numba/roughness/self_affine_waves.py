@@ -1,15 +1,15 @@
 """Generator of self-affine surfaces by the power spectral density method (thesis 3.5.2.1)."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.roughness.generators import Shape
+from gfmd_numba.roughness.generators import Shape, gradient_over_height
 from gfmd_numba.roughness.power_law import band
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import SelfAffine
@@ -23,12 +23,17 @@ class SelfAffineWaves:
     correlation lengths of a map, y over x.
     """
 
-    unit_gradient: ClassVar = True
     hurst: float
     cut_on_index: float
     cut_off_index: int
     anisotropy: float = 1.0
     plateau: bool = True
+    by_theory: bool = field(default=False, repr=False)  # as the surface that has these waves says
+
+    @property
+    def unit_gradient(self) -> bool:
+        """Whether each surface has an rms gradient of 1, and not only the ensemble."""
+        return not self.by_theory
 
     @property
     def band(self) -> tuple[float, float]:
@@ -36,11 +41,15 @@ class SelfAffineWaves:
         return self.cut_on_index, self.cut_off_index
 
     def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
-        """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms gradient."""
+        """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms gradient, or that `by_theory`."""
         waves = self.hurst, self.cut_on_index, self.cut_off_index, shape[0], seed, realisations
         if len(shape) == 1:
-            return self_affine.profiles(*waves, self.plateau)
-        return self_affine.maps(*waves, self.anisotropy, self.plateau)
+            return self_affine.profiles(*waves, self.plateau, self.by_theory)
+        return self_affine.maps(*waves, self.anisotropy, self.plateau, self.by_theory)
+
+    def mean_square_height(self, shape: Shape) -> float:
+        """Mean square height of an ensemble of unit rms gradient."""
+        return gradient_over_height(self, shape) ** -2
 
     def without_shortest(self, halvings: int) -> Self | None:
         """The same up to half its largest index, so often; a power law keeps at least an octave if it can."""
@@ -66,4 +75,5 @@ def generator(
     """Waves of a record between its wavelengths, or those of the discretisation."""
     longest, shortest = band(record, discretisation, period)
     anisotropy = record.anisotropy or 1.0
-    return SelfAffineWaves(record.hurst, longest, int(shortest * (1.0 + 1e-9)), anisotropy, record.plateau)
+    cut_off, by_theory = int(shortest * (1.0 + 1e-9)), record.scaling == "ensemble"
+    return SelfAffineWaves(record.hurst, longest, cut_off, anisotropy, record.plateau, by_theory)

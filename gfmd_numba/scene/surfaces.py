@@ -25,6 +25,10 @@ class Random(BaseModel):
     of_maps: ClassVar[bool] = False  # whose two directions differ
     rms_height: Length | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = Field(None, description="Root-mean-square gradient (dimensionless)")
+    scaling: Literal["each", "ensemble"] = Field(
+        "each",
+        description="What has the rms height or gradient: each surface, or the ensemble by theory",
+    )
     points: Points | None = Field(None, description="Grid points over L_x; None: those of the discretisation")
     cut_on: Length | None = Field(
         None, description="Shortest wavelength; None: that of the discretisation, or the shortest below Nyquist"

@@ -8,7 +8,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import rounds, until
+from gfmd_numba.campaign import execution, rounds, until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.status import campaign_in, progress, verify
@@ -211,8 +211,8 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
 
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
-    local = until.local
-    monkeypatch.setattr(until, "local", lambda count: (started.append(count), local(count))[1])
+    local = execution.local
+    monkeypatch.setattr(execution, "local", lambda count: (started.append(count), local(count))[1])
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert len(outcome.rounds.rounds) > 1
     assert started == [1]

@@ -41,6 +41,9 @@ class RandomPhases:
         phases = [np.exp(1j * np.angle(waves(seed, each, shape, largest))) for each in realisations]
         return np.stack([grid.signal(envelope * phase, *shape) for phase in phases])
 
+    def mean_square_height(self, shape):
+        return 1.0
+
     def power(self, shape):
         return self.law.power(shape)
 

@@ -1,5 +1,7 @@
 """Every generator draws surfaces of the scale asked for, and refines the same surface on a finer grid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,10 +9,12 @@ from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
 from gfmd_numba.roughness.model_waves import ModelWaves
+from gfmd_numba.roughness.one_surface import make
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.recursive_subdivision import RecursiveSubdivision
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded, SelfAffineSpectrum
+from gfmd_numba.scene.surface_file import SurfaceFile
 
 NX = 64
 
@@ -77,3 +81,38 @@ def test_the_power_of_self_affine_waves_is_that_of_the_spectrum(plateau, dimensi
     found = SelfAffineWaves(0.3, 4, 16, plateau=plateau).power((NX,) * dimension)
     np.testing.assert_allclose(found / found.max(), expected / expected.max(), rtol=1e-12)
     assert statistics.moment_of_power(found, (NX,) * dimension, 0, (1.0,) * dimension) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("generator", "dimension"), ALL)
+def test_by_theory_the_ensemble_has_the_scale_and_a_surface_differs_by_a_factor(generator, dimension):
+    each = RandomSurface(generator, NX, 7, dimension).heights(range(300)).reshape(300, -1)
+    if isinstance(generator, SelfAffineWaves):
+        generator = replace(generator, by_theory=True)
+    heights = RandomSurface(generator, NX, 7, dimension, by_theory=True).heights(range(300))
+    factor = np.expand_dims((heights.reshape(300, -1) * each).sum(axis=1) / (each**2).sum(axis=1), 1)
+    np.testing.assert_allclose(heights.reshape(300, -1), factor * each, atol=1e-12 * abs(each).max() * factor.max())
+    expected = 1.0 / gradient_over_height(generator, (NX,) * dimension)
+    squares = statistics.rms_height(heights, (1.0,) * dimension) ** 2 / expected**2
+    assert abs(squares.mean() - 1.0) < 4.0 * squares.std() / np.sqrt(300)
+    assert factor.std() > 0.003  # or the ensemble has no spread, and the test no meaning
+
+
+def excess_at_short_waves(**given):
+    """By how much the mean power of 300 surfaces exceeds that of theory, over the shorter half of their waves."""
+    record = {"method": "psd", "model": "exponential", "hurst": 0.8, "correlation_length": 0.2, "points": 128}
+    file = SurfaceFile.model_validate({"surface": record | given, "seed": 5})
+    made = [make(file.model_copy(update={"realisation": realisation})) for realisation in range(300)]
+    found = np.mean([statistics.power(surface.heights, (1.0,)) for surface in made], axis=0)
+    theory = np.mean([surface.power for surface in made], axis=0)
+    return np.mean(found[32:63] / theory[32:63]) - 1.0
+
+
+@pytest.mark.parametrize("given", [{"rms_height": 0.02}, {"rms_gradient": 0.5}], ids=lambda given: next(iter(given)))
+def test_a_scaled_ensemble_has_the_spectrum_of_theory(given):
+    scatter = 1.0 / np.sqrt(300 * 31)  # of the mean of so many exponentially distributed powers
+    assert abs(excess_at_short_waves(**given, scaling="ensemble")) < 4.0 * scatter
+
+
+def test_surfaces_that_are_scaled_one_by_one_are_too_rough_at_short_waves():
+    """As the long waves, which carry the height, are few."""
+    assert excess_at_short_waves(rms_height=0.02) > 0.1

@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 import gfmd_numba
+import gfmd_numba.analysis
 from gfmd_numba.campaign.execution import Workers, _outcome
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice
@@ -216,6 +217,23 @@ def test_other_paths_are_other_problems():
     assert len({problem.identity, shorter.identity, without.identity}) == 3
     assert problem.n_loads == 7
     assert without.n_loads == 1
+
+
+def test_what_takes_one_load_refuses_a_path(dragged, tmp_path):
+    with pytest.raises(
+        gfmd_numba.analysis.UnusableDataError, match=r"allowed: one step, like `dataset.isel\(step=-1\)`"
+    ):
+        gfmd_numba.fit_tfc(dragged)
+    written = campaign(tmp_path, yaml.safe_dump(DRAGGED))
+    for command, said in (
+        (("accuracy", "-o", tmp_path / "accuracy.nc"), "path: given"),
+        (("plan", "--target", "kappa=3%"), "--target: given for a path"),
+        (("plan", "--budget", "1min"), "--budget: given for a path"),
+        (("run", "--until", "kappa=3%", "-o", tmp_path / "out"), "given a campaign without a limit"),
+    ):
+        refused = gfmd(command[0], written, *command[1:])
+        assert refused.exit_code == 2
+        assert said in refused.stderr
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ SCENE = {
 FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
 
 
-@pytest.mark.parametrize(("steps", "tolerance"), [(8, 0.1), (32, 0.01)])
+@pytest.mark.parametrize(("steps", "tolerance"), [(4, 0.1), (12, 0.02)])
 def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps, tolerance):
     """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
     rise = np.linspace(0.02, 0.1, steps + 1)

@@ -12,6 +12,7 @@ import yaml
 
 import gfmd_numba
 import gfmd_numba.analysis
+from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.campaign.execution import Workers, _outcome
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice
@@ -197,7 +198,10 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     """The first loading takes fewer iterations than the drag."""
     file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}
     file["path"] = [{"reduced_pressure": 0.05}, {"sliding": 5e-4}, {"sliding": 0.0}]
-    found = gfmd_numba.run(file, tmp_path / "out").isel(case=0, realisation=0)
+    results = gfmd_numba.run(file, tmp_path / "out")
+    with pytest.raises(gfmd_numba.analysis.UnusableDataError, match="given no path that is ok"):
+        plot_path(results)
+    found = results.isel(case=0, realisation=0)
     assert found["status"] == 1
     ended = found["contact_area_fraction"].isnull().values
     assert ended.any()

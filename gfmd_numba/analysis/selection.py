@@ -98,6 +98,10 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
         or variable not in dataset
         or set(dataset[variable].dims) != {"case", "realisation"}
     ):
+        if isinstance(variable, str) and variable in dataset and "step" in dataset[variable].dims:
+            raise UnusableDataError(
+                f"given {variable} at every step of a path; allowed: one step, like `dataset.isel(step=-1)`"
+            )
         present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
         raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
     mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()

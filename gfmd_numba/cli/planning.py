@@ -121,6 +121,9 @@ def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tup
 def _check_target(planned: Plan, name: str) -> None:
     from gfmd_numba.scene import InputError
 
+    if planned.campaign.path:
+        option = "--target" if name else "--budget"
+        raise InputError(f"{option}: given for a path; allowed: a campaign without one, as a limit is of one load")
     fitted = planned.campaign.fit.variable
     if name not in ("", fitted):
         raise InputError(

@@ -160,6 +160,7 @@ REFUSALS = (
         "grid, vary an eps in `grid`",
         "not built yet",
     ),
+    Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
     Refusal(

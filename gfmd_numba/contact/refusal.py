@@ -41,9 +41,9 @@ def check_combination(
         check_bearable(document, scene, grid or {})
 
 
-def check_where(document: Document, scene: Scene | LoadedBody, where: Where) -> None:
+def check_where(document: Document, scene: Scene | LoadedBody, where: Where, path: Sequence[Step] = ()) -> None:
     """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or for fields inside."""
-    _raise(document, _table_refusals(_features(scene, Numerics(), (), None) | {where: [()]}))
+    _raise(document, _table_refusals(_features(scene, Numerics(), path, None) | {where: [()]}))
 
 
 def check_keys(document: Document) -> None:

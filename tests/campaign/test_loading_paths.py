@@ -11,6 +11,8 @@ import pytest
 import yaml
 
 import gfmd_numba
+import gfmd_numba.analysis
+from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.campaign.block_work import _outcome
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
@@ -168,7 +170,7 @@ def test_pull_off_is_the_largest_tension_and_unknown_before_it_is_reached(pulled
         assert gfmd_numba.run(short, tmp_path / str(steps))["pull_off_pressure"].isnull().all()
 
 
-def test_a_path_resumes_and_is_spread_over_workers_with_one_digest(dragged, tmp_path):
+def test_a_path_resumes_with_one_digest(dragged, tmp_path):
     path, _ = run_campaign(DRAGGED, tmp_path / "out", Workers(0), choice=Choice(limit=1))
     part = gfmd_numba.open_campaign(path)
     assert part["energy_lost"][1].isnull().all()
@@ -177,8 +179,6 @@ def test_a_path_resumes_and_is_spread_over_workers_with_one_digest(dragged, tmp_
     path, _ = run_campaign(tmp_path / "out" / "campaign.yaml", tmp_path / "out", Workers(0))
     assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
     assert verify(tmp_path / "out").sound == 2
-    path, _ = run_campaign(DRAGGED, tmp_path / "two", Workers(1))
-    assert gfmd_numba.open_campaign(path).attrs["content_sha256"] == dragged.attrs["content_sha256"]
 
 
 @pytest.mark.long
@@ -203,7 +203,10 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     """The first loading takes fewer iterations than the drag."""
     file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}
     file["path"] = [{"reduced_pressure": 0.05}, {"sliding": 5e-4}, {"sliding": 0.0}]
-    found = gfmd_numba.run(file, tmp_path / "out").isel(case=0, realisation=0)
+    results = gfmd_numba.run(file, tmp_path / "out")
+    with pytest.raises(gfmd_numba.analysis.UnusableDataError, match="given no path that is ok"):
+        plot_path(results.isel(case=[0]))
+    found = results.isel(case=0, realisation=0)
     assert found["status"] == 1
     ended = found["contact_area_fraction"].isnull().values
     assert ended.any()
@@ -221,6 +224,23 @@ def test_other_paths_are_other_problems():
     assert len({problem.identity, shorter.identity, without.identity}) == 3
     assert problem.n_loads == 7
     assert without.n_loads == 1
+
+
+def test_what_takes_one_load_refuses_a_path(dragged, tmp_path):
+    with pytest.raises(
+        gfmd_numba.analysis.UnusableDataError, match=r"allowed: one step, like `dataset.isel\(step=-1\)`"
+    ):
+        gfmd_numba.fit_tfc(dragged)
+    written = campaign(tmp_path, yaml.safe_dump(DRAGGED))
+    for command, said in (
+        (("accuracy", "-o", tmp_path / "accuracy.nc"), "path: given"),
+        (("plan", "--target", "kappa=3%"), "--target: given for a path"),
+        (("plan", "--budget", "1min"), "--budget: given for a path"),
+        (("run", "--until", "kappa=3%", "-o", tmp_path / "out"), "given a campaign without a limit"),
+    ):
+        refused = gfmd(command[0], written, *command[1:])
+        assert refused.exit_code == 2
+        assert said in refused.stderr
 
 
 @pytest.mark.parametrize(

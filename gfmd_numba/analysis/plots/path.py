@@ -32,10 +32,13 @@ class _Panel(NamedTuple):
 def plot_path(dataset: xr.Dataset) -> Figure:
     """Draw a campaign along a path: means over the realisations at each step, and of the path against a parameter.
 
-    Of cases that differ in their grid alone the finest is drawn. Raises UnusableDataError for a dataset of no path.
+    Of cases that differ in their grid alone the finest is drawn. Raises UnusableDataError for a dataset of no path,
+    or of none that is ok.
     """
     if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
         raise UnusableDataError("given no loading path of a campaign; allowed: what `gfmd run` leaves of one")
+    if not (dataset["status"] == 0).any():
+        raise UnusableDataError("given no path that is ok; allowed: a campaign with runs that are ok")
     dataset = _finest(dataset)
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)

@@ -1,0 +1,51 @@
+"""The balance of energy along a path, beside what slipping nodes take and beside the energy of a branch."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.contact.branch import _Point
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.path_measures import Balance
+from gfmd_numba.scene import load_scene
+
+SCENE = {
+    "body": {"poissons_ratio": 0.0},
+    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+    "interface": {"hard_wall": {}, "friction": {"coefficient": 0.2}},
+    "loading": {"reduced_pressure": 0.02},
+}
+FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
+
+
+@pytest.mark.parametrize(("steps", "tolerance"), [(4, 0.1), (12, 0.02)])
+def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps, tolerance):
+    """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
+    rise = np.linspace(0.02, 0.1, steps + 1)
+    loads = np.concatenate([rise[1:], rise[-2::-1], rise[1:], rise[-2::-1]])
+    path = gfmd_numba.solve(FILE | {"path": [{"reduced_pressure": float(load)} for load in loads]})
+    traction, slip = path["tangential_traction"], -path["tangential_displacement"].diff("step")
+    taken = (0.5 * (traction + traction.shift(step=1)).isel(step=slice(1, None)) * slip).mean("x")
+    cycle = slice(-2 * steps, None)
+    assert float(path["energy_lost"][cycle].sum()) == pytest.approx(float(taken[cycle].sum()), rel=tolerance)
+    assert float(taken[cycle].sum()) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("loading", "path"),
+    [
+        ({"displacement": 1e-4}, [{"displacement": 5e-4}, {"displacement": -1e-4}]),
+        ({"reduced_pressure": 0.02}, [{"reduced_pressure": 0.05}, {"reduced_pressure": 0.01}]),
+    ],
+)
+def test_the_balance_is_that_of_the_branch_without_friction(loading, path):
+    """The branch adds up the waves of the displacement, the balance tractions times displacements (Clapeyron)."""
+    law = {"exponential": {"work_of_adhesion": 2e-5, "range": 1e-3}}
+    scene = SCENE | {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "interface": {"hard_wall": {}} | law}
+    followed = load_path(read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})))
+    for problem, contact in zip(followed.problems, solve_path(followed), strict=True):
+        point, balance = _Point(problem, contact), Balance.of(problem, contact)
+        assert balance.potential == pytest.approx(point.energy, rel=1e-6)
+        assert balance.force == pytest.approx(point.force)
+        assert balance.load == point.load

@@ -190,11 +190,13 @@ class TruncatedNewton:
         self._elastic[i, :n] = self.field.result[i, :n]
         gap = self._punch[i, :n] - self._u[i, :n]
         if self._reach > 0.0:
-            closing = np.maximum(gap - _FAR * self._reach, self._reach)
-            np.minimum(self.wall[i, :n], self._u[i, :n] + closing, out=self._bound[i, :n])
+            closing = np.subtract(gap, _FAR * self._reach, out=self._closing)
+            np.maximum(closing, self._reach, out=closing)
+            closing += self._u[i, :n]
+            np.minimum(self.wall[i, :n], closing, out=self._bound[i, :n])
         traction = self._law.traction(gap)
-        self.restoring[i, :n] = self._elastic[i, :n] - traction
-        self._strongest[i] = np.abs(traction).max()
+        np.subtract(self._elastic[i, :n], traction, out=self.restoring[i, :n])
+        self._strongest[i] = max(traction.max(), -traction.min())
 
 
 def _decreases(change: float, slope: float) -> bool:

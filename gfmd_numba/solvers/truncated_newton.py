@@ -10,6 +10,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import NormalLaw
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
@@ -60,11 +61,7 @@ class TruncatedNewton:
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
         self._floats = batch.load is not None and not interface.hard_wall
         self._level = np.zeros((rows, 1))
-        start = np.minimum(batch.start.displacement.reshape(rows, -1), self.wall[:, :n])
-        # where a law repels by more than any pressure, a Newton step is lost in its exponential
-        with np.errstate(over="ignore"):
-            crushed = -law.traction(self._punch[:, :n] - start) > batch.largest_pressure
-        self._u[:, :n] = np.where(crushed, np.minimum(start, self._punch[:, :n]), start)
+        self._u[:, :n] = _start(batch, self._punch[:, :n], self.wall[:, :n], law)
         self.certificate = Certificate(rows)
         self._target = options.residual
         stiffness = batch.normal_stiffness
@@ -197,6 +194,17 @@ class TruncatedNewton:
         traction = self._law.traction(gap)
         np.subtract(self._elastic[i, :n], traction, out=self.restoring[i, :n])
         self._strongest[i] = max(traction.max(), -traction.min())
+
+
+def _start(batch: Batch, punch: Reals, wall: Reals, law: NormalLaw) -> Reals:
+    """Displacement `[realisation, node]` that a batch begins with.
+
+    Where a law repels by more than any pressure, a Newton step would be lost in its exponential.
+    """
+    start = np.minimum(batch.start.displacement.reshape(len(punch), -1), wall)
+    with np.errstate(over="ignore"):
+        crushed = -law.traction(punch - start) > batch.largest_pressure
+    return np.where(crushed, np.minimum(start, punch), start)
 
 
 def _decreases(change: float, slope: float) -> bool:

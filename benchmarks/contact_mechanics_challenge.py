@@ -90,6 +90,8 @@ def main():
             without, adhesive = (solve(cut_off, finest, length, one) for length in (None, LONG))
             print(f"{'':50} adhesion adds {adhesive / without - 1:.1%}")
 
+    solve(256, finest, LONG / 2.0, one)
+
     header("Loads without adhesion and with the long range, 0.39 um")
     for pressure in (12.5e3, 50e3, 125e3, 250e3, 500e3, 1e6, 2e6):
         for length in (None, LONG):

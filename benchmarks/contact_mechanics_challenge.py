@@ -72,7 +72,6 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--whole", action="store_true")
     asked = parser.parse_args()
-    finest = 1024 if asked.quick else 2048
     finest, one = 1024 if asked.quick else 2048, asked.surface
     grids = [n for n in (512, 1024, 2048, 4096) if n <= finest or asked.whole]
 

@@ -72,7 +72,6 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--whole", action="store_true")
     asked = parser.parse_args()
-    finest = 1024 if asked.quick else 2048
     finest, one = 1024 if asked.quick else 2048, asked.surface
     grids = [n for n in (512, 1024, 2048, 4096) if n <= finest or asked.whole]
 
@@ -89,6 +88,8 @@ def main():
         if 2 * cut_off < finest:
             without, adhesive = (solve(cut_off, finest, length, one) for length in (None, LONG))
             print(f"{'':50} adhesion adds {adhesive / without - 1:.1%}")
+
+    solve(256, finest, LONG / 2.0, one)
 
     header("Loads without adhesion and with the long range, 0.39 um")
     for pressure in (12.5e3, 50e3, 125e3, 250e3, 500e3, 1e6, 2e6):

@@ -45,17 +45,29 @@ class ExponentialLaw:
 
     def traction(self, gap: Reals) -> Reals:
         """Traction that pulls the body towards the punch (6.110)."""
-        return np.asarray(self.strength * np.exp(-gap / self.length))
+        pull = np.asarray(gap / -self.length)  # in place, for large maps
+        np.exp(pull, out=pull)
+        pull *= self.strength
+        return pull
 
     def stiffness(self, gap: Reals) -> Reals:
         """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
-        return -self.traction(gap) / self.length
+        softening = self.traction(gap)
+        softening /= -self.length
+        return softening
 
     def energy_change(self, gap: Reals, closing: Reals) -> Reals:
         """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
-        smaller = gap - np.maximum(closing, 0.0)  # of the gap before and after, which nothing overflows
-        change = self.work * np.exp(-smaller / self.length) * np.expm1(-abs(closing) / self.length)
-        return np.asarray(np.where(closing < 0.0, -change, change))
+        larger = np.maximum(closing, 0.0)  # of the gap before and after, so that nothing overflows
+        larger -= gap
+        larger /= self.length
+        np.exp(larger, out=larger)
+        larger *= self.work
+        change = np.abs(closing)
+        change /= -self.length
+        np.expm1(change, out=change)
+        change *= larger
+        return np.asarray(np.negative(change, out=change, where=closing < 0.0))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""

@@ -12,6 +12,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stability import smallest_curvature
+from support import adhesive_sphere
 from support.maps import body, rough
 
 SOLVERS = ("truncated_newton", "verlet", "gronbech_jensen", "fire")
@@ -75,14 +76,18 @@ def test_a_map_under_a_law_does_not_know_its_batch():
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
 
 
+def law_of(radius_of_contact, tabor):
+    work = 8.0 * radius_of_contact**3 / (9.0 * np.pi)
+    return work, work ** (2.0 / 3.0) / tabor
+
+
 def pull_off(nodes, radius_of_contact, tabor, step):
     """Largest tension of a paraboloid of radius L_x drawn off in steps of a part of the range; and 2 pi w R.
 
     JKR's radius of contact at pull-off tells the work of adhesion, a^3 = 9 pi w R^2 / 8 E*, and Tabor's parameter,
     (R w^2 / E*^2 range^3)^(1/3), the range.
     """
-    work = 8.0 * radius_of_contact**3 / (9.0 * np.pi)
-    length = work ** (2.0 / 3.0) / tabor
+    work, length = law_of(radius_of_contact, tabor)
     law, x = Interactions(True, ExponentialLaw(work, length)), np.arange(nodes) / nodes - 0.5
     punch = 0.5 * (x**2 + x[:, np.newaxis] ** 2)[np.newaxis]
     stiff, before, most = body((nodes, nodes), (0.3, 1.0)), None, 0.0
@@ -96,11 +101,17 @@ def pull_off(nodes, radius_of_contact, tabor, step):
 
 
 def test_pull_off_of_a_paraboloid_goes_from_dmt_to_jkr():
-    """2 pi w R where Tabor's parameter is small, 3/2 pi w R where it is large: the rest falls as its power -3/2."""
+    """2 pi w R where Tabor's parameter is small, 3/2 pi w R where it is large: the rest falls as its power -3/2.
+
+    In between it is that of rings of pressure on a half-space, but for 0.2 % by the images of the period.
+    """
     tension, bradley = pull_off(64, 0.004, 0.01, 0.005)
     assert tension / bradley == pytest.approx(1.0, abs=0.01)
     beyond = {tabor: np.divide(*pull_off(256, 0.1, tabor, 0.2)) / 0.75 - 1.0 for tabor in (2.0, 3.0)}
     assert 0.02 < beyond[3.0] < beyond[2.0] < 0.06
+    work, length = law_of(0.1, 2.0)
+    rings = adhesive_sphere.pull_off(work, length, 200) / (1.5 * np.pi * work)
+    assert 1.0 + beyond[2.0] == pytest.approx(1.002 * rings, rel=3e-3)
     falls = (2.0 / 3.0) ** 1.5
     assert (beyond[3.0] - falls * beyond[2.0]) / (1.0 - falls) == pytest.approx(0.0, abs=0.01)
 

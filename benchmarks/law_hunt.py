@@ -38,6 +38,7 @@ def random_scene(kind, seed):
     work = 10 ** rng.uniform(-3, 0) * np.pi * np.prod(inverse) * range_**2
     law = kind if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
     if law == "cohesive":
+        work *= np.e**2  # which softens less, at a gap of twice its normal length
         interface["cohesive"] = {
             "work_of_adhesion": float(work * g * g),
             "normal_length": float(range_ * g),
@@ -78,6 +79,11 @@ def random_scene(kind, seed):
     }
 
 
+def unbalanced(bears, touching):
+    """Largest traction that the wall cannot bear."""
+    return np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+
+
 def violation(problem, contact, sliding, before):
     """Largest violated condition over the largest traction, by NumPy's transforms, and what rounding leaves open."""
     found, punch, laws = contact.equilibrium, contact.punch[0], problem.interface
@@ -103,10 +109,13 @@ def violation(problem, contact, sliding, before):
         pull = g / laws.cohesive.normal * np.where(g < 0.0, laws.cohesive.work * np.exp(-g), decay)
         drag = 2.0 * s / laws.cohesive.tangential * (1.0 + np.maximum(g, 0.0)) * decay
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
-    bears = load - elastic + pull
     touching = (u >= punch) & laws.hard_wall
+    if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
+        shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 41)
+        load += min(shifts, key=lambda shift: unbalanced(load + shift - elastic + pull, touching))
+    bears = load - elastic + pull
     overlap = laws.hard_wall and (u > punch).any()
-    worst = np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+    worst = unbalanced(bears, touching)
     largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
     if laws.friction is None:
         worst = max(worst, np.abs(shear - drag).max())

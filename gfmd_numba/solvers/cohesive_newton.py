@@ -13,6 +13,7 @@ from gfmd_numba.solvers.truncated_newton import TruncatedNewton
 
 _GRIP = 0.1  # curvature of the law over its largest from which on it holds a node rather than the body does
 _PAYS = 20.0  # that largest over the stiffness of the softest wave below which one preconditioner does for all nodes
+_REACH = 4.0  # lengths of the law across which it acts
 _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
 
 
@@ -129,9 +130,11 @@ class CohesiveNewton(TruncatedNewton):
         closing, dragged = self._closing[self._normal], self._closing[self._sideways]
         return float(self._cohesive.energy_change(self._gap(i), self._slip(i), closing, dragged).sum())
 
-    def _longest(self) -> float:
-        farthest = float(np.abs(self._direction[self._sideways]).max())
-        return min(1.0, _STRIDE * self._cohesive.tangential / farthest) if farthest > 0.0 else 1.0
+    def _longest(self, i: int) -> float:
+        near = self._gap(i) < _REACH * self._cohesive.normal
+        allowed = np.maximum(np.abs(self._slip(i)[near]) / self._cohesive.tangential - _REACH, _STRIDE)
+        dragged = np.abs(self._direction[self._sideways][near]) / self._cohesive.tangential
+        return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
 
     def _look_at_more(self, active: Indices) -> None:
         unbalanced = np.abs(self._restoring[active, self._sideways]).max(axis=1)

@@ -57,8 +57,8 @@ class Equilibrium:
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
-    largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law at
-    zero gap), or the load imbalance over the load, whichever is larger. `full_contact_pressure` is the rms fluctuation
+    largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law
+    anywhere), or the load imbalance over the load, whichever is larger. `full_contact_pressure` is the rms fluctuation
     of the pressure were the punch in full contact. `growing_wave` is the index of the wave that
     grew most in each unstable realisation, -1 in the others; None unless there is one.
     """

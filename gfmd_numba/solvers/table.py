@@ -16,7 +16,7 @@ ABILITIES = {
     "dimension 2": " with dimension 2",
     "friction": ", which follow both displacements",
     "sticking": " with an infinite coefficient of friction",
-    "cohesive law": ", the solver of both displacements",
+    "cohesive law": " with a law of gap and slip",
     "prescribed": ", the solver of both displacements",
     "normal law": ", as the others know the hard wall only",
     "hard wall": " with a hard_wall",

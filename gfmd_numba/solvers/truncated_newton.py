@@ -167,7 +167,7 @@ class TruncatedNewton:
     def _split(self, i: int) -> None:
         """Treat some unknowns of a row in another way than the others in the preconditioner."""
 
-    def _longest(self) -> float:
+    def _longest(self, i: int) -> float:
         """Step along the direction that is tried first."""
         return 1.0
 
@@ -224,7 +224,7 @@ class TruncatedNewton:
 
     def _descend(self, row: Rows, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
-        i, step = row[0], self._longest()
+        i, step = row[0], self._longest(row[0])
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)

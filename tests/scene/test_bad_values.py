@@ -153,7 +153,7 @@ def test_verlet_is_refused_for_an_incompressible_body_under_displacement(tmp_pat
     text = changed(changed(text, "reduced_pressure: 0.007", "displacement: 0.1"), "auto", "verlet")
     assert complaint(tmp_path, gfmd_numba.solve, text).startswith(
         "bad.yaml:10:20: numerics.solver: given 'verlet'; allowed: 'active_set_newton', 'conjugate_gradients', "
-        "'frictional_newton' or 'auto' under loading.displacement at poissons_ratio 0.5"
+        "'truncated_newton', 'frictional_newton' or 'auto' under loading.displacement at poissons_ratio 0.5"
     )
     (tmp_path / "good.yaml").write_text(changed(text, "poissons_ratio: 0.5", "poissons_ratio: 0.499"))
     assert load_scene(tmp_path / "good.yaml")[0].scene.body.poissons_ratio == 0.499

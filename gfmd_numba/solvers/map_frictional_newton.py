@@ -152,9 +152,11 @@ class MapFrictionalNewton:
         guess.give[moves] = size[moves] / bound[moves]
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[2], wall))
-        # a slipping node has slid exactly against its traction, any other that bears a pressure not at all
+        # a slipping node has slid exactly against its traction, any other that bears a pressure not at all; of a long
+        # way the direction is known better than that of the traction
         against = np.divide(-forth, strength**2, out=np.zeros(n), where=forth > 0.0)
-        self._products.tangential[own, :n] = np.where(bears, anchor + against * tractions[:2], u[:2])
+        far = (forth > 0.0) & (size * self._near.of_a_node > bound)
+        self._products.tangential[own, :n] = np.where(bears & ~far, anchor + against * tractions[:2], u[:2])
         changed = np.count_nonzero(leaves | joins | gives_way | turns_back)
         if changed > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)

@@ -47,12 +47,17 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "where", "allowed"),
     [
-        ("hard_wall: {}", "hard_wall: {}, friction: {coefficient: 0.3}", "interface.friction", "hard_wall alone"),
+        (
+            "hard_wall: {}",
+            "cohesive: {work_of_adhesion: 1e-6, normal_length: 1e-8, tangential_length: 1e-8}",
+            "interface.cohesive",
+            "hard_wall and friction with dimension 2",
+        ),
         (
             "hard_wall: {}",
             "hard_wall: {}, exponential: {work_of_adhesion: 1, range: 1e-5}",
             "interface.exponential",
-            "hard_wall alone",
+            "hard_wall and friction with dimension 2",
         ),
         (
             "0.2}\nroughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}",
@@ -73,7 +78,7 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
             "nothing with dimension 2",
         ),
         ("length: 1e-4", "boundary: {normal_traction: 1.0}", "boundary", "nothing with dimension 2"),
-        ("length: 1e-4", "numerics: {solver: verlet}", "numerics.solver", "'active_set_newton', 'conjugate_gradients'"),
+        ("length: 1e-4", "numerics: {solver: fire}", "numerics.solver", "'active_set_newton', 'conjugate_gradients'"),
         ("0.33,", "0.33, state: plane_stress,", "body.state", "'plane_strain'"),
         ("dimension: 2", "dimension: 3", "dimension", "one of 1, 2"),
     ],

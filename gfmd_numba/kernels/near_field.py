@@ -18,9 +18,12 @@ def near_field_pressure(u: Reals, nodes: Indices, count: int, stencil: Reals, sc
         y, x = nodes[k] // nx, nodes[k] % nx
         total = 0.0
         for j in range(-reach, reach + 1):
-            row = (y + j) % ny
+            row = y + j  # wrapped by hand: divisions would take most of the time
+            row += ny if row < 0 else (-ny if row >= ny else 0)
             for i in range(-reach, reach + 1):
-                total += stencil[reach + j, reach + i] * scratch[row, (x + i) % nx]
+                column = x + i
+                column += nx if column < 0 else (-nx if column >= nx else 0)
+                total += stencil[reach + j, reach + i] * scratch[row, column]
         p[k] = total
     for k in range(count):
         scratch[nodes[k] // nx, nodes[k] % nx] = 0.0

@@ -6,7 +6,7 @@ from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.records import Discretisation, Scene
 
 _ARRAYS = {1: 16, 2: 24}  # of its size that a realisation needs, for a profile and a map
-_ARRAYS_OF_FRICTION = 128  # for a map whose tangential displacements are followed
+_ARRAYS_OF_FRICTION = 160  # for a map whose tangential displacements are followed
 
 
 def arrays_per_realisation(dimension: int, couples: bool) -> int:

@@ -14,9 +14,10 @@ from gfmd_numba.solvers.map_products import MapProducts
 from gfmd_numba.solvers.map_stick_slip import MapGuess, MapStickSlip
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
 
 _FRICTIONLESS, _SETTLED = 12, 0.03  # steps of the first guess, at most; relative residual with which it is left
-_INNER = 0.02  # error left by the linear solution of one step over that before it
+_INNER = 0.05  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
 _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
@@ -28,7 +29,7 @@ class MapFrictionalNewton:
     """Tractions of a batch of maps, found as `FrictionalNewton` finds those of profiles.
 
     A slipping node has a direction of slip in place of a sign, and Newton's method turns it. The linear problem of a
-    guess is solved by generalised minimal residuals, preconditioned by the stiffness between its nodes. The first guess
+    guess is solved by generalised minimal residuals, preconditioned by the stiffness between near nodes. The first one
     is the frictionless contact with all its nodes sticking.
     """
 
@@ -41,6 +42,7 @@ class MapFrictionalNewton:
             raise ValueError("this solver knows finite friction alone")
         self._friction = batch.interface.friction
         self._products = MapProducts(stiffness, rows, shape)
+        self._near = NearTractions(stiffness, shape)
         self.field = self._products.field
         n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
@@ -104,7 +106,7 @@ class MapFrictionalNewton:
         own = [i, len(self.load) + i]
         anchor, wall = self._anchor[own, :n], self.wall[i, :n]
         total = self.load[i] * n if self._free_mean else None
-        problem = MapStickSlip(guess, self._friction, total, self._drifts, self._products, i)
+        problem = MapStickSlip(guess, self._friction, total, self._drifts, self._products, self._near, i)
         asked = problem.prescribed(anchor, wall)
         x = problem.unknowns(guess.tractions)
         change = problem.correction(asked - problem.restricted(problem.deflected(x), x))
@@ -150,9 +152,11 @@ class MapFrictionalNewton:
         guess.give[moves] = size[moves] / bound[moves]
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[2], wall))
-        # a slipping node has slid exactly against its traction, any other that bears a pressure not at all
+        # a slipping node has slid exactly against its traction, any other that bears a pressure not at all; of a long
+        # way the direction is known better than that of the traction
         against = np.divide(-forth, strength**2, out=np.zeros(n), where=forth > 0.0)
-        self._products.tangential[own, :n] = np.where(bears, anchor + against * tractions[:2], u[:2])
+        far = (forth > 0.0) & (size * self._near.of_a_node > bound)
+        self._products.tangential[own, :n] = np.where(bears & ~far, anchor + against * tractions[:2], u[:2])
         changed = np.count_nonzero(leaves | joins | gives_way | turns_back)
         if changed > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)

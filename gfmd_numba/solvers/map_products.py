@@ -20,13 +20,9 @@ class MapProducts:
         both, self._traction = self.field.sources
         self.tangential, self.displacement = both[:-rows], both[-rows:]
         self.tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
-        compliance = stiffness.compliance()
-        self._compliance = [self.field.symbol(element) for element in compliance]
+        self._compliance = [self.field.symbol(element) for element in stiffness.compliance()]
         held = np.where(np.isfinite(stiffness.elements), stiffness.elements, 0.0)
         self._stiffness = [self.field.symbol(element) for element in held]
-        inverse = _uncoupled_inverse(compliance)
-        self._inverse = [self.field.symbol(element) for element in inverse]
-        self.stiffness_of_a_node = float(inverse[[0, 2]].mean())  # among others that are held
         self._rows = rows
 
     @property
@@ -40,21 +36,10 @@ class MapProducts:
 
     def deflect(self, i: int, traction: Reals) -> Reals:
         """Displacements (x, y, z) `[3, n]` of row i under tractions `[3, n]` on the body."""
-        return self._apply(i, traction, self._compliance)
-
-    def restrict(self, i: int, displacement: Reals) -> Reals:
-        """Tractions `[3, n]` that about cause displacements `[3, n]`, 0 where these are not prescribed.
-
-        The stiffness of either kind as if the other were free of traction: positive definite, and the inverse of the
-        compliance where all is prescribed and nothing couples.
-        """
-        return self._apply(i, displacement, self._inverse)
-
-    def _apply(self, i: int, values: Reals, elements: list[Reals]) -> Reals:
         n, rows = self.field.n, self._rows
         own = [i, rows + i, 2 * rows + i]
-        self._traction[own, :n] = values
-        self._multiply(np.array([i]), elements, source=1)
+        self._traction[own, :n] = traction
+        self._multiply(np.array([i]), self._compliance, source=1)
         return np.asarray(self.field.result[own, :n])
 
     def _multiply(self, active: Indices, elements: list[Reals], source: int) -> None:
@@ -62,20 +47,3 @@ class MapProducts:
         self.field.forward(every, source)
         kernels.couple_map(self.field.spectrum, *elements, active, self._rows)
         self.field.inverse(every)
-
-
-def _uncoupled_inverse(compliance: Reals) -> Reals:
-    """Inverse of the compliance without what couples normal and tangential.
-
-    A mean displacement that it lacks, or that is nearly rigid, is as stiff as the longest wave.
-    """
-    xx, xy, yy, _, _, zz = compliance
-    determinant = xx * yy - xy**2
-    found = np.zeros_like(compliance)
-    for element, numerator, denominator in ((0, yy, determinant), (1, -xy, determinant), (2, xx, determinant)):
-        np.divide(numerator, denominator, out=found[element], where=denominator > 0.0)
-    np.divide(1.0, zz, out=found[5], where=zz > 0.0)
-    for element in (0, 2, 5):
-        if not 0.0 < found[element, 0, 0] < found[element, 0, 1]:
-            found[element, 0, 0] = found[element, 0, 1]
-    return found

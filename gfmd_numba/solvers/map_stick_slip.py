@@ -12,6 +12,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.solvers.map_products import MapProducts
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
 
 
 @dataclass
@@ -28,24 +29,33 @@ class MapGuess:
 
 
 class MapStickSlip:
-    """Nodes and loads of one guess of row i, and an approximate inverse of its compliance.
+    """Nodes and loads of one guess of row i, its compliance, and an approximate inverse of that.
 
     `total` is the sum of the pressure that the load prescribes, None under a prescribed displacement. `drifts`: no
     traction restores the mean tangential displacement, so that the tangential tractions add up to zero.
     """
 
     def __init__(
-        self, guess: MapGuess, friction: float, total: float | None, drifts: bool, products: MapProducts, i: int
+        self,
+        guess: MapGuess,
+        friction: float,
+        total: float | None,
+        drifts: bool,
+        products: MapProducts,
+        near: NearTractions,
+        i: int,
     ) -> None:
-        self._products, self._i, self._shape = products, i, guess.tractions.shape
+        self._products, self._near, self._i, self._shape = products, near, i, guess.tractions.shape
         self.touching = np.flatnonzero(guess.contact)
         slips = guess.direction[:, self.touching].any(axis=0)
         self.stuck, self.slipping = self.touching[~slips], self.touching[slips]
+        self._of_stuck, self._of_slipping = np.flatnonzero(~slips), np.flatnonzero(slips)  # among those that touch
+        near.factor(self.touching)
         self._drag = -friction * guess.direction[:, self.touching]  # tangential traction over pressure
         along = guess.direction[:, self.slipping]
         self._across = np.array([-along[1], along[0]])
         self._give = guess.give[self.slipping]
-        self._soften = 1.0 / np.sqrt(1.0 + self._give * products.stiffness_of_a_node)
+        self._soften = 1.0 / np.sqrt(1.0 + self._give * near.of_a_node)
         sizes = self.touching.size, 2 * self.stuck.size, self.slipping.size
         self._parts: list[int] = np.cumsum(sizes[:-1]).tolist()
         self._normal_is_free = total is not None and self.touching.size > 0
@@ -116,13 +126,13 @@ class MapStickSlip:
 
     def _inverse(self, misfit: Reals) -> Reals:
         down, sticking, across = np.split(misfit, self._parts)
-        u = np.zeros(self._shape)
-        u[2, self.touching] = down
-        u[:2, self.stuck] = sticking.reshape(2, -1)
-        u[:2, self.slipping] = self._across * (self._soften * across)
-        t = self._products.restrict(self._i, u)
-        across = self._soften * (self._across * t[:2, self.slipping]).sum(axis=0)
-        return self._join(t[2, self.touching], t[:2, self.stuck], across)
+        u = np.zeros((3, self.touching.size))
+        u[2] = down
+        u[:2, self._of_stuck] = sticking.reshape(2, -1)
+        u[:2, self._of_slipping] = self._across * (self._soften * across)
+        t = self._near.solve(u)
+        across = self._soften * (self._across * t[:2, self._of_slipping]).sum(axis=0)
+        return self._join(t[2], t[:2, self._of_stuck], across)
 
     @staticmethod
     def _join(pressure: Reals, sticking: Reals, across: Reals) -> Reals:

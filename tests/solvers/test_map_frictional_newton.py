@@ -304,3 +304,14 @@ def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
     traction = two.tangential.traction[0]
     np.testing.assert_allclose(traction[0], np.tile(one.tangential.traction, (4, 1)), atol=1e-8 * peak)
     assert abs(traction[1]).max() < 1e-12 * peak
+
+
+def test_a_frictionless_map_is_the_same_to_every_solver_of_friction():
+    punch, stiffness = rough((24, 32), 8), ElasticBody(0.3, 0.4).condensed_stiffness(grid.magnitudes((24, 32)))
+    found = {name: equilibrate(punch, stiffness, 0.05, Options(name)) for name in ("conjugate_gradients", "verlet")}
+    found["coupled"] = press(punch, ElasticBody(0.3, 0.4), 0.05, 1e-12)
+    expected = found.pop("conjugate_gradients")
+    for each in found.values():
+        assert each.status[0] == Status.ok
+        np.testing.assert_array_equal(each.touching, expected.touching)
+        np.testing.assert_allclose(each.pressure, expected.pressure, atol=1e-7 * expected.pressure.max())

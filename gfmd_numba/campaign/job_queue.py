@@ -60,7 +60,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             )
         except subprocess.TimeoutExpired:
             raise InputError(
-                f"--cluster: given where sbatch did not answer in {_PATIENCE:g} s; allowed: a SLURM that is up (`sinfo`)"
+                f"--cluster: given where sbatch did not answer in {_PATIENCE:g} s; allowed: a SLURM that is up"
             ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"

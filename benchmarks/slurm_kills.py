@@ -20,7 +20,7 @@ from support.one_machine_slurm import one_machine_slurm
 CAMPAIGN = """\
 name: killed
 seed: 1
-realisations: 200
+realisations: 1200
 scene:
   body: {poissons_ratio: 0.33}
   roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
@@ -61,7 +61,7 @@ def kill_jobs(run: subprocess.Popen[bytes], kills: int, output: Path, environmen
         for job in running(environment) - killed:
             log = next(output.glob(f"jobs/*-{job}.err"), None)
             if log is not None and "Registered to" in log.read_text():
-                time.sleep(1.0 + len(killed) % 8)  # it has blocks by now, and may have handed some back
+                time.sleep(1.0 + len(killed) % 4)  # it has blocks by now, and may have handed some back
                 how = [] if len(killed) % 2 else ["--signal=KILL", "--full"]
                 subprocess.run(["scancel", *how, job], env=environment, check=True)
                 killed.add(job)

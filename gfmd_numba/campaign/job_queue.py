@@ -10,6 +10,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
+import psutil
+
 from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
 from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.job_supply import JobSupply
@@ -24,6 +26,7 @@ _COMMANDS = ("sbatch", "squeue", "scancel")
 _ON_CLUSTER = OF_A_RUN | {
     "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
 }
+_PATIENCE = 120.0  # s, with a controller that is busy
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
 
 
@@ -47,9 +50,18 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             f"--output: given {brief(str(directory.resolve()))} with --cluster; allowed: a path of letters, digits and "
             "._/@+,:~- alone, as scripts of jobs name it"
         )
+    if cluster.interface not in (None, *(here := psutil.net_if_addrs())):
+        raise InputError(f"--cluster: given the interface {cluster.interface}; allowed: one of {', '.join(here)}")
     job = SLURMJob("tls://192.0.2.1:8786", name="test", **_options(cluster, "gfmd-test"))
     with job.job_file() as script:
-        tested = subprocess.run(["sbatch", "--test-only", script], capture_output=True, text=True, timeout=120)
+        try:
+            tested = subprocess.run(
+                ["sbatch", "--test-only", script], capture_output=True, text=True, timeout=_PATIENCE
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(
+                f"--cluster: given where sbatch did not answer in {_PATIENCE:g} s; allowed: a SLURM that is up"
+            ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
         raise InputError(

@@ -75,6 +75,18 @@ def test_what_slurm_refuses_is_told_before_anything_is_made(tmp_path, slurm):
     assert not (tmp_path / "out").exists()
 
 
+def test_an_interface_that_is_not_there_is_refused(tmp_path, slurm):
+    with pytest.raises(InputError, match=r"--cluster: given the interface ib7; allowed: one of .*\blo\b"):
+        check(workers_of(CLUSTER | {"interface": "ib7"}), tmp_path / "out")
+
+
+def test_a_queue_that_does_not_answer_is_told(tmp_path, slurm, monkeypatch):
+    (slurm / "sbatch").write_text("#!/bin/sh\nexec sleep 60\n")
+    monkeypatch.setattr(job_queue, "_PATIENCE", 0.2)
+    with pytest.raises(InputError, match=r"--cluster: given where sbatch did not answer in 0.2 s; allowed: a SLURM"):
+        check(workers_of(CLUSTER), tmp_path / "out")
+
+
 def test_an_output_that_a_script_cannot_name_is_refused(tmp_path, slurm):
     with pytest.raises(InputError, match=r"--output: given '.*my results' with --cluster; allowed: a path of letters"):
         check(workers_of(CLUSTER), tmp_path / "my results")

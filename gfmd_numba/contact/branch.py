@@ -58,8 +58,8 @@ class _Point:
     @property
     def _stiffness(self) -> Reals:
         stiffness = solution.condensed_stiffness(self.problem, grid.wavenumbers(self.contact.punch.shape[1]))
-        if self.problem.mean_pressure is not None or not np.isfinite(stiffness[0]):  # a rigid mean stores no energy
-            stiffness[0] = 0.0
+        if self.problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):
+            stiffness.flat[0] = 0.0  # a rigid mean stores no energy
         return stiffness
 
 

@@ -9,7 +9,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.truncated_newton import TruncatedNewton
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton, let_go
 
 _GRIP = 0.1  # curvature of the law over its largest from which on it holds a node rather than the body does
 _PAYS = 20.0  # that largest over the stiffness of the softest wave below which one preconditioner does for all nodes
@@ -47,13 +47,10 @@ class CohesiveNewton(TruncatedNewton):
         (both,), length = self.field.sources, self.field.result.shape[1]
         self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._sideways, self._together = slice(0, n), np.zeros(n)
-        start, tangential = batch.start.displacement, batch.start.tangential
-        with np.errstate(over="ignore"):
-            crushed = -cohesive.normal_traction(batch.punch - start, np.zeros(n)) > batch.largest_pressure
         self._u = np.zeros_like(self._source)
-        self._u[:, :n] = tangential
+        self._u[:, :n] = batch.start.tangential
+        self._u[:, length : length + n] = let_go(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
         self._nowhere = np.broadcast_to(np.nan, (rows, n))
-        self._u[:, length : length + n] = np.where(crushed, np.minimum(start, batch.punch), start)
         self._begin(batch, options, slice(length, length + n), cohesive.normal)
 
     @property
@@ -112,9 +109,9 @@ class CohesiveNewton(TruncatedNewton):
 
     def _pull(self, i: int) -> Reals:
         gap, slip = self._gap(i), self._slip(i)
-        self._pulled[self._normal] = self._cohesive.normal_traction(gap, slip)
-        self._pulled[self._sideways] = self._cohesive.tangential_traction(gap, slip)
-        return self._pulled
+        self._closing[self._normal] = self._cohesive.normal_traction(gap, slip)
+        self._closing[self._sideways] = self._cohesive.tangential_traction(gap, slip)
+        return self._closing
 
     def _bend(self, i: int) -> None:
         tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))

@@ -1,6 +1,7 @@
 """Truncated Newton method on the energy of a contact under a law of the gap, with or without the hard wall."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -56,13 +57,8 @@ class TruncatedNewton:
         self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()
         (self._source,), self._result = self.field.sources, self.field.result
-        punch = batch.punch.reshape(rows, -1)
-        start = batch.start.displacement.reshape(rows, -1)
-        # where a law repels by more than any pressure, a Newton step is lost in its exponential
-        with np.errstate(over="ignore"):
-            crushed = -law.traction(punch - start) > batch.largest_pressure
         self._u = aligned_rows(rows, n)
-        self._u[:, :n] = np.where(crushed, np.minimum(start, punch), start)
+        self._u[:, :n] = let_go(batch, law.traction)
         # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
         self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
 
@@ -112,15 +108,16 @@ class TruncatedNewton:
         self.load = batch.loads.copy()
         self._load, self._elastic, self._restoring, self._wall = np.zeros((4, rows, unknowns))
         self._load[:, normal] = self.load[:, np.newaxis]
-        self._punch = batch.punch.reshape(rows, -1).copy()
         self._wall[:] = np.inf
-        self.wall = aligned_rows(rows, n)
         self.displacement, self.restoring = self._u, self._restoring
-        if unknowns > self.wall.shape[1]:  # or what is followed is the normal displacement alone
-            self.displacement, self.restoring = aligned_rows(rows, n), aligned_rows(rows, n)
+        self._punch, self.wall = self._wall[:, normal], self._wall
         if batch.interface.hard_wall:
-            self._wall[:, normal] = self._punch
-        self.wall[:, :n] = self._wall[:, normal]
+            self._wall[:, normal] = batch.punch.reshape(rows, -1)
+        else:
+            self._punch = batch.punch.reshape(rows, -1).copy()
+        if normal.start > 0:  # not the normal displacement alone is followed
+            self.displacement, self.restoring, self.wall = (aligned_rows(rows, n) for _ in range(3))
+            self.wall[:, :n] = self._wall[:, normal]
         np.minimum(self._u, self._wall, out=self._u)
         self._bound = self._wall.copy() if reach > 0.0 else self._wall
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
@@ -128,7 +125,6 @@ class TruncatedNewton:
         self._level = np.zeros((rows, 1))
         if self._floats:
             self.displacement = aligned_rows(rows, n)
-        self._pulled = np.zeros(unknowns)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts = np.zeros(rows, dtype=np.bool_)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
@@ -148,9 +144,9 @@ class TruncatedNewton:
         self.field.apply(self._compliance, row)
 
     def _pull(self, i: int) -> Reals:
-        """Traction of the law on each unknown of a row."""
-        self._pulled[self._normal] = self._law.traction(self._gap(i))
-        return self._pulled
+        """Traction of the law on each unknown of a row, in an array that is free between trials."""
+        self._closing[self._normal] = self._law.traction(self._gap(i))
+        return self._closing
 
     def _bend(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
@@ -263,17 +259,31 @@ class TruncatedNewton:
             self._level[i] += mean
         self._elastic[i] = self._result[i]
         if self._reach > 0.0:
-            closing = np.maximum(self._gap(i) - _FAR * self._reach, self._reach)
-            bound = self._u[i, self._normal] + closing
-            self._bound[i, self._normal] = np.minimum(self._wall[i, self._normal], bound)
+            bound = self._gap(i)
+            bound -= _FAR * self._reach
+            np.maximum(bound, self._reach, out=bound)
+            bound += self._u[i, self._normal]
+            np.minimum(self._wall[i, self._normal], bound, out=self._bound[i, self._normal])
         pull = self._pull(i)
         np.subtract(self._elastic[i], pull, out=self._restoring[i])
-        self._strongest[i] = np.abs(pull).max()
+        self._strongest[i] = max(pull.max(), -pull.min())
         n = self.field.n
         if self.displacement is not self._u:
             self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
         if self.restoring is not self._restoring:
             self.restoring[i, :n] = self._restoring[i, self._normal]
+
+
+def let_go(batch: Batch, traction: Callable[[Reals], Reals]) -> Reals:
+    """Normal displacement `[realisation, node]` that a batch begins with, under a traction across gaps.
+
+    Where a law repels by more than any pressure, a Newton step would be lost in its exponential.
+    """
+    punch = batch.punch.reshape(len(batch.punch), -1)
+    start = batch.start.displacement.reshape(punch.shape)
+    with np.errstate(over="ignore"):
+        crushed = -traction(punch - start) > batch.largest_pressure
+    return np.where(crushed, np.minimum(start, punch), start)
 
 
 def _decreases(change: float, slope: float) -> bool:

@@ -82,6 +82,16 @@ def test_a_rough_contact_is_that_of_the_dynamics(hard_wall):
     assert (2 * newton.n_transforms < verlet.n_transforms).all()
 
 
+def test_the_last_steps_converge_as_those_of_newton_do():
+    """With a part of the law's second derivatives wrong or left out it takes 8 to 300 steps."""
+    punch, body = surface()[0] - 0.02, ElasticBody(0.2, 0.5).coupled_stiffness(512)
+    laws, exact = Interactions(True, cohesive=LAW), Options("truncated_newton", 1e-11, max_iterations=100)
+    first = equilibrate(punch, body, None, exact, laws, sliding=0.03)
+    found = equilibrate(punch - 1e-3, body, None, exact, laws, following(first, punch - 1e-3, 0.031), 0.031)
+    assert (first.n_iterations <= 9).all()
+    assert (found.n_iterations <= 7).all()
+
+
 def test_one_more_load_on_a_fine_grid_takes_below_a_quarter_of_the_transforms_of_the_dynamics():
     heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(2))
     punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).coupled_stiffness(2048)

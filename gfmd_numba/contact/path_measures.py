@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.branch import load_of
 from gfmd_numba.contact.evaluation import elastic_energy, mean_pressure, measure
 from gfmd_numba.contact.load_path import solve_steps
@@ -24,13 +25,13 @@ class Balance:
     """What the balance of energy takes of one contact, per nominal area, in g L_x and g E*.
 
     `force` is what the load is conjugate to, the mean pressure or minus the mean displacement; `potential` is the
-    stored energy, less the work of a prescribed pressure.
+    stored energy, less the work of a prescribed pressure. `sliding` and the mean `traction` are `[component]`.
     """
 
     load: float
     force: float
-    sliding: float
-    traction: float
+    sliding: Reals
+    traction: Reals
     potential: float
 
     @classmethod
@@ -39,12 +40,14 @@ class Balance:
         found, laws = contact.equilibrium, problem.interface
         u, pressure = found.displacement[0], found.pressure[0]
         gap, slip = contact.punch[0] - u, np.zeros(u.shape)
-        sliding = traction = 0.0
+        sliding = traction = np.zeros(1)
         potential = float(elastic_energy(contact)[0])  # of all waves but the mean
         if found.tangential is not None:
-            sliding, traction = found.tangential.sliding, float(found.tangential.traction[0].mean())
-            potential += 0.5 * traction * float(found.tangential.displacement[0].mean())
-            slip = sliding - found.tangential.displacement[0]
+            nodes = tuple(range(-u.ndim, 0))
+            sliding = np.ravel(found.tangential.sliding)
+            traction = np.ravel(found.tangential.traction[0].mean(axis=nodes))
+            potential += 0.5 * float(traction @ np.ravel(found.tangential.displacement[0].mean(axis=nodes)))
+            slip = found.tangential.sliding - found.tangential.displacement[0]
         if laws.normal_law is not None:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:
@@ -58,7 +61,7 @@ class Balance:
     def lost(self, before: "Balance") -> float:
         """Work since an earlier contact, forces linear between the two, less what the potential has gained."""
         work = 0.5 * (before.force + self.force) * (self.load - before.load)
-        work += 0.5 * (before.traction + self.traction) * (self.sliding - before.sliding)
+        work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
         return work - (self.potential - before.potential)
 
 
@@ -88,7 +91,7 @@ class PathRecord:
         lost = 0.0 if before is None else self._balance.lost(before)
         if contact.followed is not None:
             lost = contact.followed.lost
-        self.steps["mean_tangential_traction"].append(self._balance.traction)
+        self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["stick_fraction"].append(stick_fraction(problem, contact))
         self.steps["energy_lost"].append(lost)
 
@@ -119,7 +122,8 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     if law is not None:
         wall = wall + law.traction(contact.punch[0] - found.displacement[0])
     slack = float(found.residual[0]) * float(wall.max())
-    sticks = np.abs(found.tangential.traction[0]) < friction * wall - slack
+    traction = np.linalg.norm(found.tangential.traction[0].reshape(-1, *wall.shape), axis=0)
+    sticks = traction < friction * wall - slack
     return float((sticks & touching).sum() / touching.sum())
 
 

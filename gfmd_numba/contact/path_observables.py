@@ -6,7 +6,9 @@ from gfmd_numba.contact.observables import Observable
 from gfmd_numba.scene import Scene
 
 PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
-    "mean_tangential_traction": Observable("contact", "pressure", "mean tangential traction of the punch on the body"),
+    "mean_tangential_traction": Observable(
+        "contact", "pressure", "mean tangential traction along x of the punch on the body"
+    ),
     "mean_tangential_traction_y": Observable(
         "contact", "pressure", "mean tangential traction along y of the punch on the body"
     ),

@@ -315,3 +315,18 @@ def test_a_frictionless_map_is_the_same_to_every_solver_of_friction():
         assert each.status[0] == Status.ok
         np.testing.assert_array_equal(each.touching, expected.touching)
         np.testing.assert_allclose(each.pressure, expected.pressure, atol=1e-7 * expected.pressure.max())
+
+
+def test_a_time_step_beyond_the_limit_is_unstable_and_names_a_wave():
+    punch, body = rough((16, 20), 2), ElasticBody(0.2, 0.5)
+    found = press(punch, body, 0.1, 0.3, options=Options("verlet", time_step=1.5))
+    assert found.status[0] == Status.unstable
+    assert found.growing_wave[0] > 0
+
+
+def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch():
+    punch = rough((16, 16), 2)
+    for options in (NEWTON, Options("frictional_newton")):  # the dynamics knows no rigid mean, and is not begun
+        result = press(punch - 1.01 * punch.mean(), ElasticBody(0.5, 0.5), None, 0.3, options=options)
+        assert result.status[0] == Status.unstable
+        assert result.n_iterations[0] <= 100

@@ -1,46 +1,17 @@
-"""Newton's method for friction on maps: every result holds the conditions, on ridges it is that of profiles."""
+"""Newton's method for friction on maps: every result holds the conditions, and is what other methods find."""
 
 import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from support.frictional_maps import NEWTON, follow, press, rough
 from support.map_contact_conditions import largest_violation, sticking
-
-NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it
-LAYERS = ElasticBody.layered((0.05, 0.2), (Material(1.0, 0.2), Material(0.1, 0.4)), None)
-
-
-def rough(shape, seed, hurst=0.8, waves=8, rows=1):
-    """Punches of waves up to an index, whatever the shape of the grid, of about unit gradient."""
-    rng, q = np.random.default_rng(seed), grid.magnitudes(shape) / (2.0 * np.pi)
-    size = np.where((q > 0.0) & (q <= waves), np.maximum(q, 1.0) ** (-1.0 - hurst), 0.0)
-    heights = np.fft.irfft2(size * np.exp(2j * np.pi * rng.random((rows, *q.shape))), shape)
-    heights /= 2.0 * np.pi * np.sqrt((q * size) ** 2).sum() / np.prod(shape)
-    return heights.max(axis=(1, 2), keepdims=True) - heights
-
-
-def press(punch, body, load, friction, start=None, sliding=(0.0, 0.0), options=NEWTON):
-    stiffness = body.coupled_stiffness_of_map(punch.shape[1:]) if isinstance(body, ElasticBody) else body
-    drag = np.reshape(sliding, (2, 1, 1))
-    return equilibrate(punch, stiffness, load, options, Interactions(True, friction=friction), start, drag)
-
-
-def follow(steps, body, friction, options=NEWTON):
-    """Equilibrium of each step (punch, load, sliding), and what it began with."""
-    before = None
-    for punch, load, sliding in steps:
-        drag = np.reshape(sliding, (2, 1, 1))
-        start = None if before is None else following(before, punch, drag)
-        before = press(punch, body, load, friction, start, drag, options)
-        yield before, start
 
 
 def random_path(seed):
@@ -83,48 +54,6 @@ def test_a_wrong_traction_is_told_from_a_right_one():
     start = Start.at_rest(punch)
     turned = Start(punch, start.tangential + np.reshape([0.0, 1e-3], (2, 1, 1)), start.anchor)
     assert largest_violation(stiffness, punch, 0.1, 0.2, result, turned) > 1e-3  # of slip in another direction
-
-
-@pytest.mark.parametrize("along", ["x", "y"])
-@pytest.mark.parametrize(
-    ("body", "friction"),
-    [
-        (ElasticBody(0.0, None), 0.2),
-        (ElasticBody(0.3, None), 1.0),
-        (ElasticBody(0.2, 0.3), 0.3),
-        (ElasticBody(0.5, 0.3), 0.3),
-        (LAYERS, 0.4),
-    ],
-)
-def test_ridges_are_profiles(body, friction, along):
-    """Dragged along their profile and back; a ridge has the stiffness of a profile, and nothing moves along it."""
-    n, across = 64, 6
-    heights = self_affine.profiles(0.8, 2, 16, n, 3, range(1))
-    punch = heights.max() - heights
-    ridges = np.repeat(punch[:, np.newaxis], across, axis=1)
-    ridges = ridges if along == "x" else ridges.swapaxes(1, 2)
-    drags = (0.0,) if body.aspect_ratio is None else (0.0, 1e-3, 2e-2, 1.9e-2)
-    ways = [(drag, 0.0) if along == "x" else (0.0, drag) for drag in drags]
-    options = Options("frictional_newton", residual=1e-10)
-    maps = follow([(ridges, 0.1, way) for way in ways], body, friction, options)
-    before, slipped = None, 0
-    for drag, (found, _) in zip(drags, maps, strict=True):
-        start = None if before is None else following(before, punch, drag)
-        law = Interactions(True, friction=friction)
-        before = equilibrate(punch, body.coupled_stiffness(n), 0.1, options, law, start, drag)
-        assert before.status[0] == found.status[0] == Status.ok
-        own, other = found.tangential.traction[0], found.tangential.slip[0]
-        if along == "y":
-            own, other = own[::-1].swapaxes(1, 2), other[::-1].swapaxes(1, 2)
-        pressure = found.pressure[0] if along == "x" else found.pressure[0].T
-        peak, tangential = before.pressure.max(), before.tangential
-        np.testing.assert_allclose(pressure, np.tile(before.pressure, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_allclose(own[0], np.tile(tangential.traction, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_allclose(other[0], np.tile(tangential.slip, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_array_equal(other[0] == 0.0, np.tile(tangential.slip, (across, 1)) == 0.0)
-        assert abs(own[1]).max() < 1e-8 * peak
-        slipped += np.count_nonzero(tangential.slip)
-    assert slipped > 0
 
 
 def dense_contact(stiffness, wall, anchor, friction, sweeps):
@@ -284,26 +213,6 @@ def test_an_infinite_friction_is_left_to_the_dynamics():
     assert found.status[0] == Status.ok
     assert not found.tangential.slip.any()
     assert abs(found.tangential.traction[0][:, found.touching[0]]).max() > 0.1 * found.pressure.max()
-
-
-@pytest.mark.parametrize("friction", [0.2, np.inf])
-def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
-    """The dynamics anchors their nodes at once, so that it has no history to differ by."""
-    profile = np.full((1, 64), 10.0)
-    profile[0, 20:30] = 0.0
-    body, options, law = (
-        ElasticBody(0.1, None),
-        Options("verlet", residual=1e-10),
-        Interactions(True, friction=friction),
-    )
-    one = equilibrate(profile, body.coupled_stiffness(64), 0.01, options, law)
-    two = press(np.repeat(profile[:, np.newaxis], 4, axis=1), body, 0.01, friction, options=options)
-    assert one.status[0] == two.status[0] == Status.ok
-    peak = one.pressure.max()
-    np.testing.assert_allclose(two.pressure[0], np.tile(one.pressure, (4, 1)), atol=1e-8 * peak)
-    traction = two.tangential.traction[0]
-    np.testing.assert_allclose(traction[0], np.tile(one.tangential.traction, (4, 1)), atol=1e-8 * peak)
-    assert abs(traction[1]).max() < 1e-12 * peak
 
 
 def test_a_frictionless_map_is_the_same_to_every_solver_of_friction():

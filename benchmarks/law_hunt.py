@@ -144,7 +144,7 @@ def follow(kind, seed):
         return None if "resolve" in str(error) or "room" in str(error) else sys.exit(f"{seed}: {error}")
     before, worst, spent, status = None, 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore"):
-        for problem, sliding, contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
+        for problem, (sliding,), contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
             spent.append(int(contact.equilibrium.n_transforms[0]))
             if status != Status.ok:

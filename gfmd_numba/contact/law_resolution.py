@@ -29,7 +29,7 @@ def resolution(problem: Problem) -> float:
 
 
 def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
-    """What is to be said of a law that the grid does not resolve, and the grid that would; nothing of any other."""
+    """Return a warning about a law that the grid does not resolve, with a grid that would; else nothing."""
     x = resolution(problem)
     if x <= COARSEST:
         return ""
@@ -70,7 +70,7 @@ def check_resolved(
 
 
 def _grid(problem: Problem, discretisation: Discretisation | None) -> str:
-    """The grid that resolves the law of a problem."""
+    """Return the grid that resolves the law of a problem, in words."""
     needed = _needed(problem)
     if discretisation is None:
         return f"at least {needed} points" + (" both ways" if len(problem.surface.shape) == 2 else "")

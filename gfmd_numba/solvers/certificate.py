@@ -16,8 +16,8 @@ Rows = npt.NDArray[np.int64]
 class RigidMean:
     """The condition of bodies that keep their volume, like an incompressible slab: the mean displacement is zero.
 
-    `stiffest` turns a mean displacement into a traction, in E*/L_x. `impossible` `[realisation]` is where the mean of
-    the punch is prescribed below zero, so that there is no room for the body.
+    `stiffest` turns a mean displacement into a traction, in E*/L_x. `impossible` `[realisation]` is where the punch is
+    pressed so deep that its mean lies below zero and leaves no room for the body.
     """
 
     stiffest: float

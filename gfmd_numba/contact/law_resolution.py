@@ -70,7 +70,7 @@ def check_resolved(
 
 
 def _grid(problem: Problem, discretisation: Discretisation | None) -> str:
-    """Return the grid that resolves the law of a problem, in words."""
+    """The grid that resolves the law of a problem."""
     needed = _needed(problem)
     if discretisation is None:
         return f"at least {needed} points" + (" both ways" if len(problem.surface.shape) == 2 else "")

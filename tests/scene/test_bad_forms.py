@@ -10,8 +10,8 @@ FORMS = {
         ("hurst: 0.8", "hurts: 0.8"),
         "bad.yaml:3:3: scene.roughness.hurst: given nothing; allowed: a number from 0 to 1\n"
         "bad.yaml:5:5: scene.roughness.hurts: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
-        "'scaling', 'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; did you mean "
-        "'hurst'?",
+        "'scaling', 'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; "
+        "did you mean 'hurst'?",
     ),
     "key of another level": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),

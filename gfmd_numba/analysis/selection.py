@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.facts_of_cases import dimension_of, nodes_per_segment, residual_error
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
 
@@ -200,8 +201,8 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             levels[name] = level
         else:
             notes.append(f"{name} is not varied: kappa_tfc is not extrapolated in it")
-    dimension = _dimension(cases)
-    nodes, fewest = _nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
+    dimension = dimension_of(cases)
+    nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
     if nodes < fewest:
         stretches = "stretches" if dimension == 1 else "patches"
         finer = "a finer eps_c" if discretisations(cases) else "more points"
@@ -220,42 +221,10 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         reference_mean=mean,
         reference_error=error,
         n_excluded=n_excluded,
-        residual_error=_residual_error(cases, variable)[kept],
+        residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         notes=notes,
     )
-
-
-def _residual_error(cases: xr.Dataset, variable: str) -> Reals:
-    """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
-    if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
-        return np.full(cases.sizes["case"], nan)
-    share = cases["kappa_residual_error"] / cases["kappa"]
-    return np.asarray((share * cases[variable]).mean("realisation").values)
-
-
-def processor_time(dataset: xr.Dataset) -> dict[str, float]:
-    """Return the attribute cpu_seconds: what all cases took, in s, each problem once; none if the dataset has none."""
-    if "case_seconds" not in dataset:
-        return {}
-    _, first = np.unique(dataset["case_id"].values, return_index=True)
-    return {"cpu_seconds": float(dataset["case_seconds"].values[first].sum())}
-
-
-def _dimension(cases: xr.Dataset) -> int:
-    """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
-    return int(cases["dimension"].values[0]) if "dimension" in cases else 1
-
-
-def _nodes_per_segment(cases: xr.Dataset, dimension: int) -> float:
-    """Return the mean number of nodes in a stretch or patch of contact, of the case that has most; inf if unknown."""
-    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
-        return np.inf
-    nodes = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
-    segments = cases["n_segments"].sum("realisation").values
-    # full contact has neither, and no edges to resolve
-    found = np.divide(nodes, segments, out=np.where(nodes > 0, np.inf, 0.0), where=segments > 0)
-    return float(found.max(initial=0.0)) or np.inf
 
 
 def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:

@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
 from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
+from gfmd_numba.analysis.facts_of_cases import processor_time
 from gfmd_numba.analysis.fit_dataset import fit_dataset
 from gfmd_numba.analysis.fit_warnings import (
     additivity,
@@ -32,7 +33,7 @@ from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
-from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, processor_time
+from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
 from gfmd_numba.arrays import Reals
 
 MODEL = (

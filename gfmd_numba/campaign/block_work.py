@@ -79,7 +79,7 @@ def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
 
 
 def trace(directory: Path, name: str) -> Path:
-    """File by which a process that had to end itself tells which block it was at, in an output directory."""
+    """Return the file in an output directory in which a process that ends itself names the block it was working on."""
     return directory / "shards" / f"{name}.late.tmp"
 
 

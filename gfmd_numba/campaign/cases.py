@@ -18,9 +18,9 @@ from gfmd_numba.contact.problem import Effect, GivenSurface, LoadStep, Problem, 
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
-from gfmd_numba.scene.checks import arrays_per_realisation
+from gfmd_numba.scene.memory import arrays_per_realisation
 
-_BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, tens of megabytes
+_BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
 
 
@@ -219,7 +219,8 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
 
 
 def block_bytes(problem: Problem, realisations: int) -> int:
-    """Largest memory that solving realisations of a problem together asks for."""
+    """Return the largest memory that solving a block takes; along a path its realisations come one after another."""
     surface = problem.surface
-    arrays = arrays_per_realisation(len(surface.shape), problem.interface.couples)
-    return arrays * 8 * realisations * surface.nodes
+    together = 1 if problem.path else realisations
+    arrays = arrays_per_realisation(len(surface.shape), problem.interface.laws)
+    return arrays * 8 * together * surface.nodes

@@ -50,7 +50,7 @@ def collect(planned: Plan, directory: Path) -> Path:
 
 
 def note(directory: Path, **values: float) -> None:
-    """Remember facts of a run, named in `NOTED`, for the file it will be collected into."""
+    """Store facts of a run, named in `NOTED`; the results file will have them as attributes."""
     json_file.write(directory / _RUN, noted(directory) | values)
 
 

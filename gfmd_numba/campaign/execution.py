@@ -41,12 +41,12 @@ class Workers:
 
     @property
     def in_this_process(self) -> bool:
-        """Whether nobody else does the work."""
+        """Whether this process does all the work."""
         return self.count == 0 and not self.elsewhere
 
     @property
     def elsewhere(self) -> bool:
-        """Whether a dask cluster does the work that this run did not start on this machine."""
+        """Whether the work is done by a dask cluster that this run did not start on this machine."""
         return not ((self.address is None and self.client is None and self.cluster is None) or self.at_home)
 
     @property

@@ -18,12 +18,13 @@ from gfmd_numba.contact.refusal import check_combination, check_keys
 from gfmd_numba.scene.checks import (
     check_anisotropy_fits,
     check_discretisation,
-    check_memory,
+    check_points,
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.memory import arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
@@ -209,11 +210,11 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         )
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
-    check_surfaces(document, campaign.scene)
+    arrays = arrays_per_realisation(campaign.scene.dimension, campaign.scene.interface.laws)
+    check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
-    couples = campaign.scene.interface.couples
     for i, value in enumerate(points):
-        check_memory(document, ("grid", "points", i), value, campaign.scene.dimension, couples)
+        check_points(document, ("grid", "points", i), value, campaign.scene.dimension, arrays)
     assert campaign.scene.roughness is not None  # the combinations' promise
     if isinstance(campaign.scene.roughness, Measured):
         return campaign, document
@@ -221,7 +222,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         if discretisation is not None:
             for anisotropy, location in anisotropies:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
-            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, couples)
+            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, arrays)
     return campaign, document
 
 

@@ -12,7 +12,7 @@ from gfmd_numba.scene.document import Location
 
 
 def unresolved(cases: Sequence[Case]) -> str:
-    """What is to be said of interaction laws that the grids do not resolve, of the worst case; else nothing."""
+    """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
     if not cases[0].scene.interface.reaches_across:
         return ""
     doubtful = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]

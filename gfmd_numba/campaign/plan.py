@@ -20,6 +20,7 @@ from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.source import Source
@@ -70,7 +71,7 @@ class Plan:
 
     @property
     def validity(self) -> str:
-        """What speaks against the results: an implausible surface, and laws that a grid does not resolve."""
+        """Reasons to doubt the results: an implausible surface, or laws that a grid does not resolve."""
         return "\n".join(filter(None, (*said_of(self.punches, "doubts"), unresolved(self.cases))))
 
     @property
@@ -82,7 +83,8 @@ class Plan:
     def file_bytes(self) -> int:
         """Size of the results, before compression."""
         n_loads = self.problems[0].n_loads
-        return 8 * len(OBSERVABLES) * n_loads * len(self.cases) * max(self.demand.values())
+        rows = len(OBSERVABLES) + (len(PATH_OBSERVABLES) if n_loads > 1 else 0)
+        return 8 * rows * n_loads * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:

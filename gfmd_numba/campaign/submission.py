@@ -43,7 +43,8 @@ class Submission:
     def all(self, tasks: list[Task]) -> None:
         """Perform tasks, a few in flight; the blocks of those that lost their worker then once more, alone.
 
-        A worker that is lost takes innocent blocks with it: only what loses its worker alone is to blame, or was late.
+        A lost worker takes innocent blocks with it: to blame is only a block that was late, or that loses its worker
+        again when it runs alone.
         """
         for alone in (False, True):
             suspects: list[Task] = []

@@ -25,10 +25,6 @@ class _Point:
     contact: Contact
 
     @property
-    def load(self) -> float:
-        return load_of(self.problem)
-
-    @property
     def force(self) -> float:
         """What the load is conjugate to: the mean pressure, or minus the mean displacement."""
         if self.problem.displacement is not None:
@@ -72,13 +68,6 @@ def stability(problem: Problem, contact: Contact) -> float:
     return _Point(problem, contact).stability
 
 
-def load_of(problem: Problem) -> float:
-    """What a problem prescribes, displacement or mean pressure."""
-    found = problem.displacement if problem.mean_pressure is None else problem.mean_pressure
-    assert found is not None  # one of both is given
-    return found
-
-
 def is_followed(problem: Problem) -> bool:
     """Whether the steps of a path are divided: where a law of the gap attracts and the solver keeps to a branch."""
     law = problem.interface.normal_law
@@ -111,25 +100,20 @@ def _advance(
     contact = solution.solve(problem, realisations, start.contact.equilibrium)
     spent.append(contact)
     end = _Point(problem, contact)
-    gained, way = end.energy - start.energy, end.load - start.load
+    gained, way = end.energy - start.energy, end.problem.load - start.problem.load
     least, most = sorted((start.force * way, end.force * way))  # work between them on a branch of monotonic force
     lost = 0.5 * (least + most) - gained
     if divisions == _DIVISIONS:
         curved = _CURVED * 0.5 * abs(least + most)
     negligible = _LOST * _adhesion(start, end)
     jumps = least - gained > negligible
-    halfway = 0.5 * (start.load + end.load)
+    halfway = 0.5 * (start.problem.load + end.problem.load)
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost, np.nan)]
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
         return end, [Followed(lost, halfway if jumps else np.nan)]
-    between = (
-        replace(problem, mean_pressure=halfway)
-        if problem.displacement is None
-        else replace(problem, displacement=halfway)
-    )
-    middle, first = _advance(start, between, realisations, divisions - 1, curved, spent)
+    middle, first = _advance(start, problem.under(halfway), realisations, divisions - 1, curved, spent)
     end, second = _advance(middle, problem, realisations, divisions - 1, curved, spent)
     return end, first + second
 

@@ -29,7 +29,7 @@ def resolution(problem: Problem) -> float:
 
 
 def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
-    """What is to be said of a law that the grid does not resolve, and the grid that would; nothing of any other."""
+    """Return a warning about a law that the grid does not resolve, with a grid that would; else nothing."""
     x = resolution(problem)
     if x <= COARSEST:
         return ""

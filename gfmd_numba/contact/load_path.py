@@ -25,7 +25,7 @@ class RoughBodies:
 class LoadPath:
     """Problems in g L_x and g E* for one realisation, each with the tangential displacement of its punch.
 
-    `effects` tells what became of the effects of the scene.
+    `effects` says which effects of the scene are on, off, condensed or dropped.
     """
 
     problems: tuple[Problem, ...]

@@ -32,7 +32,7 @@ from gfmd_numba.solvers.status import Status
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The attribute `validity` says, a sentence a line, what speaks against the result.
+    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
     """
     file = given.file
     record, steps = PathRecord(), []
@@ -101,7 +101,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
 
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
-    """What speaks against a step, or all steps, of a path, a sentence a line."""
+    """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene.dimension)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
@@ -110,7 +110,7 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
 
 
 def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:
-    """What is to be said of a mean pressure above E*; nothing of any other."""
+    """Return a warning about a mean pressure above E*, nothing for a smaller one."""
     ratio = float(dataset["mean_pressure"].max()) / contact_modulus(given.file.scene)
     if not ratio > 1.0:
         return ""
@@ -126,7 +126,7 @@ def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
-    """Dataset with what was prescribed, in each step of a path, as coordinates; a load also as p/(g E*)."""
+    """Return the dataset with the loading of each step of a path as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
     for scene, sliding in steps_of(given.file.scene, given.file.path):

@@ -1,6 +1,6 @@
 """What is recorded along a loading path: of the contact at every step, and of the path as a whole."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isinf, isnan, nan
 from typing import Any
 
@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.branch import load_of
 from gfmd_numba.contact.evaluation import elastic_energy, mean_pressure, measure
 from gfmd_numba.contact.load_path import solve_steps
 from gfmd_numba.contact.observables import recorded
@@ -54,7 +53,7 @@ class Balance:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(gap, slip).mean())
-        load, mean = load_of(problem), float(u.mean())
+        load, mean = problem.load, float(u.mean())
         if problem.mean_pressure is not None:
             return cls(load, -mean, sliding, traction, potential - load * mean)
         force = float(pressure.mean())
@@ -82,7 +81,7 @@ class PathRecord:
     def add(self, problem: Problem, contact: Contact, is_ok: bool) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
         pressure = float(mean_pressure(contact)[0])
-        self._loads.append(load_of(problem))
+        self._loads.append(problem.load)
         self._pressures.append(pressure)
         self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
         if not is_ok:
@@ -175,7 +174,4 @@ def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:
 
 def loads_of(problem: Problem) -> tuple[Problem, ...]:
     """The problem at each load of its path, without the path."""
-    first = replace(problem, path=())
-    if problem.displacement is None:
-        return first, *(replace(first, mean_pressure=step.load) for step in problem.path)
-    return first, *(replace(first, displacement=step.load) for step in problem.path)
+    return tuple(problem.under(load) for load in (problem.load, *(step.load for step in problem.path)))

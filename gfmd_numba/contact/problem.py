@@ -6,7 +6,7 @@ Lengths are in L_x, heights in g L_x and stresses in g E*, g the rms gradient.
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,6 +96,19 @@ class Problem:
     def n_loads(self) -> int:
         """Number of loads that are solved one after another: one without a path."""
         return 1 + len(self.path)
+
+    @property
+    def load(self) -> float:
+        """The load before the path: the mean pressure, or the displacement of the punch."""
+        load = self.displacement if self.mean_pressure is None else self.mean_pressure
+        assert load is not None  # one of the two is given
+        return load
+
+    def under(self, load: float) -> "Problem":
+        """The same problem under another load of the same kind, without a path."""
+        if self.displacement is None:
+            return replace(self, mean_pressure=load, path=())
+        return replace(self, displacement=load, path=())
 
     def _hash(self) -> str:
         content: dict[str, Any] = {

@@ -66,7 +66,7 @@ def _of_map(body: RoughBody, pressure: Reals) -> Iterator[tuple[str, str, str, R
 
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
-    """What is to be said of slopes above the thesis's limit, and of films at order 0, a sentence a line."""
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
     return "\n".join(filter(None, (_of_slopes(bodies, found), _of_films(bodies) if order == 0 else "")))
 
 

@@ -5,7 +5,7 @@ the three a body is.
 """
 
 from dataclasses import dataclass
-from math import inf, isinf
+from math import inf
 
 import numpy as np
 
@@ -67,11 +67,6 @@ class ElasticBody:
             return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
         along, out = coupled.uniform_stiffness(self.nu, self.aspect_ratio)
         return float(along), float(out)
-
-    @property
-    def has_rigid_mean(self) -> bool:
-        """Whether no pressure changes the mean normal displacement: all is incompressible, and the base rigid."""
-        return isinf(self.uniform_stiffness()[1]) if self.aspect_ratio is not None else False
 
     def uniform_displacement(self, depth: float) -> tuple[float, float]:
         """Tangential and normal displacement over a depth under uniform unit tractions, in L_x/E*."""

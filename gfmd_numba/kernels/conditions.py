@@ -78,7 +78,7 @@ def friction_violation(
                 else:
                     violation = max(violation - friction * pressure, 0.0)
             largest = max(largest, violation)
-        worst[i] = max(worst[i], largest) if np.isfinite(total) and np.isfinite(worst[i]) else np.nan
+        worst[i] = max(worst[i], largest) if np.isfinite(total) and not np.isnan(worst[i]) else np.nan
 
 
 @jit

@@ -9,7 +9,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
-from gfmd_numba.scene.checks import smaller_than
+from gfmd_numba.scene.memory import arrays_per_realisation, beyond_memory
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
@@ -61,8 +61,8 @@ def made_periodic(
         shape = tuple(round(n * points / heights.shape[-1]) for n in heights.shape)
         if min(shape) < 4:
             raise ValueError(f"{_times(shape)} points after resampling, not at least 4")
-        if too_large := smaller_than(float(np.prod(shape, dtype=float)), len(shape)):
-            raise ValueError(f"{_times(shape)} points after resampling, not {too_large}")
+        if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays_per_realisation(len(shape), ())):
+            raise ValueError(f"{_times(shape)} points after resampling, not {allowed}")
         done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series")
         heights = resample(heights, shape)
     return Processed(heights, lengths, tuple(done))

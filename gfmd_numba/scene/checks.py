@@ -3,15 +3,8 @@
 from collections.abc import Collection, Mapping
 
 from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.memory import beyond_memory
 from gfmd_numba.scene.records import Discretisation, Scene
-
-_ARRAYS = {1: 16, 2: 24}  # of its size that a realisation needs, for a profile and a map
-_ARRAYS_OF_FRICTION = 160  # for a map whose tangential displacements are followed
-
-
-def arrays_per_realisation(dimension: int, couples: bool) -> int:
-    """Arrays of its size that solving a realisation needs; `couples` is whether tangential tractions act."""
-    return _ARRAYS_OF_FRICTION if couples and dimension == 2 else _ARRAYS[dimension]
 
 
 def check_discretisation(
@@ -20,23 +13,15 @@ def check_discretisation(
     locations: Mapping[str, Location],
     varied: Collection[str] = (),
     dimension: int = 1,
-    couples: bool = False,
+    arrays: int = 0,
 ) -> None:
-    """Raise InputError, at one of the varied values if any, unless waves are whole and the grid fits in memory."""
-    import psutil
-
+    """Raise InputError, at one of the varied values if any, unless waves are whole and arrays of the grid fit."""
     eps = discretisation.model_dump()
     nx = discretisation.waves["eps_c"]
     nodes = nx * nx if dimension == 2 else nx  # a power of floats raises where their product is infinite
-    needed = 8 * nodes * arrays_per_realisation(dimension, couples) / 1e9
-    available = psutil.virtual_memory().total / 1e9
-    if needed > available:
+    if allowed := beyond_memory(nodes, arrays, f"nx = {nx:.6g}"):
         axis = min(varied or eps, key=eps.__getitem__)
-        raise document.error(
-            locations[axis],
-            document.value(locations[axis]),
-            f"a grid that fits in {available:.3g} GB of memory, where nx = {nx:.6g} needs {needed:.3g} GB",
-        )
+        raise document.error(locations[axis], document.value(locations[axis]), allowed)
     misfit = discretisation.misfit
     if misfit is not None:
         axis = misfit if not varied or misfit in varied else next(iter(varied))
@@ -51,29 +36,17 @@ def check_discretisation(
         )
 
 
-def check_surfaces(document: Document, scene: Scene) -> None:
-    """Raise InputError for surfaces whose own points do not fit in memory."""
+def check_surfaces(document: Document, scene: Scene, arrays: int) -> None:
+    """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
     for place, surface in scene.surfaces.items():
         if surface.points is not None:
-            couples = scene.interface.couples
-            check_memory(document, ("scene", *place, "points"), surface.points, scene.dimension, couples)
+            check_points(document, ("scene", *place, "points"), surface.points, scene.dimension, arrays)
 
 
-def check_memory(document: Document, location: Location, points: int, dimension: int, couples: bool) -> None:
-    """Raise InputError for a surface of so many points each way that does not fit in memory."""
-    if allowed := smaller_than(float(points) ** dimension, dimension, couples):
+def check_points(document: Document, location: Location, points: int, dimension: int, arrays: int) -> None:
+    """Raise InputError for a surface of so many points each way that arrays of its size do not fit in memory."""
+    if allowed := beyond_memory(float(points) ** dimension, arrays):
         raise document.error(location, points, allowed)
-
-
-def smaller_than(nodes: float, dimension: int, couples: bool = False) -> str:
-    """What is allowed in place of a grid of so many nodes that does not fit in memory; nothing of one that does."""
-    import psutil
-
-    needed = 8 * nodes * arrays_per_realisation(dimension, couples) / 1e9
-    available = psutil.virtual_memory().total / 1e9
-    if needed <= available:
-        return ""
-    return f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
 
 
 def check_anisotropy_fits(

@@ -11,6 +11,7 @@ from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.memory import arrays_of_path, arrays_per_realisation
 from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
@@ -78,14 +79,15 @@ def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | 
 
 def _check_grid(file: SceneFile, document: Document) -> None:
     scene = file.scene
+    laws = scene.interface.laws
+    arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
-        couples = scene.interface.couples
-        check_discretisation(document, file.discretisation, locations, (), scene.dimension, couples)
+        check_discretisation(document, file.discretisation, locations, (), scene.dimension, arrays)
         anisotropy = getattr(scene.roughness, "anisotropy", None)
         if anisotropy is not None and scene.dimension == 2:
             check_anisotropy_fits(document, anisotropy, ("scene", "roughness", "anisotropy"), file.discretisation)
-    check_surfaces(document, scene)
+    check_surfaces(document, scene, arrays)
 
 
 def _located(document: Document, scene: Scene) -> Scene:

@@ -4,14 +4,14 @@ from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from gfmd_numba.scene.checks import check_points
 from gfmd_numba.scene.document import Document
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.memory import ARRAYS_OF_A_SURFACE
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.validation import validate
-
-_ARRAYS = 16  # of the surface's size, that making it and its statistics may take
 
 
 class HurstRange(BaseModel):
@@ -71,17 +71,8 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
         document = document_of(source, "surface")
         file = validate(document, SurfaceFile)
     if file.surface.points is not None:
-        _check_memory(document, file.surface.points ** (file.dimension or 1))
+        check_points(document, ("surface", "points"), file.surface.points, file.dimension or 1, ARRAYS_OF_A_SURFACE)
     if isinstance(file.surface, Measured) and file.surface.file is not None:
         measured = existing_file(document, ("surface", "file"), file.surface.file, ())
         file = file.model_copy(update={"surface": file.surface.model_copy(update={"file": measured})})
     return file, document
-
-
-def _check_memory(document: Document, samples: int) -> None:
-    import psutil
-
-    needed, available = 8 * samples * _ARRAYS / 1e9, psutil.virtual_memory().total / 1e9
-    if needed > available:
-        allowed = f"a grid that fits in {available:.3g} GB of memory, where this needs {needed:.3g} GB"
-        raise document.error(("surface", "points"), document.value(("surface", "points")), allowed)

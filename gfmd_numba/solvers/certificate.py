@@ -16,8 +16,8 @@ Rows = npt.NDArray[np.int64]
 class RigidMean:
     """The condition of bodies that keep their volume, like an incompressible slab: the mean displacement is zero.
 
-    `stiffest` turns a mean displacement into a traction, in E*/L_x. `impossible` `[realisation]` is where the mean of
-    the punch is prescribed below zero, so that there is no room for the body.
+    `stiffest` turns a mean displacement into a traction, in E*/L_x. `impossible` `[realisation]` is where the punch is
+    pressed so deep that its mean lies below zero and leaves no room for the body.
     """
 
     stiffest: float
@@ -30,6 +30,10 @@ class RigidMean:
             return None
         mean = punch.reshape(len(punch), -1).mean(axis=1)
         return cls(float(stiffness[np.isfinite(stiffness)].max()), mean < 0.0)
+
+    def violation(self, u: Reals, active: Rows, n: int) -> Reals:
+        """Return the violation `[active]` by the mean of the displacements, as a traction in E*."""
+        return np.asarray(self.stiffest * np.abs(u[active, :n].mean(axis=1)))
 
 
 class Certificate:
@@ -48,13 +52,8 @@ class Certificate:
     def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
         kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
-        self.look_at_mean(u, active, n)
-
-    def look_at_mean(self, u: Reals, active: Rows, n: int) -> None:
-        """Count a mean displacement of bodies that keep their volume as a violation."""
         if self.rigid_mean is not None:
-            drift = self.rigid_mean.stiffest * np.abs(u[active, :n].mean(axis=1))
-            self.worst[active] = np.maximum(self.worst[active], drift)
+            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
 
     def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:

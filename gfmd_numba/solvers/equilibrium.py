@@ -168,15 +168,20 @@ def equilibrate(
                 _solve(batch, interface, yielding, blown_up, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
+    _add_tractions_of_laws(result, interface, punch, sliding)
+    if (result.status == Status.unstable).any():
+        return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
+    return result
+
+
+def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: Reals, sliding: Reals | float) -> None:
+    """Add the tractions of the laws to those of the wall, in place."""
     if interface.normal_law is not None:
         result.pressure[:] -= interface.normal_law.traction(punch - result.displacement)
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
         result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
         result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
-    if (result.status == Status.unstable).any():
-        return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
-    return result
 
 
 def _solve(

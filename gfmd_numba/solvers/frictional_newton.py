@@ -109,7 +109,6 @@ class FrictionalNewton:
             products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
             self.wall, self.load, self._friction, active, n, certificate.worst,
         )  # fmt: skip
-        certificate.look_at_mean(self.displacement, active, n)
         residual = certificate.residual(self.load, active)
         self._last[active[stands & (residual > self._asked)]] *= _TIGHTEN
         unsure = np.maximum(self._moved[active], 10.0 * self._asked)

@@ -27,7 +27,7 @@ class HeldMean:
 
     @classmethod
     def of(cls, batch: Batch, stiffness: Reals) -> "HeldMean | None":
-        """What holds the mean of a batch, None where it may be any; a hard wall alone may leave no room for it."""
+        """Return what holds the mean of a batch, None where the mean is free; only a hard wall may leave it no room."""
         condition = RigidMean.of(batch.punch, stiffness)
         if condition is None:
             return None

@@ -80,7 +80,7 @@ class MapStickSlip:
         self._taken = np.linalg.pinv(self._sums @ self._uniform.T, rcond=1e-10)
 
     def unknowns(self, tractions: Reals) -> Reals:
-        """Unknowns `[unknown]` nearest to tractions `[3, n]` that have the prescribed sums."""
+        """Return the unknowns `[unknown]` with the prescribed sums that are nearest to tractions `[3, n]`."""
         across = (self._across * tractions[:2, self.slipping]).sum(axis=0)
         x = self._join(tractions[2, self.touching], tractions[:2, self.stuck], across)
         return np.asarray(x + (self._taken @ (self._prescribed - self._sums @ x)) @ self._uniform)
@@ -102,22 +102,22 @@ class MapStickSlip:
         return self._products.deflect(self._i, tractions)
 
     def prescribed(self, anchor: Reals, wall: Reals) -> Reals:
-        """Displacements asked for, into the body, along it and across the slip `[unknown]`."""
+        """Return the prescribed displacements: into the body, along it, and across the slip `[unknown]`."""
         across = (self._across * anchor[:, self.slipping]).sum(axis=0)
         return self._join(-wall[self.touching], anchor[:, self.stuck], across)
 
     def restricted(self, u: Reals, x: Reals) -> Reals:
-        """Displacements `[3, n]` where they are prescribed, and what slipping nodes give way besides `[unknown]`."""
+        """Return displacements `[3, n]` where they are prescribed, plus how far slipping nodes give way `[unknown]`."""
         across = (self._across * u[:2, self.slipping]).sum(axis=0) + self._give * x[self._parts[1] :]
         return self._join(-u[2, self.touching], u[:2, self.stuck], across)
 
     def correction(self, misfit: Reals) -> Reals:
-        """Change of the unknowns that about mends a misfit of displacements and changes no sum."""
+        """Return a change of the unknowns that approximately removes a misfit of displacements and keeps every sum."""
         x = self._inverse(misfit)
         return np.asarray(x - (self._taken @ (self._sums @ x)) @ self._uniform)
 
     def level(self, u: Reals, misfit: Reals) -> None:
-        """Take uniform displacements left of a misfit off the displacements `[3, n]`, as far as these are free."""
+        """Subtract the uniform part of a misfit from the displacements `[3, n]`, in the directions that are free."""
         uniform = np.linalg.pinv(self._takers @ self._takers.T, rcond=1e-10) @ (self._takers @ misfit)
         if self._normal_is_free:
             u[2] -= uniform[0]

@@ -27,7 +27,6 @@ _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
 
-
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
 
 
@@ -81,7 +80,7 @@ class TruncatedNewton:
         look.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         self._look_at_more(active)
         if look.rigid_mean is not None:
-            drift = look.rigid_mean.stiffest * np.abs(self.displacement[active, :n].mean(axis=1))
+            drift = look.rigid_mean.violation(self.displacement, active, n)
             self._drifts[active] = drift >= look.worst[active]
         found = look.residual(self.load, active, self._strongest[active])
         self._residual[active] = found

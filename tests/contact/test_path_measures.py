@@ -48,4 +48,3 @@ def test_the_balance_is_that_of_the_branch_without_friction(loading, path):
         point, balance = _Point(problem, contact), Balance.of(problem, contact)
         assert balance.potential == pytest.approx(point.energy, rel=1e-6)
         assert balance.force == pytest.approx(point.force)
-        assert balance.load == point.load

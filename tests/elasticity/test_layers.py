@@ -105,14 +105,16 @@ def test_long_waves_on_a_rigid_base_compress_the_layers_one_by_one():
     k = body.condensed_stiffness(np.array([0.0, 1e-6]))
     np.testing.assert_allclose(k, 1 / softness, rtol=1e-9)
     assert body.uniform_stiffness()[1] == k[0]
-    assert not body.has_rigid_mean
+
+
+def mean_stiffness(body):
+    return body.condensed_stiffness(np.zeros(1))[0]
 
 
 def test_only_a_stack_without_any_compressible_layer_has_a_rigid_mean():
-    assert body_of([(0.1, 1.0, 0.5), (0.2, 50.0, 0.5)], None).has_rigid_mean
-    assert not body_of([(0.1, 1.0, 0.5), (0.2, 50.0, 0.49)], None).has_rigid_mean
-    assert not body_of([(0.1, 1.0, 0.5)], (2.0, 0.5)).has_rigid_mean
-    assert np.isinf(body_of([(0.1, 1.0, 0.5), (0.2, 50.0, 0.5)], None).condensed_stiffness(np.zeros(1))[0])
+    assert np.isinf(mean_stiffness(body_of([(0.1, 1.0, 0.5), (0.2, 50.0, 0.5)], None)))
+    assert np.isfinite(mean_stiffness(body_of([(0.1, 1.0, 0.5), (0.2, 50.0, 0.49)], None)))
+    assert np.isfinite(mean_stiffness(body_of([(0.1, 1.0, 0.5)], (2.0, 0.5))))
 
 
 def test_the_stiffness_of_a_stack_over_q_has_neither_to_rise_nor_to_fall():

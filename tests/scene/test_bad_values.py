@@ -168,7 +168,7 @@ def test_a_grid_larger_than_the_memory_is_refused(tmp_path, monkeypatch):
     assert complaint(tmp_path, load_scene, text) == (
         "bad.yaml:11:37: discretisation.eps_f: given 5.960464477539063e-08; allowed: a "
         "grid that fits in 8 GB of "
-        "memory, where nx = 1.34218e+08 needs 17.2 GB"
+        "memory, where nx = 1.34218e+08 needs 77.3 GB"
     )
     text = changed(CAMPAIGN, "eps_c: [1, 1/2]", "eps_c: [1, 1/2, 1/262144]")
     assert complaint(tmp_path, load_campaign, text).startswith("bad.yaml:10:26: limits.eps_c[2]: given 3.8146")

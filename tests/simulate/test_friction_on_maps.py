@@ -153,11 +153,11 @@ def test_what_cannot_be_dragged_along_y_is_refused(path, changes, said):
 
 
 def test_a_map_too_large_for_friction_is_refused(monkeypatch):
-    """Its tangential displacements take seven times the memory of a frictionless map."""
+    """Its tangential displacements take eleven times the memory of a frictionless map."""
     memory = type("Memory", (), {"total": 8e9, "available": 8e9})()
     monkeypatch.setattr("psutil.virtual_memory", lambda: memory)
     large = scene([]) | {"discretisation": {"eps_c": 0.25, "eps_f": 1 / 256, "eps_t": 0.5}}  # 4096^2 nodes
-    with pytest.raises(InputError, match=r"a grid that fits in 8 GB of memory, where nx = 4096 needs 21.5 GB"):
+    with pytest.raises(InputError, match=r"a grid that fits in 8 GB of memory, where nx = 4096 needs 34.4 GB"):
         load_scene(large)
     large["scene"]["interface"] = {"hard_wall": {}}
     load_scene(large)

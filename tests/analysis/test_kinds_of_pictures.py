@@ -15,6 +15,7 @@ from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
 from support import synthetic_campaigns
 from support.command_line import gfmd
+from support.legible import faults
 
 SCENE = {
     "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
@@ -82,6 +83,7 @@ def test_every_kind_is_tried():
 def test_plot_draws_what_was_written(kind, tmp_path):
     dataset = WRITTEN[kind]()
     assert picture_of(dataset) is KINDS[kind][1]
+    assert faults(picture_of(dataset)(dataset)) == []
     dataset.to_netcdf(tmp_path / "written.nc")
     said = gfmd("plot", tmp_path / "written.nc")
     assert said.exit_code == 0, said.output

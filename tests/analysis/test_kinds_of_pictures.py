@@ -121,6 +121,20 @@ def test_the_studies_of_accuracy_leave_no_panel_empty_and_no_default_colour():
     assert figure.axes[1].lines[0].get_xdata().tolist() == [0.1]  # the half-space itself has no error
 
 
+def test_every_curve_of_a_study_is_drawn_however_many_there_are():
+    points = np.arange(1.0, 11.0)
+    studies = xr.Dataset(
+        {
+            "study": ("point", ["solver residual"] * 10),
+            "curve": ("point", [f"solver {i:g}" for i in points]),
+            **{name: ("point", points) for name in ("setting", "error", "seconds")},
+            "failed": ("point", np.zeros(10, int)),
+        }
+    )
+    (axis,) = plot_accuracy(studies).axes
+    assert len(axis.lines) == 10
+
+
 @pytest.mark.parametrize("hursts", [(0.3, 0.8), (0.8,)])
 def test_the_picture_of_a_fit_shows_every_limit_with_its_error(hursts):
     fit = _fit(hursts)

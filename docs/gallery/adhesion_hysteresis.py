@@ -28,11 +28,11 @@ deepest = int(np.argmax(depths))
 
 figure = Figure((7, 4.4), layout="constrained")
 axis = figure.subplots()
-for part, colour, label in (
-    (path.isel(step=slice(deepest + 1)), "#0072B2", "on the way in"),
-    (path.isel(step=slice(deepest, None)), "#D55E00", "on the way out"),
+for part, look, colour, label in (
+    (path.isel(step=slice(deepest + 1)), "o-", "#0072B2", "on the way in"),
+    (path.isel(step=slice(deepest, None)), "s--", "#D55E00", "on the way out"),
 ):
-    axis.plot(1e6 * part["punch_displacement"], 1e-3 * part["mean_pressure"], "o-", ms=3, color=colour, label=label)
+    axis.plot(1e6 * part["punch_displacement"], 1e-3 * part["mean_pressure"], look, ms=3, color=colour, label=label)
 axis.axhline(0, color="0.6", lw=0.8)
 axis.set(xlabel="Displacement of the punch (µm)", ylabel="Mean pressure (kPa)")
 lost, tension = 1e3 * float(path["hysteresis"]), 1e-3 * float(path["pull_off_pressure"])

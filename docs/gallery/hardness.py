@@ -26,8 +26,8 @@ for name, contact in (("elastic", elastic), ("plastic", plastic)):
 
 figure = Figure((7, 4), layout="constrained")
 axis = figure.subplots()
-axis.plot(1e6 * elastic["x"], 1e-9 * elastic["pressure"], color="0.6", lw=1, label="elastic")
-axis.plot(1e6 * plastic["x"], 1e-9 * plastic["pressure"], color="#D55E00", lw=1, label="hardness of 4 GPa")
+axis.plot(1e6 * elastic["x"], 1e-9 * elastic["pressure"], color="0.2", lw=1, ls="--", label="elastic")
+axis.plot(1e6 * plastic["x"], 1e-9 * plastic["pressure"], color="#D55E00", lw=1.4, label="hardness of 4 GPa")
 axis.set(xlabel="Position $x$ (µm)", ylabel="Pressure (GPa)")
 axis.legend()
 figure.savefig("hardness.png", dpi=80)

@@ -13,7 +13,7 @@ import gfmd_numba
 loads = np.geomspace(0.01, 3, 9)
 figure = Figure((7, 4), layout="constrained")
 axis = figure.subplots()
-for hurst, colour, marker in ((0.3, "#440154", "o"), (0.8, "#4ac16d", "s")):
+for hurst, colour, marker in ((0.3, "#440154", "o"), (0.8, "#D55E00", "s")):
     scene = {
         "scene": {
             "body": {"poissons_ratio": 0.33},

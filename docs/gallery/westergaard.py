@@ -25,7 +25,7 @@ assert abs(float(contact["mean_pressure"]) - LOAD) < 1e-6
 
 figure = Figure((7, 4), layout="constrained")
 axis = figure.subplots()
-axis.plot(x, contact["pressure"], color="#0072B2", lw=3, alpha=0.5, label="simulation")
+axis.plot(x, contact["pressure"], color="#D55E00", lw=3.5, label="simulation")
 peak = np.argmax(wave) / 512
 axis.plot(x, westergaard_pressure((x - peak + 0.5) % 1 - 0.5, LOAD, AMPLITUDE), "k--", lw=1, label="Westergaard")
 axis.set(xlabel="Position $x/L_x$", ylabel="Pressure $p/E^*$")

@@ -1,6 +1,7 @@
 """The documentation's page of combinations, printed from the tables that refuse them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from textwrap import fill
 
 from gfmd_numba.contact.combinations import REFUSALS, Refusal
 from gfmd_numba.interface.table import LAWS
@@ -20,7 +21,8 @@ _REASONS = {
     "physics": """\
 ## Pairs that make no physical sense
 
-No version of `gfmd` will accept these pairs.
+No version of `gfmd` will accept these pairs. Each entry names two things that do not go together, and what is
+allowed in place of the first.
 """,
     "not built yet": """\
 ## Pairs that are not built yet
@@ -30,16 +32,16 @@ These pairs make sense, but nobody has built them. The error message ends in "(n
     "without effect": """\
 ## Options without effect
 
-The option in the second column would change nothing in such a scene. `gfmd` refuses it, so that you do not take it for
-the cause of anything.
+The refused option would change nothing in such a scene. `gfmd` refuses it, so that you do not take it for the cause of
+anything.
 """,
 }
 _SOLVERS = """\
 ## What each solver can do
 
-`auto` takes the first solver of this table that can do all that a scene asks for. If you name a solver that cannot,
-`gfmd` refuses it and names those that can. The options `time_step` and `damping` are refused beside a solver
-without them.
+`auto` takes the first solver of the first line that can do all that a scene asks for. If you name a solver that cannot,
+`gfmd` refuses it and names those that can. The options `time_step` and `damping` are refused beside a solver without
+them.
 """
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
@@ -95,23 +97,37 @@ def combinations_page() -> str:
 
 def _section(reason: str) -> str:
     rows = (row for row in REFUSALS if row.because == reason)
-    return "\n".join((_REASONS[reason], "| With | refused | allowed |", "|---|---|---|", *map(_row, rows), ""))
+    return "\n".join((_REASONS[reason], *map(_row, rows), ""))
 
 
 def _row(row: Refusal) -> str:
-    return f"| {_phrase(row.beside)} | {_phrase(row.refused)} | {row.allowed} |"
+    allowed = row.allowed.replace("*", r"\*")
+    return _item(f"**{_capital(_phrase(row.refused))} beside {_phrase(row.beside)}.** Allowed: {allowed}.")
 
 
 def _solvers() -> Iterator[str]:
-    """Rows of abilities, columns of solvers."""
-    yield "| | " + " | ".join(f"`{name}`" for name in SOLVERS) + " |"
-    yield "|---" * (len(SOLVERS) + 1) + "|"
+    """A line for each ability and option, with the solvers that have it."""
+    yield _item(f"All solvers: {_named(SOLVERS)}.")
     for ability in ABILITIES:
-        marks = ("yes" if ability in solver.can else "" for solver in SOLVERS.values())
-        yield f"| {_phrase(ability)} | " + " | ".join(marks) + " |"
+        can = [name for name, solver in SOLVERS.items() if ability in solver.can]
+        yield _item(f"{_capital(_phrase(ability))}: {'all' if len(can) == len(SOLVERS) else _named(can)}.")
     for option in ("time_step", "damping"):
-        marks = ("yes" if option in solver.options else "" for solver in SOLVERS.values())
-        yield f"| option `{option}` | " + " | ".join(marks) + " |"
+        yield _item(
+            f"Option `{option}`: {_named(name for name, solver in SOLVERS.items() if option in solver.options)}."
+        )
+
+
+def _named(solvers: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in solvers)
+
+
+def _item(text: str) -> str:
+    """An entry of a list, wrapped."""
+    return fill(text, 120, initial_indent="- ", subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+
+
+def _capital(phrase: str) -> str:
+    return phrase[:1].upper() + phrase[1:]
 
 
 def _phrase(feature: str) -> str:

@@ -15,6 +15,7 @@ from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
 from support import synthetic_campaigns
 from support.command_line import gfmd
+from support.legible import faults
 
 SCENE = {
     "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
@@ -82,6 +83,7 @@ def test_every_kind_is_tried():
 def test_plot_draws_what_was_written(kind, tmp_path):
     dataset = WRITTEN[kind]()
     assert picture_of(dataset) is KINDS[kind][1]
+    assert faults(picture_of(dataset)(dataset)) == []
     dataset.to_netcdf(tmp_path / "written.nc")
     said = gfmd("plot", tmp_path / "written.nc")
     assert said.exit_code == 0, said.output
@@ -117,6 +119,20 @@ def test_the_studies_of_accuracy_leave_no_panel_empty_and_no_default_colour():
     ]
     assert all(axis.lines for axis in figure.axes)
     assert figure.axes[1].lines[0].get_xdata().tolist() == [0.1]  # the half-space itself has no error
+
+
+def test_every_curve_of_a_study_is_drawn_however_many_there_are():
+    points = np.arange(1.0, 11.0)
+    studies = xr.Dataset(
+        {
+            "study": ("point", ["solver residual"] * 10),
+            "curve": ("point", [f"solver {i:g}" for i in points]),
+            **{name: ("point", points) for name in ("setting", "error", "seconds")},
+            "failed": ("point", np.zeros(10, int)),
+        }
+    )
+    (axis,) = plot_accuracy(studies).axes
+    assert len(axis.lines) == 10
 
 
 @pytest.mark.parametrize("hursts", [(0.3, 0.8), (0.8,)])

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
+from support.legible import faults
 from support.synthetic_campaigns import with_axes
 
 REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
@@ -276,3 +277,13 @@ def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
     figure = plot_campaign(with_axes(xr.concat(copies, "case")))
     figure.savefig(tmp_path / "many.png", dpi=50)
     assert figure.axes[0].get_position().height * figure.get_figheight() > 2.5
+
+
+@pytest.mark.parametrize("finest", [14, 17, 20])
+def test_the_levels_of_a_limit_can_be_read(campaign, finest):
+    limited = (campaign["limit"] == "eps_f").values
+    levels = np.where(limited, 0.0, 1 / campaign["eps_f"])
+    levels[limited] = np.tile(2.0 ** np.array([6, finest - 2, finest]), 2)
+    figure = plot_campaign(campaign.assign_coords(eps_f=("case", 1 / levels, campaign["eps_f"].attrs)))
+    assert faults(figure) == []
+    assert figure.axes[1].get_xticklabels()[-1].get_text() == str(2**finest)

@@ -1,12 +1,14 @@
 """Work-precision diagrams: what accuracy costs in time."""
 
+from itertools import cycle
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.style import STYLE, log_ticks, ordered_colours
+from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
@@ -20,7 +22,6 @@ TITLES = {
     "surfaces": "Number of surfaces",
     "effects": "Half-space in place of a slab",
 }
-_MARKERS = ("o", "s", "^", "D", "v", "P")
 _EQUAL = {"solver residual": 1e-10, "precision": 1e-10}  # errors below are drawn at this edge
 _SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
 _WRITTEN = {"eps_c", "eps_f", "eps_t", "surfaces"}  # studies whose settings stand beside the points
@@ -47,7 +48,7 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
 
 def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     curves = dict.fromkeys(study["curve"].values.tolist())
-    for curve, colour, marker in zip(curves, ordered_colours(len(curves)), _MARKERS, strict=False):
+    for curve, colour, marker in zip(curves, ordered_colours(len(curves)), cycle(MARKERS), strict=False):
         points = study.isel(point=study["curve"].values == curve)
         x, y = _over(name, points)
         axis.plot(x, y, marker=marker, color=colour, label=curve, ms=5, lw=1.3)

@@ -1,5 +1,7 @@
 """Figure of a campaign, drawn without pyplot so that no state is shared."""
 
+from itertools import pairwise
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
@@ -23,6 +25,7 @@ from gfmd_numba.analysis.selection import (
     key,
     select_limit,
 )
+from gfmd_numba.arrays import Reals
 
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
@@ -114,7 +117,7 @@ def _draw_limit(
         position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
             counted, _ = ensemble_mean(group, "kappa_counted")
-            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, alpha=0.45, zorder=1)
+            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, mew=0.7, zorder=1)
         mean, error = ensemble_mean(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=4, capsize=3, lw=1.3)
         if physics in fitted:
@@ -122,9 +125,16 @@ def _draw_limit(
     title, label = _PANELS[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
-    axis.set_xticks(levels, [f"{level:g}" for level in levels])
+    labels = [f"{level:.8g}" for level in levels]
+    axis.set_xticks(levels, labels, rotation=90 if _collide(labels, levels) else 0)
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set(title=title, xlabel=label)
+
+
+def _collide(labels: list[str], levels: Reals) -> bool:
+    """Whether labels of neighbouring levels meet below a panel, which has room for some 26 characters."""
+    room = 26.0 * np.diff(np.log(levels)) / np.ptp(np.log(levels))
+    return any(0.5 * len(one + other) + 0.6 > gap for (one, other), gap in zip(pairwise(labels), room, strict=True))
 
 
 def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, look: Look) -> None:
@@ -138,4 +148,5 @@ def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) 
         position, value, error = looks.position(each), float(fit["kappa_tfc"]), float(fit["kappa_tfc_error"])
         axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=4.5, capsize=3, lw=1.3)
     axis.set_xticks(range(len(looks.coloured)), [f"{value:g}" for value in looks.coloured])
+    axis.tick_params(axis="x", rotation=90 if len(looks.coloured) > 4 else 0)
     axis.set(title="TFC limit", xlabel=looks.label, xlim=(-0.6, len(looks.coloured) - 0.4))

@@ -11,6 +11,7 @@ from gfmd_numba.analysis.plots.style import COLOURS, prefix, scaled
 from gfmd_numba.arrays import Flags, Reals
 
 _ARROWS = 20  # along a side of the map, at most
+_SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # without yellow, faint on white
 _DECADES = 1e-3  # of the slip that colours tell apart
 
 
@@ -18,14 +19,14 @@ def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw stick and slip, the size and the direction of the tangential traction, and the way slid in the last step."""
     touching, slip = dataset["gap"].values == 0.0, dataset["slip"].values
     states = np.where(touching, np.where(slip > 0.0, 1.0, 2.0), 0.0)
-    colours = ListedColormap(["white", COLOURS[1], COLOURS[0]])
+    colours = ListedColormap(["white", COLOURS[5], COLOURS[0]])
     bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
     bar.set_ticks([0.0, 1.0, 2.0], labels=["open", "slipping", "sticking"])
     _draw_traction(axes[1], dataset, touching)
     values, label = scaled(dataset["slip"], "Slip in this step", "L_x")
     largest = most(values)
     norm = None if largest is None else LogNorm(_DECADES * largest, largest, clip=True)
-    draw_image(axes[2], dataset, np.where(values > 0.0, values, np.nan), label, "both", cmap="viridis_r", norm=norm)
+    draw_image(axes[2], dataset, np.where(values > 0.0, values, np.nan), label, "both", cmap=_SLIP, norm=norm)
 
 
 def _draw_traction(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:

@@ -6,11 +6,10 @@ from typing import Any
 import xarray as xr
 
 from gfmd_numba.analysis.names import has_names, plain, shown
-from gfmd_numba.analysis.plots.style import COLOURS, ordered_colours, with_unit
+from gfmd_numba.analysis.plots.style import MARKERS, ordered_colours, with_unit
 from gfmd_numba.analysis.selection import axes, groups, key
 from gfmd_numba.text.si_prefix import si_prefix
 
-_MARKERS = ("o", "s", "^", "D", "v", "P")
 _DASHES = ("-", "--", ":", "-.")
 
 Key = tuple[float, ...]  # parameters of a group
@@ -52,12 +51,12 @@ def looks(dataset: xr.Dataset) -> Looks:
     found = Looks({each: {} for each in sorted(keys)}, names, column, _label(dataset[names[column]]))
     coloured, others = found.coloured, found.others
     told = sorted({column, *varied})
-    palette = COLOURS if has_names(dataset[names[column]]) else ordered_colours(len(coloured))
+    palette = ordered_colours(len(coloured))
     for each, look in found.of.items():
         style, colour = others.index(_without(each, column)), coloured.index(each[column])
         look |= {
-            "color": palette[colour % len(palette)],
-            "marker": _MARKERS[(style if len(others) > 1 else colour) % len(_MARKERS)],
+            "color": palette[colour],
+            "marker": MARKERS[(style if len(others) > 1 else colour) % len(MARKERS)],
             "linestyle": _DASHES[style % len(_DASHES)],
             "label": _told([(dataset[names[i]], each[i]) for i in told]),
         }

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
-from gfmd_numba.analysis.plots.style import LINE, STYLE, log_ticks, of_variable, scaled, with_unit
+from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, log_ticks, of_variable, scaled, with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
 from gfmd_numba.arrays import Reals
 
@@ -96,5 +96,7 @@ def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     )
     if values.min() > 0.0 and values.max() > _WIDE * values.min():
         panel.set_xscale("log")
+    else:
+        few_ticks(panel.xaxis)
     panel.set_xlabel(label)
     return np.asarray(values, dtype=float)

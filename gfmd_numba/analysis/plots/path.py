@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.parameter import draw_values, most_varied
-from gfmd_numba.analysis.plots.style import LINE, STYLE, prefix
+from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, prefix
 from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, good, groups, key
 from gfmd_numba.arrays import Reals
 
@@ -123,6 +123,8 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
         look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
         values = x.values if panel.x == "step" else x.values[place]
         axis.plot(across * values, up * mean.values[place], ms=3.5, lw=1.2, **look)
+    if panel.x != "step":
+        few_ticks(axis.xaxis)
     axis.set_xlabel(f"{label} ({unit_across})" if unit_across else label)
     axis.set_ylabel(f"{panel.label} ({unit_up})" if unit_up else panel.label)
 

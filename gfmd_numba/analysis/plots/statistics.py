@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.style import STYLE, ordered_colours
+from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
 from gfmd_numba.arrays import Reals
 
 
@@ -33,13 +33,15 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
     counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
     colours = ordered_colours(len(steps))
+    loads = [f"{float(step.reduced_pressure):g}" for step in steps if "reduced_pressure" in step]
     for i, step in enumerate(steps):
         colour = colours[i]
-        label = rf"$\bar{{p}}^* = {float(step.reduced_pressure):g}$" if "reduced_pressure" in step else f"step {i}"
+        marker = MARKERS[i % len(MARKERS)]
+        label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else f"step {i}"
         pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
         pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)
         gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)
-        contacts.plot(step[size], step[counted].where(step[counted] > 0), "o-", ms=4, color=colour)
+        contacts.plot(step[size], step[counted].where(step[counted] > 0), marker=marker, ms=4, color=colour)
     pressure.plot([], [], "--", color="0.4", label="Persson")
     top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
     pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, top))
@@ -49,6 +51,8 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     )
     most = max(10.0, 1.5 * float(mean[counted].max()))
     contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
+    for axis in (contacts.xaxis, contacts.yaxis):
+        log_ticks(axis)
 
 
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")

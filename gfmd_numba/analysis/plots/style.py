@@ -12,30 +12,40 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.si_prefix import si_prefix
 
-# Okabe and Ito: told apart with any colour vision
+# Okabe and Ito: told apart with any colour vision. In grey the first two are alike: lines of both need a dash or marker
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 LINE = 0.34  # inches of a line of a legend
 STYLE: dict[Any, Any] = {
     "font.size": 11,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
+    "legend.handlelength": 2.6,  # a whole dash and dot
 }
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
 
 
 def ordered_colours(count: int) -> list[str]:
-    """Return colours of ordered values, from dark to light, so that they are told apart in grey too."""
+    """Return colours of ordered values, from dark to light, so that they are told apart in grey too.
+
+    All have a contrast of at least 3 : 1 to white.
+    """
     if count == 1:
         return [COLOURS[0]]
-    return [to_hex(mpl.colormaps["viridis"](float(place))) for place in np.linspace(0.0, 0.78, count)]
+    return [to_hex(mpl.colormaps["viridis"](float(place))) for place in np.linspace(0.0, 0.6, count)]
+
+
+def few_ticks(axis: Axis) -> None:
+    """Leave room between the labels of a linear axis of a small panel."""
+    axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 
 def log_ticks(axis: Axis) -> None:
     """Label a logarithmic axis so that values can be read: with plain numbers, and between few powers of ten."""
     low, high = axis.get_view_interval()
     if high < 100.0 * low:
-        axis.set_major_locator(MaxNLocator(4) if high < 4.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_locator(MaxNLocator(3) if high < 4.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_minor_formatter(NullFormatter())
     if high < 100.0 * low or (low >= 1e-4 and high < 1e5):
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import gammaincinv
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, scaled
 
 
 def plot_surface(dataset: xr.Dataset) -> Figure:
@@ -58,11 +58,13 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
     if "spectral_density_theory" in dataset:
         theory = dataset["spectral_density_theory"].values
         drawn = theory > 1e-14 * theory.max()
-        axis.plot(q[drawn], theory[drawn], color=COLOURS[1], lw=1.5, label="theory")
+        axis.plot(q[drawn], theory[drawn], "--", color=COLOURS[1], lw=1.5, label="theory")
     unit = dataset["wavenumber"].attrs["units"].replace("m-1", "1/m").replace("1/m", " (1/m)")
     density_unit = dataset["spectral_density"].attrs["units"]
     density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
     axis.set(xscale="log", yscale="log", xlabel="Wave number $q$" + unit.strip("1"), ylabel="$C(q)$" + density_label)
+    for each in (axis.xaxis, axis.yaxis):
+        log_ticks(each)
 
 
 def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
@@ -70,14 +72,14 @@ def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
     axis.axhline(0.0, color="0.8", lw=0.8)
     axis.plot(distance, dataset["autocorrelation"], color=COLOURS[0], lw=1.2)
     if "autocorrelation_theory" in dataset:
-        axis.plot(distance, dataset["autocorrelation_theory"], color=COLOURS[1], lw=1.5)
+        axis.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1], lw=1.5)
     axis.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
 
 
 def _draw_distribution(axis: Axes, dataset: xr.Dataset) -> None:
     level = dataset["level"].values
     axis.stairs(dataset["height_density"], _edges(level), color=COLOURS[0], fill=True, alpha=0.35)
-    axis.plot(level, dataset["height_density_gaussian"], color=COLOURS[1], lw=1.5)
+    axis.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1], lw=1.5)
     axis.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
 
 

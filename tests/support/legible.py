@@ -1,0 +1,40 @@
+"""Whether a picture can be read: contrast of its text, labels that keep apart, and nothing beyond its edges."""
+
+from itertools import pairwise
+
+from matplotlib.legend import Legend
+from matplotlib.text import Text
+
+from support.eyes import contrast_to_white
+
+
+def faults(figure):
+    """Return what cannot be read in a picture on white: text below 4.5 : 1, ticks that collide, a legend cut off."""
+    figure.draw_without_rendering()
+    found = [
+        f"faint: {each.get_text()}"
+        for each in figure.findobj(Text)
+        if each.get_text() and each.get_visible() and contrast_to_white(each.get_color()) < 4.5
+    ]
+    for axis in figure.axes:
+        for labels, low, high in ((_shown(axis.xaxis), "x0", "x1"), (_shown(axis.yaxis), "y0", "y1")):
+            ordered = sorted(labels, key=lambda each: getattr(each[1], low))
+            found += [
+                f"collide: {one} and {other}"
+                for (one, before), (other, after) in pairwise(ordered)
+                if getattr(before, high) >= getattr(after, low)
+            ]
+    frame = figure.bbox
+    for legend in figure.findobj(Legend):
+        box = legend.get_window_extent()
+        if box.x0 < frame.x0 or box.y0 < frame.y0 or box.x1 > frame.x1 or box.y1 > frame.y1:
+            found.append(f"cut off: {[text.get_text() for text in legend.get_texts()]}")
+    return found
+
+
+def _shown(axis):
+    """Labels of the ticks that are drawn, major and minor, with their boxes."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    labels = [label for tick in ticks if low <= tick.get_loc() <= high for label in (tick.label1, tick.label2)]
+    return [(each.get_text(), each.get_window_extent()) for each in labels if each.get_visible() and each.get_text()]

@@ -10,7 +10,8 @@ FORMS = {
         ("hurst: 0.8", "hurts: 0.8"),
         "bad.yaml:3:3: scene.roughness.hurst: given nothing; allowed: a number from 0 to 1\n"
         "bad.yaml:5:5: scene.roughness.hurts: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
-        "'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; did you mean 'hurst'?",
+        "'scaling', 'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; "
+        "did you mean 'hurst'?",
     ),
     "key of another level": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),
@@ -20,7 +21,7 @@ FORMS = {
     "key of another method": (
         ("method: psd", "method: psd\n    file: steel.npy"),
         "bad.yaml:5:5: scene.roughness.file: given an unknown key; allowed: one of 'rms_height', 'rms_gradient', "
-        "'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; "
+        "'scaling', 'points', 'cut_on', 'hurst', 'roll_off', 'method', 'model', 'plateau', 'anisotropy'; "
         "'file' belongs to scene.roughness with method measured",
     ),
     "unknown key at the top": (

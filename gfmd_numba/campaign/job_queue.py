@@ -27,6 +27,7 @@ _ON_CLUSTER = OF_A_RUN | {
     "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
 }
 _PATIENCE = 120.0  # s, with a controller that is busy
+_UNREACHABLE = re.compile(r"configuration source|contact slurm controller", re.IGNORECASE)  # in sbatch's words
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
 
 
@@ -64,6 +65,8 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
+        if _UNREACHABLE.search(said):
+            raise InputError(f"--cluster: given where sbatch reaches no SLURM ({said}); allowed: a SLURM that is up")
         raise InputError(
             f"--cluster: given jobs that SLURM refuses ({said}); allowed: cores, memory, walltime, partition, account "
             "and directives that `sinfo` and your site's rules permit"

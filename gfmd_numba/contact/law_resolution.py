@@ -15,6 +15,7 @@ LONG_NAME = "largest softening of the interaction law over the stiffness of the 
 COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave, or a paraboloid, is right to 1 % in however short steps
 _TOO_LARGE = {1: 25, 2: 8}  # percent of the pull-off of either at 0.9, by the dimension
 REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
+_REACH = {1: 2**24, 2: 2**14}  # points in each direction, by the dimension: beyond them nobody solves a contact
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
 
@@ -37,8 +38,7 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
     return (
         f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
         f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over {_TOO_LARGE[dimension]} % too large "
-        f"at 0.9. "
-        f"Take {_grid(problem, discretisation)}, or a longer range"
+        f"at 0.9. {_finer(problem, discretisation)}"
     )
 
 
@@ -64,19 +64,21 @@ def check_resolved(
         at,
         document.value(at),
         f"at least {shortest:.3g} on this grid, whose shortest wave stiffens {1 / x:.3g} times as fast as the law "
-        f"softens: each node would snap into contact on its own. A grid of {_grid(problem, discretisation)} "
-        "resolves the law",
+        f"softens: each node would snap into contact on its own. {_finer(problem, discretisation)}",
     )
 
 
-def _grid(problem: Problem, discretisation: Discretisation | None) -> str:
-    """The grid that resolves the law of a problem."""
-    needed = _needed(problem)
+def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
+    """Which grid resolves the law of a problem, or that none within reach does."""
+    needed, dimension = _needed(problem), len(problem.surface.shape)
+    both = " both ways" if dimension == 2 else ""
+    if needed > _REACH[dimension]:
+        return f"No grid of up to {_REACH[dimension]} points{both} resolves the law: take a longer range or less work"
     if discretisation is None:
-        return f"at least {needed} points" + (" both ways" if len(problem.surface.shape) == 2 else "")
+        return f"Take at least {needed} points{both}, or a longer range"
     waves = 2 * discretisation.cut_off_index
     finer = ceil(needed / waves)
-    return f"eps_c = 1/{finer} (nx = {finer * waves})"
+    return f"Take eps_c = 1/{finer} (nx = {finer * waves}), or a longer range"
 
 
 def _on(problem: Problem, nodes: int) -> float:

@@ -103,10 +103,14 @@ class PathRecord:
         return {"hysteresis": lost, "pull_off_pressure": nan if isnan(lost) else self._pull_off()}
 
     def _pull_off(self) -> float:
-        """Largest tension since the punch was deepest; not-a-number if there is none, or the path ends with it."""
+        """Largest tension since the punch was deepest; not-a-number if there is none that falls as it is drawn off."""
         deepest = len(self._loads) - 1 - int(np.argmax(self._loads[::-1]))
-        least = min([self._pressures[deepest], *self._least[deepest + 1 :]])
-        return -least if least < min(self._pressures[-1], 0.0) else nan
+        least = [self._pressures[deepest], *self._least[deepest + 1 :]]
+        at = deepest + int(np.argmin(least))
+        tension = -min(least)
+        falls = at > deepest and self._loads[at] < self._loads[at - 1] and -self._pressures[at] < tension
+        further = min(self._loads[at:]) < self._loads[at]
+        return tension if tension > 0.0 and (falls or further) else nan
 
 
 def stick_fraction(problem: Problem, contact: Contact) -> float:

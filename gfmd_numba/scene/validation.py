@@ -53,7 +53,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
     number = plain_scalar(value) if isinstance(value, str) else None
     if isinstance(number, int | float) and number in node.get("enum", (number,)):
         hint = f"did you mean {value} without quotes?"
-    if isinstance(value, str) and node.get("type") in ("number", "integer") and has_unit(value):
+    if isinstance(value, str) and not hint and node.get("type") in ("number", "integer") and has_unit(value):
         hint = "this number has no unit"
     if isinstance(value, str) and node.get("type") in ("number", "integer", ["number", "string"]):
         hint = respelt(value[:_LONGEST]) or hint
@@ -114,7 +114,8 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
     match node.get("type"):
         case "array":
             item = _allowed(schema, _resolved(schema, node["items"])).removeprefix("a ")
-            return "a list of one or more " + re.sub("number|mapping|file name", r"\g<0>s", item, count=1)
+            plural = re.sub("number|mapping|file name", r"\g<0>s", item, count=1)
+            return f"a list of one or more {plural}" if plural != item else f"a list, each item {item}"
         case "object":
             return "a mapping of " + ", ".join(map(repr, node["properties"])) if node["properties"] else "{}"
         case "integer":

@@ -39,6 +39,8 @@ def brief(value: object) -> str:
         return "nothing"
     if value is None:
         return "an empty value"
+    if isinstance(value, float):
+        return repr(float(value))  # of NumPy's too
     return str(value).lower() if isinstance(value, bool) else _short.repr(value)
 
 

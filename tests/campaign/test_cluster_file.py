@@ -37,6 +37,7 @@ def test_workers_leave_before_their_walltime_ends(seconds, spelt, lifetime):
         ("cores: 4", "cores: 4\nsystem: pbs", "2:9: system: given 'pbs'; allowed: 'slurm'"),
         ("cores: 4", "cores: 4\npartition: a b", "2:12: partition: given 'a b'; allowed: up to 100 letters"),
         ("cores: 4", "cores: 4\ndirectives: [exclusive]", "directives[0]: given 'exclusive'; allowed: an option of"),
+        ("cores: 4", "cores: 4\ndirectives: --x", "directives: given '--x'; allowed: a list, each item an option of"),
     ],
 )
 def test_a_fault_is_told_with_its_place_and_what_is_allowed(tmp_path, old, new, said):

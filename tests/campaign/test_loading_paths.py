@@ -170,6 +170,17 @@ def test_pull_off_is_the_largest_tension_and_unknown_before_it_is_reached(pulled
         assert gfmd_numba.run(short, tmp_path / str(steps))["pull_off_pressure"].isnull().all()
 
 
+def test_tension_that_falls_because_the_punch_comes_back_is_no_pull_off(tmp_path):
+    back = PULLED | {"realisations": 1, "grid": {}, "path": [{"displacement": d} for d in (5e-4, -1e-3, 0.0)]}
+    found = gfmd_numba.run(back, tmp_path / "back")
+    pressure = found["mean_pressure"].values[0, 0]
+    assert pressure[2] < pressure[3] < pressure[1]
+    assert pressure[2] < 0.0
+    assert found["pull_off_pressure"].isnull().all()
+    off = back | {"path": [*back["path"], {"displacement": -6e-3}]}
+    assert (gfmd_numba.run(off, tmp_path / "off")["pull_off_pressure"] > -pressure[2]).all()
+
+
 def test_a_path_resumes_with_one_digest(dragged, tmp_path):
     path, _ = run_campaign(DRAGGED, tmp_path / "out", Workers(0), choice=Choice(limit=1))
     part = gfmd_numba.open_campaign(path)

@@ -100,6 +100,19 @@ def pull_off(nodes):
 OPTIONS = Options("truncated_newton", residual=1e-6)
 
 
+@pytest.mark.parametrize(("dimension", "reach"), [(1, "16777216 points"), (2, "16384 points both ways")])
+def test_a_law_that_no_grid_within_reach_resolves_is_refused_without_one(dimension, reach):
+    scene = {
+        "dimension": dimension,
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1.0, "range": 1e-5}},
+        "loading": {"reduced_pressure": 0.02},
+    }
+    with pytest.raises(InputError, match=f"No grid of up to {reach} resolves the law: take a longer range or less"):
+        gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": 0.5, "eps_f": 0.5, "eps_t": 1.0}})
+
+
 def test_pull_off_of_a_wave_is_off_by_what_x_says():
     """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
     psi = np.linspace(1e-3, 0.6, 100001)

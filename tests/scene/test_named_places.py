@@ -1,5 +1,6 @@
 """How a message names the place of a fault: in a file, a flat file, a mapping and a record."""
 
+import numpy as np
 import pytest
 
 from gfmd_numba.scene import InputError, SceneFile, load_scene
@@ -45,6 +46,16 @@ def test_mapping_is_told_the_path_alone():
     assert str(caught.value).splitlines()[0] == (
         "body.poissons_ratio: given '0.3'; allowed: a number above -1 and at most 0.5; did you mean 0.3 without quotes?"
     )
+
+
+def test_a_fraction_in_quotes_is_told_like_a_number_in_quotes():
+    with pytest.raises(InputError, match=r"eps_c: given '1/4'; allowed: .*; did you mean 1/4 without quotes"):
+        load_scene({"scene": {}, "discretisation": {"eps_c": "1/4", "eps_f": 0.5, "eps_t": 0.5}})
+
+
+def test_a_number_of_numpy_is_told_like_any_other():
+    with pytest.raises(InputError, match=r"poissons_ratio: given 0\.7; allowed"):
+        load_scene({"body": {"poissons_ratio": np.float64(0.7)}})
 
 
 def test_a_number_as_a_key_of_a_mapping_is_refused():

@@ -90,3 +90,13 @@ def test_friction_violation_at_one_node_is_what_friction_does_not_balance(
     anchor = np.array([[0.1 - slid]])
     kernel(u1, anchor, np.array([[k1]]), u3, np.array([[k3]]), wall, one, friction, np.array([0]), 1, worst)
     assert worst[0] == pytest.approx(violation, abs=1e-15)
+
+
+@pytest.mark.parametrize("kernel", [kernels.friction_violation, kernels.map_friction_violation])
+def test_a_violation_that_is_infinite_or_unknown_stays_so(kernel):
+    """As where a punch leaves no room for an incompressible body, which friction does not change."""
+    normal, sideways = np.zeros((2, 4)), np.zeros((4, 4))
+    worst = np.array([np.inf, np.nan])
+    kernel(sideways, sideways, sideways, normal, normal, normal + 1.0, np.ones(2), 0.3, np.arange(2), 4, worst)
+    assert worst[0] == np.inf
+    assert np.isnan(worst[1])

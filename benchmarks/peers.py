@@ -2,15 +2,18 @@
 
 python benchmarks/peers.py [--page docs/peers.md]; pip install tamaas ContactMechanics; what is missing is skipped.
 
-Processor time of one thread; set OMP_NUM_THREADS=1. Each code goes from heights to pressure, one surface at a time. Its
+Processor time of one thread. Each code goes from heights to pressure, one surface at a time. Its
 own tolerance is tightened until its pressure has the residual of one formula that belongs to none of the codes.
 """
 
 import argparse
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+
+os.environ["OMP_NUM_THREADS"] = "1"  # before any of them is imported: threads of one would spin while another works
 
 import numpy as np
 import peers_page

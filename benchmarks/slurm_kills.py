@@ -63,7 +63,8 @@ def kill_jobs(run: subprocess.Popen[bytes], kills: int, output: Path, environmen
             if log is not None and "Registered to" in log.read_text():
                 time.sleep(1.0 + len(killed) % 4)  # it has blocks by now, and may have handed some back
                 how = [] if len(killed) % 2 else ["--signal=KILL", "--full"]
-                subprocess.run(["scancel", *how, job], env=environment, check=True)
+                if subprocess.run(["scancel", *how, job], env=environment).returncode:
+                    break  # it has just ended
                 killed.add(job)
                 print(f"killed {len(killed)}: {len(list(output.glob('shards/*')))} files of shards", flush=True)
                 break

@@ -4,10 +4,9 @@ import subprocess
 import sys
 
 import pytest
-from slurm_kills import kill_jobs
+from slurm_kills import CAMPAIGN, kill_jobs
 
 import gfmd_numba
-from support.campaigns import campaign
 from support.one_machine_slurm import missing, one_machine_slurm
 
 pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
@@ -17,7 +16,8 @@ CLUSTER = "cores: 2\nmemory: 2 GB\nwalltime: 1 h\njobs: {max: 1}\n"
 @pytest.mark.long
 @pytest.mark.skipif(bool(missing()), reason=missing() or "SLURM is there")
 def test_killed_jobs_of_slurm_change_no_digest(tmp_path, tmp_path_factory):
-    path = campaign(tmp_path, **{"realisations: 6": "realisations: 300"})
+    path = tmp_path / "campaign.yaml"
+    path.write_text(CAMPAIGN.replace("realisations: 1200", "realisations: 800"))  # more work than two jobs can finish
     digest = gfmd_numba.run(path, tmp_path / "serial").attrs["content_sha256"]
     (tmp_path / "cluster.yaml").write_text(CLUSTER)
     with one_machine_slurm(tmp_path_factory.mktemp("slurm")) as environment:

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
@@ -123,7 +124,9 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
         look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
         values = x.values if panel.x == "step" else x.values[place]
         axis.plot(across * values, up * mean.values[place], ms=3.5, lw=1.2, **look)
-    if panel.x != "step":
+    if panel.x == "step":
+        axis.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
+    else:
         few_ticks(axis.xaxis)
     axis.set_xlabel(f"{label} ({unit_across})" if unit_across else label)
     axis.set_ylabel(f"{panel.label} ({unit_up})" if unit_up else panel.label)
@@ -133,8 +136,10 @@ def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:
     """Label of what is drawn over, and what stands for its unit 1; nothing for a pure number."""
     if name == "step":
         return "Step", ""
-    if name.startswith("step_sliding"):
+    if name == "step_sliding":
         return "Sliding of the punch", "L_x"
+    if name == "step_sliding_y":
+        return "Sliding of the punch along $y$", "L_x"
     if "punch_displacement" in dataset.variables:
         return "Punch displacement", "L_x"
     return (

@@ -150,11 +150,17 @@ def _measured(
         found = periodic_surface(field, length, dimension, scene.has_moduli, told_by)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
-    if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
+    unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
+    if len(set(found.heights.shape)) > 1 or unequal:
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
         unit = "L_x" if found.unit == "1" else "m"
         given = f"{record.shown} ({points} points over {sizes} {unit})"
-        allowed = "a map of as many points, and the same size, both ways"
+        remedy = (
+            "crop: square cuts one out"
+            if unequal
+            else f"points: {max(found.heights.shape)} resamples it to as many points both ways"
+        )
+        allowed = f"a map of as many points, and the same size, both ways; {remedy}"
         raise InputError(document.line((*place, record.key), given, allowed))
     return found
 

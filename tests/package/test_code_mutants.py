@@ -11,7 +11,7 @@ from support.mutated_package import lives
 
 ROOT = Path(__file__).parents[2]
 SURVIVORS = {  # file and what stands instead, which no test of its file sees
-    ("allocation.py", "count * np.linalg.inv"),  # designs are chosen with more confidence than that costs
+    ("ensembles.py", "count * np.linalg.inv"),  # designs are chosen with more confidence than that costs
     ("allocation.py", "price[np.setdiff1d(number, fitted)] = 0.1"),  # what tells nothing is not bought at any price
 }
 SEEN = 0.9  # share of the mutants

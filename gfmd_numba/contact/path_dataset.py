@@ -32,7 +32,8 @@ from gfmd_numba.solvers.status import Status
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
+    attribute `validity` holds the reasons to doubt the result, one sentence a line.
     """
     file = given.file
     record, steps = PathRecord(), []

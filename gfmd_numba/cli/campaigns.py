@@ -20,7 +20,7 @@ from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, pict
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.path_table import show_paths
-from gfmd_numba.cli.progress import progress_bar, waiting
+from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings, show_fit, show_means
 from gfmd_numba.text.printable import printable
@@ -86,7 +86,8 @@ def run(
     check_options(until, budget, only, limit)
     _check_workers_options()
     choice = Choice(dict(only), limit, retry_failed, fail_fast)
-    who = Workers(workers, scheduler, insecure, cluster=None if cluster is None else load_cluster(cluster))
+    jobs = None if cluster is None else load_cluster(cluster)
+    who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
     try:
         if until is not None:
             reached = run_rounds(file, output, who, choice, until, budget, show_results)

@@ -36,7 +36,7 @@ def solve(file: Path, output: Path) -> None:
     with 3.
     """
     with without_collections():
-        from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.scene import SceneFile, input_files, load_scene
         from gfmd_numba.simulate import solve as solve_file
         from gfmd_numba.storage.atomic_file import write_dataset
 
@@ -54,9 +54,11 @@ def solve(file: Path, output: Path) -> None:
         _show_one(dataset)
     for doubt in dataset.attrs.get("validity", "").splitlines():
         say("gfmd:", doubt, width=6, err=True)
-    failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
-    if failed:
-        say("gfmd:", f"the run is {', '.join(failed)}: do not use these numbers", width=6, err=True)
+    last = steps.isel(step=-1)  # a path ends at its first step that is not ok
+    if int(last["status"]):
+        number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
+        where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
+        say("gfmd:", f"the run is {_ending(last)}{where}: do not use its numbers", width=6, err=True)
         for _, sentence in endings(steps["status"]):
             say("gfmd:", sentence, width=6, err=True)
         sys.exit(SOME_FAILED)

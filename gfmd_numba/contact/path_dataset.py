@@ -32,17 +32,21 @@ from gfmd_numba.solvers.status import Status
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
+    attribute `validity` holds the reasons to doubt the result, one sentence a line.
     """
     file = given.file
     record, steps = PathRecord(), []
-    for problem, each in zip(path.problems, solved, strict=True):
+    for problem, each in zip(path.problems, solved, strict=False):
         contact = each if isinstance(each, Contact) else each.contact
         steps.append(step_dataset(given, problem, each))
+        is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(problem, contact, bool(steps[-1]["status"] == Status.ok))
+            record.add(problem, contact, is_ok)
         if contact.followed is not None:
             _add_followed(steps[-1], given, problem, contact, contact.followed)
+        if not is_ok:
+            break
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
     if file.path:
         _add_record(dataset, given, record)
@@ -135,7 +139,8 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
-    return dataset.assign_coords({name: ("step", values, attributes[name]) for name, values in found.items()})
+    n = dataset.sizes["step"]
+    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
 def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:

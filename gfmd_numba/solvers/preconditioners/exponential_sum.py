@@ -3,12 +3,9 @@
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
-
-Rows = npt.NDArray[np.int64]
+from gfmd_numba.arrays import Indices, Reals
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
 _STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
@@ -70,7 +67,7 @@ class ExponentialSum:
         self._diagonal = np.empty(0)
         return safe
 
-    def factor(self, nodes: Rows, count: int) -> None:
+    def factor(self, nodes: Indices, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         if count > len(self._diagonal):
             self._decay, self._lower = np.empty((2, count, self.rates.size))

@@ -29,4 +29,5 @@ class Stagnation:
             moved = (residual < _BETTER * least) | (residual > _RISEN * least)
         self._least[active[moved]], self._reached[active[moved]] = residual[moved], self._looks
         reached = self._reached[active]
-        return (self._least[active] <= _SMALL) & (self._looks - reached >= np.maximum(_LOOKS, _SHARE * reached))
+        stays = self._looks - reached >= np.maximum(_LOOKS, _SHARE * reached)
+        return np.asarray(stays & (self._least[active] <= _SMALL))

@@ -113,6 +113,8 @@ def _ending(step: xr.Dataset) -> str:
     """How a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
+    if meaning == "not_converged":
+        return f"{ending} at a residual of {float(step['residual']):.1e}"
     return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 
 

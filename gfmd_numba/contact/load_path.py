@@ -65,11 +65,11 @@ def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
 def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Contact]:
     """Equilibrium at each of several loads of a realisation, begun where the last one ended."""
     one = range(realisation, realisation + 1)
-    last: tuple[Problem, Contact] | None = None
+    last: tuple[Problem, Contact, Sliding] | None = None
     for problem, slid in zip(problems, sliding, strict=True):
         if len(problems) > 1 and branch.is_followed(problem):
-            contact = branch.follow(problem, one, last)
+            contact = branch.follow(problem, one, last, slid)
         else:
             contact = solution.solve(problem, one, None if last is None else last[1].equilibrium, slid)
-        last = problem, contact
+        last = problem, contact, slid
         yield contact

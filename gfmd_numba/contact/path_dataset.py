@@ -76,18 +76,17 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
 def _add_followed(
     step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
 ) -> None:
-    """Add how stable the end of a step of a path is, and the load at its largest jump."""
+    """Add the load at the largest jump of a step of a path, and how stable its end is."""
     scene = given.file.scene
     scale, unit = scales(scene, given.surfaces.rms_gradient), units(scene)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
-    found = {
-        "stability": (
-            "1",
-            "smallest curvature of the energy over that of the bodies alone",
-            branch.stability(problem, contact),
-        ),
-        f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
-    }
+    found = {f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at)}
+    if scene.interface.couples:
+        sliding = "tangential displacement of the punch at the largest jump since the last step"
+        found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
+    curvature = branch.stability(problem, contact)
+    if curvature is not None:
+        found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
     for key, (of, long_name, value) in found.items():
         step[key] = ((), value * scale[of], cf_attributes(long_name, unit[of]))
 

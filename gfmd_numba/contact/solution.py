@@ -19,12 +19,14 @@ class Followed:
     """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*).
+    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
+    displacement of the punch along x at the jump (g L_x).
     """
 
     lost: float
     jump_at: float
     least_pressure: float = np.nan
+    jump_sliding: float = np.nan
 
 
 NOTHING_LOST = Followed(0.0, np.nan)

@@ -16,6 +16,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import SOLVERS
 
@@ -258,10 +259,10 @@ def _with_free_mean(stiffness: Stiffness) -> Stiffness:
 def _iterate(
     solver: Iteration, rows: Indices, blown_up: Reals, options: Options, result: Equilibrium, hardness: float = np.inf
 ) -> None:
-    """Advance all rows until each is certified, gives up or will surely yield, and store each as it ends."""
+    """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
     n = solver.field.n
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
-    active = np.arange(rows.size)
+    active, stagnation = np.arange(rows.size), Stagnation(rows.size)
     iterations = 0
     while active.size:
         steps = min(solver.check_every, limit - iterations)
@@ -273,7 +274,7 @@ def _iterate(
         status[residual <= options.residual] = Status.ok
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
-        ended = (status != Status.not_converged) | (iterations >= limit)
+        ended = (status != Status.not_converged) | stagnation.look(residual, active) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more

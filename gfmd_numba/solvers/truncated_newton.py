@@ -157,7 +157,7 @@ class TruncatedNewton:
         return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum())
 
     def _split(self, i: int) -> None:
-        """Treat some unknowns of a row in another way than the others in the preconditioner."""
+        """Prepare the preconditioner for the curvature of a row."""
 
     def _longest(self, i: int) -> float:
         """Step along the direction that is tried first."""

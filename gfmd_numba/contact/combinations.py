@@ -58,11 +58,6 @@ REFUSAL_OF_THREE = Refusal(
 )
 
 REFUSALS = (
-    *(
-        Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
-        for law in LAWS
-        if LAWS[law].tangential and law != "friction"
-    ),
     Refusal(
         "dimension 2",
         "prescribed tractions",

@@ -8,6 +8,7 @@ _ARRAYS_OF_LAWS = {
     (1, "friction"): 180,
     (2, "friction"): 256,
     (2, "exponential"): 32,
+    (2, "cohesive"): 96,
 }
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too

@@ -40,7 +40,7 @@ _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
 def _laws_beside_each_other() -> Iterator[Refusal]:
-    """At most one law of the gap acts, and a law of gap and slip, which is all of them, acts alone; a wall goes with all."""
+    """At most one law of the gap acts; a law of gap and slip acts alone, as it is both; a hard wall goes with all."""
     for first, second in combinations(_BEYOND_HARD_WALL, 2):
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:

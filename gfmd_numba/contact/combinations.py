@@ -40,13 +40,13 @@ _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
 def _laws_beside_each_other() -> Iterator[Refusal]:
-    """At most one law of the gap acts, and a law of gap and slip acts alone; a hard wall goes with all."""
+    """At most one law of the gap acts; a law of gap and slip acts alone, as it is both; a hard wall goes with all."""
     for first, second in combinations(_BEYOND_HARD_WALL, 2):
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:
             other = second if whole == first else first
-            allowed = f"one law of normal and tangential tractions, not {other} beside {whole}"
-            yield Refusal(whole, other, allowed, "not built yet")
+            allowed = f"one law of normal and tangential tractions, not {other} beside {whole}, which does both itself"
+            yield Refusal(whole, other, allowed, "physics")
         elif LAWS[first].ability == LAWS[second].ability:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
@@ -58,17 +58,6 @@ REFUSAL_OF_THREE = Refusal(
 )
 
 REFUSALS = (
-    *(
-        Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
-        for law in LAWS
-        if LAWS[law].tangential and law != "friction"
-    ),
-    Refusal(
-        "dimension 2",
-        "prescribed tractions",
-        "nothing with dimension 2; a boundary needs dimension 1",
-        "not built yet",
-    ),
     Refusal(
         "dimension 2",
         "plane stress",
@@ -79,6 +68,7 @@ REFUSALS = (
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
+    Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
     *(

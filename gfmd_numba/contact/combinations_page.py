@@ -46,6 +46,7 @@ them.
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",
+    "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
     "campaign": "a campaign",
     "contact without drag": "no friction and no cohesive law",
     "contact without reach": "no exponential and no cohesive law",

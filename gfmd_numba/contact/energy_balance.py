@@ -8,6 +8,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import elastic_energy
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
+from gfmd_numba.interface import vector_slip
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ class Balance:
             )
             sideways = components(found.tangential.displacement, u)
             potential += 0.5 * float(traction @ sideways.mean(axis=1))
-            slip = (sliding[:, np.newaxis] - sideways)[0].reshape(u.shape)  # laws of the slip are those of profiles
+            slip = sliding[:, np.newaxis] - sideways
+            slip = np.reshape(slip[0] if len(slip) == 1 else vector_slip.length(slip), u.shape)
         if laws.normal_law is not None:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:

@@ -6,7 +6,7 @@ from math import isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import FRICTION_AND_LAW_AT_A_RIGID_MEAN, REFUSAL_OF_THREE, REFUSALS, Refusal
-from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene import COMPONENTS, Body, Boundary, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surfaces import Random
@@ -100,6 +100,16 @@ def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
         yield feature, ("scene", "boundary")
     if scene.body.roughness is not None:
         yield "rough body", ("scene", "body", "roughness")
+    yield f"dimension {scene.dimension}", ("scene", "dimension")
+    if scene.body.state == "plane_stress":
+        yield "plane stress", ("scene", "body", "state")
+    yield from _along_y(scene.boundary)
+
+
+def _along_y(boundary: Boundary) -> Iterator[tuple[str, Location]]:
+    """What a boundary prescribes along y."""
+    given = [name for name, value in boundary if value is not None and name.endswith("_y")]
+    yield from (("boundary along y", ("scene", "boundary", name)) for name in given)
 
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -159,7 +169,8 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:
         yield "prescribed tractions", ("scene", "boundary")
-        names = [f"{component}_displacement" for component in COMPONENTS]
+        yield from _along_y(scene.boundary)
+        names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
         given = [name for name in names if getattr(scene.boundary, name) is not None]
         yield from (("prescribed displacement", ("scene", "boundary", name)) for name in given[:1])
 

@@ -38,8 +38,9 @@ class Contact:
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `followed` tells of the
-    step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
+    `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `followed`
+    tells of the step of a path that led here, None where steps are not divided. `found` is what observables have found
+    of it.
     """
 
     heights: Reals
@@ -71,7 +72,7 @@ def solve(
     punch -= raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
-        coupled = problem.body.coupled_stiffness(problem.surface.nx)
+        coupled = problem.body.stiffness_of_all(problem.surface.shape)
         deflected = coupled.deflection(problem.tractions.tangential, problem.tractions.normal)
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
@@ -85,10 +86,8 @@ def solve(
 
 def _stiffness(problem: Problem) -> Stiffness:
     """Of all that deforms: of the normal displacement alone, or of all."""
-    if problem.interface.couples and len(problem.surface.shape) == 2:
-        return problem.body.coupled_stiffness_of_map(problem.surface.shape)
     if problem.interface.couples:
-        return problem.body.coupled_stiffness(problem.surface.nx)
+        return problem.body.stiffness_of_all(problem.surface.shape)
     return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))
 
 

@@ -107,6 +107,10 @@ class ElasticBody:
             element[1:] = q[1:] * over_q
         return MapStiffness.on_grid(shape, *elements[:, places.reshape(shape[0], -1)])
 
+    def stiffness_of_all(self, shape: tuple[int, ...]) -> CoupledStiffness | MapStiffness:
+        """Stiffness of all displacements of a surface of (ny,) nx nodes, in E*/L_x."""
+        return self.coupled_stiffness(shape[0]) if len(shape) == 1 else self.coupled_stiffness_of_map(shape)
+
     def compliance(self, nx: int) -> Compliance:
         """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""
         return self.compliance_along(grid.wavenumbers(nx))

@@ -92,6 +92,13 @@ class XuNeedlemanLaw:
         """Take the tractions of the law off the restoring tractions of both displacements in the active rows."""
         kernels.xu_needleman_pull(u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential)
 
+    def pull_on_map(
+        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Rows, n: int
+    ) -> None:
+        """The same of a map, dragged along x and y; tangential rows are the x components, then the y components."""
+        x, y = (float(way) for way in sliding.flat)
+        kernels.xu_needleman_map_pull(u1, k1, u3, k3, punch, x, y, active, n, self.work, self.normal, self.tangential)
+
     def _decay(self, g: Reals, slip: Reals) -> Reals:
         return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))
 

@@ -65,6 +65,20 @@ def read_column(path: Path) -> Reals:
         raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
     if len(values) < 4:
         raise ValueError(f"{len(values)} values, not at least 4")
+    return _in_double_precision(values)
+
+
+def read_map(path: Path) -> Reals:
+    """Values `[ny, nx]` of a .npy or text file of rows, of which any may be not-a-number; raises ValueError."""
+    values = read_npy(path) if path.suffix == ".npy" else read_table(path).values
+    if values.ndim != 2 or values.dtype.kind not in "fiu":
+        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not rows of numbers")
+    if min(values.shape) < 4:
+        raise ValueError(f"{values.shape[0]} x {values.shape[1]} values, not at least 4 x 4")
+    return _in_double_precision(values)
+
+
+def _in_double_precision(values: npt.NDArray[Any]) -> Reals:
     with np.errstate(over="ignore"):  # of more than double precision
         return np.asarray(values, dtype=np.float64)
 

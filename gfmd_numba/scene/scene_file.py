@@ -79,7 +79,7 @@ def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | 
 
 def _check_grid(file: SceneFile, document: Document) -> None:
     scene = file.scene
-    laws = scene.interface.laws
+    laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
     arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}

@@ -68,7 +68,9 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
     if "scene" not in contact.attrs or not ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found):
         raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
     if "normal_traction" in contact:
-        scene: Scene | LoadedBody = _recorded(BoundaryFile, contact).scene
+        loaded = _recorded(BoundaryFile, contact)
+        check_where(Document(Path("contact"), "", loaded.model_dump()), loaded.scene, "fields inside")
+        scene: Scene | LoadedBody = loaded.scene
         names, order = ["body"], 0
     else:
         file = _recorded(SceneFile, contact)

@@ -6,6 +6,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
@@ -30,8 +31,7 @@ class CoupledDynamics:
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
-        # of the cohesive law, which knows profiles alone
-        self._sliding = 0.0 if isinstance(batch.sliding, np.ndarray) else batch.sliding
+        self._sliding = batch.sliding if self._of_profile else np.broadcast_to(batch.sliding, (2, 1, 1))
         self.certificate = Certificate(rows)
         self.load = batch.loads
         self.field = Convolution(self._components * rows, *shape)
@@ -96,11 +96,19 @@ class CoupledDynamics:
         if self._law is not None:
             tractions.append(self._law.traction(gap))
         if self._cohesion is not None:
-            slip = self._sliding - self._tangential[active, :n]
+            slip = self._slip(active)
             tractions += [self._cohesion.normal_traction(gap, slip), self._cohesion.tangential_traction(gap, slip)]
         for traction in tractions:
             strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
         return strongest
+
+    def _slip(self, active: Indices) -> Reals:
+        """Slip of the punch over each node of the active rows, on maps its length."""
+        n = self.field.n
+        if isinstance(self._sliding, np.ndarray):
+            tangential = self._tangential[:, :n].reshape(2, self._rows, n)
+            return vector_slip.length(self._sliding - tangential[:, active])
+        return np.asarray(self._sliding - self._tangential[active, :n])
 
     def _restore(self, active: Indices) -> None:
         every = np.concatenate([active + i * self._rows for i in range(self._components)])
@@ -111,7 +119,9 @@ class CoupledDynamics:
         if self._law is not None:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:
-            self._cohesion.pull(
-                self._tangential, self._tangential_restoring, self.displacement, self.restoring, self._punch,
-                self._sliding, active, self.field.n,
-            )  # fmt: skip
+            sideways, normal = (self._tangential, self._tangential_restoring), (self.displacement, self.restoring)
+            where = active, self.field.n
+            if isinstance(self._sliding, np.ndarray):
+                self._cohesion.pull_on_map(*sideways, *normal, self._punch, self._sliding, *where)
+            else:
+                self._cohesion.pull(*sideways, *normal, self._punch, self._sliding, *where)

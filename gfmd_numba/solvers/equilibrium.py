@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
@@ -179,8 +180,14 @@ def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: 
         result.pressure[:] -= interface.normal_law.traction(punch - result.displacement)
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
-        result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
-        result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
+        if punch.ndim == 2:
+            result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
+            result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
+            return
+        for of_realisation in zip(gap, slip, result.pressure, result.tangential.traction, strict=True):
+            own_gap, own_slip, pressure, traction = of_realisation
+            pressure -= interface.cohesive.normal_traction(own_gap, vector_slip.length(own_slip))
+            traction += vector_slip.tangential_traction(interface.cohesive, own_gap, own_slip)
 
 
 def _solve(

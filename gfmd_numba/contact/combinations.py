@@ -162,13 +162,6 @@ REFUSALS = (
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
-    Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
-    Refusal(
-        "fields inside",
-        "prescribed tractions",
-        "a contact without a boundary, or a loaded body",
-        "not built yet",
-    ),
     Refusal(
         "smooth bodies",
         "topography_order",

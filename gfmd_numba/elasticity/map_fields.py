@@ -90,7 +90,7 @@ def waves_kept(shape: tuple[int, ...], depth: float) -> tuple[int, int]:
 def rows_kept(shape: tuple[int, ...], most: int) -> Indices:
     """Rows of the coefficients whose k_y is at most so large, in order."""
     rows = 2 * (shape[0] // 2) + 1
-    return np.r_[0 : most + 1, rows - most : rows]
+    return np.concatenate((np.arange(most + 1), np.arange(rows - most, rows)))
 
 
 def waves_at_depth(
@@ -132,8 +132,8 @@ def _transfer(surface: MapSurface, depth: float, body: ElasticBody, most_y: int,
     q, material = surface.q[:last], body.material(depth)
     found = body.transfer(depth, q[1:])
     pairs = (found.u1, found.u3, found.p, found.w, body.transfer_across(depth, q[1:]))
-    with_mean = [(np.append(0.0, first), np.append(0.0, second)) for first, second in pairs]
-    return _Transfer(q, *with_mean, material.shear, float(moduli.kolosov(material.poissons_ratio)))
+    u1, u3, p, w, across = ((np.append(0.0, first), np.append(0.0, second)) for first, second in pairs)
+    return _Transfer(q, u1, u3, p, w, across, material.shear, float(moduli.kolosov(material.poissons_ratio)))
 
 
 @dataclass(frozen=True)
@@ -193,9 +193,7 @@ _FIELDS: dict[str, Callable[[_Waves], Complexes]] = {
 }
 
 
-def _waves(
-    surface: MapSurface, chosen: tuple[Indices, ...], k_y: Indices, k_x: Indices, transfer: _Transfer
-) -> _Waves:
+def _waves(surface: MapSurface, chosen: tuple[Indices, ...], k_y: Indices, k_x: Indices, transfer: _Transfer) -> _Waves:
     """Waves of a surface at a depth, as `fields.waves_at_depth` has them along each wave vector."""
     places, shear, kolosov = surface.places[chosen], transfer.shear, transfer.kolosov
     q = transfer.q[places]
@@ -234,7 +232,7 @@ def _means(surface: MapSurface, depth: float, body: ElasticBody) -> dict[str, fl
 
 def _all_waves(shape: tuple[int, ...]) -> tuple[Indices, Indices]:
     half = shape[0] // 2
-    return np.r_[0 : half + 1, -half:0], np.arange(shape[1] // 2 + 1)
+    return np.concatenate((np.arange(half + 1), np.arange(-half, 0))), np.arange(shape[1] // 2 + 1)
 
 
 def _magnitudes(shape: tuple[int, ...]) -> tuple[Reals, Indices]:

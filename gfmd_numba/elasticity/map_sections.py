@@ -23,9 +23,7 @@ class Largest:
     y: Reals
 
 
-def section(
-    surface: MapSurface, z: Reals, body: ElasticBody, across: Axis, at: float, names: tuple[str, ...]
-) -> Reals:
+def section(surface: MapSurface, z: Reals, body: ElasticBody, across: Axis, at: float, names: tuple[str, ...]) -> Reals:
     """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it."""
     on_section = _at_x if across == "x" else _at_y
     return np.stack([on_section(surface, max(-float(height), 0.0), body, at, names) for height in z], axis=1)
@@ -64,7 +62,8 @@ def _at_x(surface: MapSurface, depth: float, body: ElasticBody, x: float, names:
     spectrum = np.zeros((len(names), ny), dtype=np.complex128)
     for k_y, k_x, waves in waves_at_depth(surface, depth, body, names):
         weights = grid.multiplicity(nx)[k_x] * np.exp(2j * np.pi * k_x * x)
-        np.add.at(spectrum, (slice(None), k_y % ny), waves @ weights)
+        for half in (k_y >= 0, k_y < 0):  # both Nyquist rows are one of the spectrum
+            spectrum[:, k_y[half] % ny] += (waves @ weights)[:, half]
     return np.asarray(np.fft.ifft(spectrum, axis=1, norm="forward").real)
 
 
@@ -73,5 +72,6 @@ def _plane(
 ) -> Reals:
     spectrum = np.zeros((len(names), shape[0], shape[1] // 2 + 1), dtype=np.complex128)
     for k_y, k_x, waves in waves_at_depth(surface, depth, body, names):
-        np.add.at(spectrum, (slice(None), k_y % shape[0], slice(0, k_x.size)), waves)
+        for half in (k_y >= 0, k_y < 0):
+            spectrum[:, k_y[half] % shape[0], : k_x.size] += waves[:, half]
     return np.stack([grid.signal(each, *shape) for each in spectrum])

@@ -169,9 +169,9 @@ REFUSALS = (
         "without effect",
     ),
     Refusal(
-        "dimension 2",
-        "higher topography_order",
-        "0 with dimension 2, or nothing: higher orders in the slope need dimension 1",
+        "fields inside",
+        "higher topography_order of a map",
+        "0, as the fields below a map are those of order 0",
         "not built yet",
     ),
 )

@@ -33,7 +33,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
         names, order = ["body"], 0
     else:
         file = _recorded(SceneFile, contact)
-        check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside")
+        check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside", file.numerics)
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
         scene, order = file.scene, file.numerics.slope_order(file.scene.dimension)
     if body not in names:

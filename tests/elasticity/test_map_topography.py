@@ -35,6 +35,7 @@ def on_surface(tractions, heights, body, names):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 0.4)], ids=["half-space", "slab"])
 def test_every_order_brings_the_surface_nearer_to_where_the_true_one_goes(body):
     """Tractions on z = 0 are sought, by iteration, that leave the pressure alone on the true, tilted surface."""

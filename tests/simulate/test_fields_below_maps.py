@@ -184,21 +184,25 @@ def test_a_map_that_is_not_a_whole_period_any_more_has_no_fields(contact, dim):
         gfmd_numba.body_fields(contact.isel({dim: 3}))
 
 
-def test_sections_and_planes_on_the_command_line(contact, tmp_path):
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("options", "dims"),
+    [(("--x", "0.25"), ("z", "y")), (("--plane", "-0.01", "--plane", "-0.1"), ("z", "y", "x"))],
+)
+def test_sections_and_planes_on_the_command_line(contact, tmp_path, options, dims):
     contact.to_netcdf(tmp_path / "contact.nc")
-    for name, options, dims in (
-        ("section", ("--x", "0.25"), ("z", "y")),
-        ("planes", ("--plane", "-0.01", "--plane", "-0.1"), ("z", "y", "x")),
-    ):
-        output = tmp_path / f"{name}.nc"
-        said = gfmd("fields", tmp_path / "contact.nc", "-o", output, *options)
-        assert said.exit_code == 0, said.output
-        assert "von Mises stress" in said.output
-        with xr.open_dataset(output) as fields:
-            assert fields.von_mises.dims == dims
-            if name == "planes":
-                assert faults(plot_body(fields)) == []
-        assert output.with_suffix(".png").stat().st_size > 10_000
+    output = tmp_path / "fields.nc"
+    said = gfmd("fields", tmp_path / "contact.nc", "-o", output, *options)
+    assert said.exit_code == 0, said.output
+    assert "von Mises stress" in said.output
+    with xr.open_dataset(output) as fields:
+        assert fields.von_mises.dims == dims
+        assert faults(plot_body(fields)) == []
+    assert output.with_suffix(".png").stat().st_size > 10_000
+
+
+def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path):
+    contact.to_netcdf(tmp_path / "contact.nc")
     for options, message in (
         (("--y", "5um"), "a number in L_x"),
         (("--y", "deep"), "a number in L_x"),

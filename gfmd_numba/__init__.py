@@ -86,7 +86,6 @@ def body_fields(
     contact: xr.Dataset | str | Path,
     z: ArrayLike | None = None,
     body: str = "body",
-    *,
     x: float | None = None,
     y: float | None = None,
     planes: ArrayLike | None = None,

@@ -82,8 +82,8 @@ def test_without_friction_no_tangential_stiffness_and_no_slip_is_ever_made(monke
     assert int(found["n_transforms"]) == int(absent["n_transforms"])
     np.testing.assert_array_equal(found["pressure"], absent["pressure"])
     assert not any(str(name).startswith(("tangential", "slip")) for name in found.variables)
+    rubbing = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
     with pytest.raises(AssertionError, match="friction alone"):
-        rubbing = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
         gfmd_numba.solve({"scene": SCENE | {"interface": rubbing}, "discretisation": eps})
 
 

@@ -122,27 +122,36 @@ def _ending(step: xr.Dataset) -> str:
 @file_argument
 @output_option
 @click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
-def fields(file: Path, output: Path, body: str) -> None:
+@click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
+@click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
+@click.option("--plane", metavar="Z", multiple=True, help="Below a map: the horizontal plane at this z, like -5um")
+def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, plane: tuple[str, ...]) -> None:
     """Compute displacement, strain and stress inside a body.
 
     FILE is a contact that `gfmd solve` wrote. Beside the netCDF file, the command writes a picture (.png) of the same
-    name.
+    name. Below a map, the fields are on a vertical section, or on horizontal planes.
     """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.cli.fits import naming
+    from gfmd_numba.cli.places import largest_stress, place
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
     check_output(output, file)
+    contact = read_results(file)
+    at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
+    planes = [place(contact, "plane", given) for given in plane] or None
     with waiting("computing the fields"):
-        dataset = gfmd_numba.body_fields(read_results(file), body=body)
+        dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write_dataset(output, dataset)
     click.echo(f"fields   {printable(output)}")
     with naming(file), waiting("drawing"):
         write_picture(picture, plot_body(dataset), dpi=150)
     click.echo(f"picture  {printable(picture)}")
+    if "peak_von_mises" in dataset:
+        say("largest", largest_stress(dataset), width=9)
 
 
 @main.command()

@@ -152,13 +152,6 @@ REFUSALS = (
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
-    Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
-    Refusal(
-        "fields inside",
-        "prescribed tractions",
-        "a contact without a boundary, or a loaded body",
-        "not built yet",
-    ),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -166,9 +159,9 @@ REFUSALS = (
         "without effect",
     ),
     Refusal(
-        "dimension 2",
-        "higher topography_order",
-        "0 with dimension 2, or nothing: higher orders in the slope need dimension 1",
+        "fields inside",
+        "higher topography_order of a map",
+        "0, as the fields below a map are those of order 0",
         "not built yet",
     ),
 )

@@ -59,7 +59,7 @@ PHRASES = {
     "flat punch": "a flat punch",
     "force": "a load `force`",
     "half-space": "a half-space",
-    "higher topography_order": "a `topography_order` above 0",
+    "higher topography_order of a map": "a `topography_order` above 0 of a map",
     "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",
     "line_load": "a load `line_load`",

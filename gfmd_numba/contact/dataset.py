@@ -130,6 +130,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
+    if problem.tractions is not None:
+        of = {"normal": problem.tractions.normal, "tangential": problem.tractions.tangential}
+        for component, values in of.items():
+            fields[f"prescribed_{component}_traction"] = "pressure", f"prescribed {component} traction", values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
@@ -139,10 +143,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
-    values = measure(contact)
+    measures = measure(contact)
     for name, row in recorded(problem.interface.hardness is not None).items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)
-        dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
+        dataset[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)

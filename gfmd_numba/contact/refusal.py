@@ -41,9 +41,11 @@ def check_combination(
         check_bearable(document, scene, grid or {})
 
 
-def check_where(document: Document, scene: Scene | LoadedBody, where: Where, path: Sequence[Step] = ()) -> None:
+def check_where(
+    document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics, path: Sequence[Step] = ()
+) -> None:
     """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or for fields inside."""
-    _raise(document, _table_refusals(_features(scene, Numerics(), path, None) | {where: [()]}))
+    _raise(document, _table_refusals(_features(scene, numerics, path, None) | {where: [()]}))
 
 
 def check_keys(document: Document) -> None:
@@ -79,20 +81,20 @@ def _features(
     scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
 ) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
-    parts = [_of_numerics(numerics)]
+    parts = [_of_numerics(numerics, 1 if isinstance(scene, LoadedBody) else scene.dimension)]
     parts += [_of_loaded_body(scene)] if isinstance(scene, LoadedBody) else [_of_contact(scene, path, grid or {})]
     for feature, location in chain(*parts, [("campaign", ())] if grid is not None else []):
         found.setdefault(feature, []).append(location)
     return found
 
 
-def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
+def _of_numerics(numerics: Numerics, dimension: int) -> Iterator[tuple[str, Location]]:
     if numerics.precision == "single":
         yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
-        if numerics.topography_order > 0:
-            yield "higher topography_order", ("numerics", "topography_order")
+        if numerics.topography_order > 0 and dimension == 2:
+            yield "higher topography_order of a map", ("numerics", "topography_order")
 
 
 def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:

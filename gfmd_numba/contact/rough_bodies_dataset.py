@@ -11,6 +11,7 @@ from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness
 from gfmd_numba.elasticity import fields, map_topography, topography
+from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
@@ -29,13 +30,18 @@ def add_bodies(
         attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
     length, unit = scene.length or 1.0, units(scene)
     pressure = pressed.contact.equilibrium.pressure[0] * rms_gradient
-    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+    responses: tuple[Response | MapResponse, ...] = pressed.responses
+    for name, body, response in zip(BODIES, bodies, responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         stress = contact_modulus(scene) / body.share
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        own = _of_profile(body, response, pressure) if isinstance(response, Response) else _of_map(body, pressure)
+        own = (
+            _of_profile(body, response, pressure)
+            if isinstance(response, Response)
+            else _of_map(body, response, pressure)
+        )
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
@@ -61,8 +67,9 @@ def _of_profile(body: RoughBody, response: Response, pressure: Reals) -> Iterato
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", along
 
 
-def _of_map(body: RoughBody, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
-    yield "displacement", "height", _OUT, map_topography.flat_displacement(-body.share * pressure, body.elastic)
+def _of_map(body: RoughBody, response: MapResponse, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
+    flat = map_topography.flat_displacement(-body.share * pressure, body.elastic)
+    yield "displacement", "height", _OUT, flat + response.u3
 
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
@@ -87,8 +94,8 @@ def _of_films(bodies: tuple[RoughBody, ...]) -> str:
     change = max(map(change_of_thickness, bodies))
     if change < THICKNESS:
         return ""
-    remedy = "; take a numerics.topography_order of 1 or 2" if bodies[0].heights.ndim == 1 else ""
     return (
         f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
-        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2{remedy}"
+        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; "
+        "take a numerics.topography_order of 1 or 2"
     )

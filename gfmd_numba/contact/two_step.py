@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
@@ -57,12 +58,14 @@ def solve(
     """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged. Of maps only order 0 is known.
+    residual of the problem; where it does not, the run is not converged.
     """
     raised = np.zeros((1, *problem.surface.shape))
+    spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
     for round_ in range(_MOST_ROUNDS):
         solved = solution.solve(problem, range(1), before, raised=raised)
         before = solved.equilibrium
+        spent.append((before.n_iterations, before.n_transforms, before.wall_time))
         responses = _responses(solved, bodies, gradient, order)
         new = sum((response.u3 for response in responses), np.zeros(problem.surface.shape)) / gradient
         moved = float(abs(new - raised[0]).max())
@@ -74,6 +77,9 @@ def solve(
     else:
         failed = np.full_like(solved.equilibrium.status, Status.not_converged)
         solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
+    iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
+    all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
+    solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
     following = _responses(solved, bodies, gradient, order + 1)
     return Pressed(solved, responses, sum(response.highest_order for response in following))
 

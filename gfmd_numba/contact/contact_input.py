@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
@@ -104,7 +104,7 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
         arrays = balanced(document, arrays, "normal", f"as loading.{control} prescribes the mean pressure")
     if scene.body.is_half_space:
         arrays = balanced(document, arrays, "tangential", f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = surfaces.rms_gradient * effective_modulus(scene.body)
+    scale = surfaces.rms_gradient * contact_modulus(scene)
     tangential, normal = (
         np.nan_to_num(arrays.get(f"{component}_traction", np.zeros(nx)), nan=0.0) / scale
         for component in ("tangential", "normal")

@@ -2,11 +2,9 @@
 
 `topography.py` has the method for profiles. On maps a traction on the plane z = 0 obeys, to first order in the heights,
 
-    s_b = sum_a d/dx_a (h sigma_ab),    a, b = x, y,
+    s_b = t_b + sum_a d/dx_a (h sigma_ab),    a = x, y,    b = x, y, z,
 
-under a pressure on the true surface z = h. The tangential displacement under a pressure lies along the wave vector, and
-of the traction s only the part along the wave vector moves the surface up, so that the compliance of a profile of the
-wave number |q| is all that is needed. Lengths in L_x, stresses in E*.
+under a traction t on the true surface z = h. Lengths in L_x, stresses in E*.
 """
 
 from dataclasses import dataclass
@@ -16,7 +14,6 @@ import numpy as np
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.fourier import grid
 
 
@@ -31,44 +28,64 @@ class MapResponse:
     highest_order: float
 
 
-def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> MapResponse:
-    """Response to a pressure `[y, x]` of a body with topography `[y, x]` of zero mean, to order 0 or 1."""
+def respond(
+    pressure: Reals, heights: Reals, body: ElasticBody, order: int, tangential: Reals | None = None
+) -> MapResponse:
+    """Response of a body with topography `[y, x]` of zero mean to a pressure `[y, x]`, to order 0 or 1.
+
+    `tangential` is a traction `[component, y, x]` beside it. Of a layered body only the topmost material is known.
+    """
     if order == 0 or not heights.any():
         return MapResponse(np.zeros_like(heights), 0.0)
-    added = _first_order(pressure, heights, body)
+    along = np.zeros((2, *heights.shape)) if tangential is None else tangential
+    added = _first_order(np.array([*along, -pressure]), heights, body)
     return MapResponse(added, float(abs(added).max()))
 
 
 def flat_displacement(normal: Reals, body: ElasticBody) -> Reals:
-    """Normal displacement `[y, x]` of a flat body under a traction out of it; zero mean on a half-space."""
-    return grid.signal(_compliance(normal.shape, body).s33 * grid.coefficients(normal, 2), *normal.shape)
+    """Normal displacement `[y, x]` of a flat body under a traction out of it alone; zero mean on a half-space."""
+    q = grid.magnitudes(normal.shape)
+    s33 = body.compliance_along(q.ravel()).s33.reshape(q.shape)
+    return grid.signal(s33 * grid.coefficients(normal, 2), *normal.shape)
 
 
-def _compliance(shape: tuple[int, ...], body: ElasticBody) -> Compliance:
-    q = grid.magnitudes(shape)
-    found = body.compliance_along(q.ravel())
-    return Compliance(found.s11.reshape(q.shape), found.s13.reshape(q.shape), found.s33.reshape(q.shape))
+def flat_displacements(traction: Reals, body: ElasticBody) -> Reals:
+    """Displacements `[component, y, x]` of a flat body under tractions of that shape, along x, y and out of it.
+
+    They have zero mean on a half-space.
+    """
+    shape = traction.shape[1:]
+    waves = np.array([grid.coefficients(each, 2) for each in traction])
+    moved = _displaced(waves, body.coupled_stiffness_of_map(shape).compliance())
+    return np.array([grid.signal(each, *shape) for each in moved])
 
 
-def _first_order(pressure: Reals, heights: Reals, body: ElasticBody) -> Reals:
-    shape, nu = heights.shape, body.nu
-    q, components = grid.magnitudes(shape), grid.wavevectors(shape, (1.0, 1.0))
-    compliance = _compliance(shape, body)
+def _displaced(traction: Complexes, compliance: Reals) -> Complexes:
+    """Coefficients of the displacements `[component, ny, nx // 2 + 1]` under those of the tractions."""
+    xx, xy, yy, xz, yz, zz = compliance
+    x, y, z = traction
+    return np.array([xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z, zz * z - 1j * (xz * x + yz * y)])
+
+
+def _first_order(traction: Reals, heights: Reals, body: ElasticBody) -> Reals:
+    shape, nu = heights.shape, body.material(0.0).poissons_ratio
+    qy, qx = grid.wavevectors(shape, (1.0, 1.0))
+    q = (1j * qx, 1j * qy)
+    compliance = body.coupled_stiffness_of_map(shape).compliance()
     h = _on_finer_grid(_band(heights, shape), shape)
-    stress3 = -_band(pressure, shape)
-    along = compliance.displacements(np.zeros_like(stress3), stress3)[0]
-    strain = 1j * q * along  # strain_ab is q_a q_b / q^2 of it, and their trace this
-    directions = [np.divide(each, q, out=np.zeros_like(q), where=q > 0.0) for each in components]
-    equal = nu / (1.0 - nu) * stress3 + nu * strain  # part of both normal stresses along the surface
-    pulled = np.zeros_like(strain)
-    for a, across in enumerate(directions):
-        for b, other in enumerate(directions):
-            stress = (equal if a == b else 0.0) + (1.0 - nu) * across * other * strain
-            carried = _band(h * _on_finer_grid(stress, shape), shape)
-            pulled += other * 1j * components[a] * carried
-    squeezed = stress3 / moduli.c11(nu) - nu / (1.0 - nu) * strain  # strain_33
-    up = compliance.displacements(pulled, np.zeros_like(pulled))[1]
-    return grid.signal(up + _band(h * _on_finer_grid(squeezed, shape), shape), *shape)
+    waves = np.array([_band(each, shape) for each in traction])
+    moved = _displaced(waves, compliance)
+    strain = q[0] * moved[0] + q[1] * moved[1]  # in the plane of the surface
+    equal = nu / (1.0 - nu) * waves[2] + nu * strain  # part of both normal stresses along the surface
+    carried = np.zeros_like(waves)
+    for a in (0, 1):
+        for b in (0, 1):
+            stress = (equal if a == b else 0.0) + 0.5 * (1.0 - nu) * (q[a] * moved[b] + q[b] * moved[a])
+            carried[b] += q[a] * _band(h * _on_finer_grid(stress, shape), shape)
+        carried[2] += q[a] * _band(h * _on_finer_grid(waves[a], shape), shape)
+    squeezed = waves[2] / moduli.c11(nu) - nu / (1.0 - nu) * strain  # strain_33
+    up = _displaced(carried, compliance)[2] + _band(h * _on_finer_grid(squeezed, shape), shape)
+    return grid.signal(up, *shape)
 
 
 def _on_finer_grid(waves: Complexes, shape: tuple[int, ...]) -> Reals:

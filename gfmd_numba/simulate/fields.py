@@ -74,7 +74,7 @@ def _described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]
         file = _recorded(SceneFile, contact)
         check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside")
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
-        scene, order = file.scene, file.numerics.slope_order(file.scene.dimension)
+        scene, order = file.scene, file.numerics.slope_order(file.scene)
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     if not _is_whole(contact):
@@ -145,13 +145,14 @@ def _one(
 ) -> xr.Dataset:
     modulus = effective_modulus(body)
     nx = contact.sizes["x"]
-    along = contact.get("tangential_traction", xr.zeros_like(contact["x"])).values / modulus
+    side = -1.0 if name == "counter_body" else 1.0  # the traction of the dataset is that on the body
+    along = side * contact.get("tangential_traction", xr.zeros_like(contact["x"])).values / modulus
     normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values
     flat = fields.surface_under_tractions(along, normal / modulus, elastic)
     formed = None
     if f"{name}_height" in contact:
         topography_ = contact[f"{name}_height"].values / length
-        response = topography.respond(-normal / modulus, topography_, elastic, order)
+        response = topography.respond(-normal / modulus, topography_, elastic, order, along)
         values = topography.rough_fields(flat, response, z / length, elastic)
         formed = fields.fields_inside(topography.formed_surface(topography_, elastic), nx, z / length, elastic)
     else:

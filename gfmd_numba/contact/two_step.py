@@ -106,9 +106,7 @@ def _responses(
     problem: Problem, solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
 ) -> tuple[Response, ...] | tuple[MapResponse, ...]:
     """Response of each body."""
-    respond = topography.respond if len(problem.surface.shape) == 1 else map_topography.respond
-    found = []
-    for body in bodies:
-        along, pressure = tractions_on(body, problem, solved, gradient)
-        found.append(respond(pressure, body.heights, body.elastic, order, along))
-    return tuple(found)
+    borne = [(body, *tractions_on(body, problem, solved, gradient)) for body in bodies]
+    if len(problem.surface.shape) == 2:
+        return tuple(map_topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)
+    return tuple(topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)

@@ -89,8 +89,8 @@ class MapStiffness:
         found = _inverse(compliance)
         found[:, 0, 0] = 0.0
         for element in (0, 2, 5):
-            mean = (each.elements[element, 0, :1] for each in (self, other))
-            found[element, 0, 0] = in_series(*mean, share)[0]
+            mean = in_series(self.elements[element, 0, :1], other.elements[element, 0, :1], share)
+            found[element, 0, 0] = mean[0]
         return MapStiffness(found)
 
     def with_free_mean(self) -> "MapStiffness":

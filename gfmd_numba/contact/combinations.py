@@ -168,7 +168,12 @@ REFUSALS = (
         "not built yet",
     ),
     *(
-        Refusal(feature, "higher topography_order", f"0 beside {named}, or nothing, which is 0 there", "not built yet")
+        Refusal(
+            feature,
+            "higher topography_order",
+            f"0, or nothing, beside {named}: higher orders know frictionless profiles of one material",
+            "not built yet",
+        )
         for feature, named in _AT_ORDER_0.items()
     ),
 )

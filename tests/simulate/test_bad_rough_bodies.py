@@ -112,7 +112,7 @@ BAD = {
         "numerics.topography_order: given 2; allowed: 0, or nothing, beside a boundary",
     ),
     "sliding of a half-space": (
-        {"counter_body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},
+        {"order": 0, "body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},
         r"path\[0\].sliding: given 0.0001; allowed: nothing without a finite aspect_ratio",
     ),
     "half-space under displacement control": (
@@ -122,6 +122,15 @@ BAD = {
     "half-space as counter body under displacement control": (
         {"counter_body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
         "scene.counter_body.aspect_ratio: given inf; allowed: a finite aspect_ratio",
+    ),
+    "more than there is room for between incompressible bodies": (
+        {
+            "order": 0,
+            "body": COUNTER | {"poissons_ratio": 0.5},
+            "counter_body": BODY | {"poissons_ratio": 0.5},
+            "loading": {"displacement": 0.01},
+        },
+        "scene.loading.displacement: given 0.01; allowed: at most 0.000787.*, as an incompressible body has no room",
     ),
     "topography higher than the body": (
         {"body": COUNTER | {"aspect_ratio": 1e-4}},
@@ -134,8 +143,8 @@ BAD = {
 def test_bodies_that_cannot_be_pressed_are_refused(case):
     changes, message = BAD[case]
     changes = dict(changes)
-    path = changes.pop("path", None)
-    given = scene(**({} if path is None else {"order": 0}), **changes) | ({} if path is None else {"path": path})
+    file = {"path": changes.pop("path")} if "path" in changes else {}
+    given = scene(**changes) | file
     if case == "all flat":
         given.pop("discretisation", None)
     with pytest.raises(InputError, match=message):

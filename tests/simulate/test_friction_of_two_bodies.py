@@ -194,3 +194,28 @@ def test_two_bodies_of_a_ridge_rub_like_those_of_its_profile(axis):
     idle = "tangential_displacement" + "_y" * (axis == "x")
     assert abs(found[idle]).max() < 1e-9 * abs(profile["displacement"]).max()
     assert 0.0 < float(found["expected_error"][1]) <= float(profile["expected_error"][1])
+
+
+def test_cattaneo_and_mindlin_are_exact_for_equal_bodies_that_do_not_contract():
+    """With nu = 0 and beta = 0 waves give way alike in all directions, and the traction is a difference of pressures.
+
+    Of rough maps too (Ciavarella, Jaeger): mu (p(P) - p(P - Q/mu)) along the drag, node by node.
+    """
+    slab = {"youngs_modulus": 2.0, "poissons_ratio": 0.0, "aspect_ratio": 4.0}
+    bodies = {"dimension": 2, "body": rough(slab), "counter_body": slab}
+    coarse = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+    way = {"sliding": 1.2e-3 * np.sqrt(0.75), "sliding_y": 0.6e-3}
+    rubbed = solved([way], discretisation=coarse, **bodies)
+    traction = np.array([rubbed[f"tangential_traction{axis}"].values[1] for axis in ("", "_y")])
+    drag = np.hypot(*traction.mean(axis=(1, 2)))
+    load = float(rubbed["mean_pressure"][1])
+    assert 0.3 < drag / (MU * load) < 0.9
+    held, stuck = (
+        solved(discretisation=coarse, **bodies, interface=WALL, loading={"pressure": pressure})["pressure"].values
+        for pressure in (load, load - drag / MU)
+    )
+    size = MU * (held - stuck)
+    expected = np.array([np.sqrt(0.75) * size, 0.5 * size])
+    np.testing.assert_allclose(traction, expected, atol=1e-6 * MU * held.max())
+    touching = held > 0.0
+    np.testing.assert_array_equal(rubbed["slip"].values[1][touching] == 0.0, stuck[touching] > 0.0)

@@ -27,10 +27,12 @@ class Refusal:
         return f"{self.allowed} (not built yet)" if self.because == "not built yet" else self.allowed
 
 
-_DRAGS = (
-    "no friction and no cohesive law where a deformable body is rough or both deform, as only normal tractions "
-    "are followed there; map the roughness to a rigid punch"
-)
+_AT_ORDER_0 = {
+    **{name: name if name == "friction" else f"a {name} law" for name, law in LAWS.items() if law.tangential},
+    "hardness": "a hardness",
+    "prescribed tractions": "a boundary",
+    "layers": "layers",
+}
 _COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
@@ -82,7 +84,6 @@ REFUSALS = (
         "nothing beside a hardness, as plastic nodes keep their dents when they are unloaded",
         "not built yet",
     ),
-    Refusal("topography", "hardness", "null where a deformable body is rough or both deform", "not built yet"),
     Refusal(
         "displacement",
         "half-space",
@@ -117,21 +118,6 @@ REFUSALS = (
         "no boundary beside a cohesive law, as its slip counts from the unloaded body",
         "not built yet",
     ),
-    Refusal("topography", "stiffness_scale", "1 where a deformable body is rough or both deform", "not built yet"),
-    *(Refusal("topography", law, _DRAGS, "not built yet") for law in LAWS if LAWS[law].tangential),
-    Refusal(
-        "topography",
-        "prescribed tractions",
-        "nothing where a deformable body is rough or both deform",
-        "not built yet",
-    ),
-    Refusal(
-        "topography",
-        "layers",
-        "one material where a deformable body is rough or both deform: two-step GFMD knows no interfaces below a rough "
-        "surface; layers need a smooth body under a rigid punch",
-        "not built yet",
-    ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
     Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
@@ -163,5 +149,14 @@ REFUSALS = (
         "higher topography_order of a map",
         "0, as the fields below a map are those of order 0",
         "not built yet",
+    ),
+    *(
+        Refusal(
+            feature,
+            "higher topography_order",
+            f"0, or nothing, beside {named}: higher orders know frictionless profiles of one material",
+            "not built yet",
+        )
+        for feature, named in _AT_ORDER_0.items()
     ),
 )

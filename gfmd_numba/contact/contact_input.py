@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
@@ -106,7 +106,7 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
     if scene.body.is_half_space:
         for name in tangential:
             arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = surfaces.rms_gradient * effective_modulus(scene.body)
+    scale = surfaces.rms_gradient * contact_modulus(scene)
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
     return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
 
@@ -119,8 +119,10 @@ def check_room(
     `displacements` of the punch, in m or L_x, stand at their places in the document.
     """
     scene = file.scene
-    rigid_mean = scene.body.is_incompressible and not scene.body.is_half_space
-    if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
+    rigid_mean = all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
+    # at higher orders a body that is pressed moves what its topography takes up, too
+    is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
+    if scene.loading.displacement is None or not rigid_mean or not is_known:
         return
     surface = surfaces.surface
     one = range(file.realisation, file.realisation + 1)

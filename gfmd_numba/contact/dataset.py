@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.bodies import contact_modulus, elastic_body, stiffness_scale
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
@@ -41,7 +41,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
     height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
     return {
         "1": 1.0,
-        "E*/stiffness": 1.0 / scene.body.stiffness_scale,
+        "E*/stiffness": 1.0 / stiffness_scale(scene),
         "gradient": rms_gradient,
         "height": height,
         "pressure": pressure,
@@ -69,10 +69,12 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
 
 def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
-    if scene.body.layers is None:
+    bodies = (scene.body,) if isinstance(scene, LoadedBody) else scene.deformable
+    if all(body.layers is None for body in bodies):
         return {}
-    modulus = effective_modulus(scene.body) / scene.body.stiffness_scale
-    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of the topmost layer"}
+    modulus = contact_modulus(scene) / stiffness_scale(scene)
+    whose = "the topmost layer" if len(bodies) == 1 else "both bodies together, of layers the topmost"
+    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of {whose}"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:

@@ -27,7 +27,7 @@ class Balance:
 
     @classmethod
     def of(cls, problem: Problem, contact: Contact) -> "Balance":
-        """Balance of a rigid punch on a smooth body without prescribed tractions."""
+        """Balance of flat bodies without prescribed tractions, whose displacements are relative to each other."""
         found, laws = contact.equilibrium, problem.interface
         u, pressure = found.displacement[0], found.pressure[0]
         gap, slip = contact.punch[0] - u, np.zeros(u.shape)

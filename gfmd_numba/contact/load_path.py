@@ -44,7 +44,7 @@ def load_path(given: ContactInput) -> LoadPath:
     ]
     rough = None
     if surfaces.bodies is not None:
-        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order(file.scene.dimension))
+        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order(file.scene))
     problems = tuple(problem for problem, _ in reduced)
     sliding = tuple(reduced_sliding(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
     return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
@@ -56,8 +56,9 @@ def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
         yield from solve_steps(path.problems, path.sliding, path.realisation)
         return
     before = None
-    for problem in path.problems:
-        pressed = two_step.solve(problem, path.rough.bodies, path.rough.rms_gradient, path.rough.order, before)
+    rough = path.rough
+    for problem, slid in zip(path.problems, path.sliding, strict=True):
+        pressed = two_step.solve(problem, rough.bodies, rough.rms_gradient, rough.order, before, slid)
         yield pressed
         before = pressed.contact.equilibrium
 

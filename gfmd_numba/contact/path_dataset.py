@@ -69,7 +69,7 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
     contact = solved if isinstance(solved, Contact) else solved.contact
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
-        rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, solved)
+        rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)
     return step
 
 
@@ -105,7 +105,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene.dimension)
+    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot, prod
+from math import hypot, inf, prod
 
 import numpy as np
 
@@ -166,12 +166,14 @@ def _measured(
 
 
 def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
-    lowest = -float(heights.min())
-    if lowest >= body.aspect_ratio or float(heights.max()) >= body.aspect_ratio:
+    elastic = elastic_body(body, scene.length)
+    height = inf if elastic.aspect_ratio is None else elastic.aspect_ratio
+    if float(abs(heights).max()) >= height:
         given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
-        allowed = f"one within the height of the body, aspect_ratio = {body.aspect_ratio:g}, of its mean plane"
+        allowed = f"one within the height of the body, {height:g} L_x, of its mean plane"
         raise InputError(document.line(("scene", name, "roughness"), given, allowed))
-    return RoughBody(elastic_body(body, scene.length), heights, contact_modulus(scene) / effective_modulus(body))
+    side = 1 if name == BODIES[0] else -1
+    return RoughBody(elastic, heights, contact_modulus(scene) / effective_modulus(body), side)
 
 
 def _unusable(document: Document, place: Place, error: ValueError) -> InputError:

@@ -73,7 +73,8 @@ def solve(
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         coupled = problem.body.stiffness_of_all(problem.surface.shape)
-        deflected = coupled.deflection(problem.tractions.tangential, problem.tractions.normal)
+        share = 1.0 if problem.counter is None else 1.0 - problem.counter.share  # of E* in that of the body
+        deflected = coupled.deflection(share * problem.tractions.tangential, share * problem.tractions.normal)
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
@@ -86,9 +87,15 @@ def solve(
 
 def _stiffness(problem: Problem) -> Stiffness:
     """Of all that deforms: of the normal displacement alone, or of all."""
-    if problem.interface.couples:
-        return problem.body.stiffness_of_all(problem.surface.shape)
-    return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))
+    shape, counter = problem.surface.shape, problem.counter
+    if not problem.interface.couples:
+        return condensed_stiffness(problem, grid.magnitudes(shape))
+    if counter is None:
+        return problem.body.stiffness_of_all(shape)
+    if len(shape) == 2:
+        of_map = problem.body.coupled_stiffness_of_map(shape)
+        return of_map.in_series(counter.body.coupled_stiffness_of_map(shape), counter.share)
+    return problem.body.coupled_stiffness(shape[0]).in_series(counter.body.coupled_stiffness(shape[0]), counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -1,5 +1,6 @@
 """Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,11 +25,15 @@ _MOST_ROUNDS = 30
 
 @dataclass(frozen=True)
 class RoughBody:
-    """A deformable body, its stress-free topography `[(y,) x]` of zero mean in L_x, and its part E*/E_i* of 1/E*."""
+    """A deformable body, its stress-free topography `[(y,) x]` of zero mean in L_x, and its part E*/E_i* of 1/E*.
+
+    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
+    """
 
     elastic: ElasticBody
     heights: Reals
     share: float
+    side: int = 1
 
 
 def change_of_thickness(body: RoughBody) -> float:
@@ -53,20 +58,26 @@ class Pressed:
 
 
 def solve(
-    problem: Problem, bodies: tuple[RoughBody, ...], gradient: float, order: int, before: Equilibrium | None = None
+    problem: Problem,
+    bodies: tuple[RoughBody, ...],
+    gradient: float,
+    order: int,
+    before: Equilibrium | None = None,
+    sliding: Sequence[float] | None = None,
 ) -> Pressed:
     """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged.
+    residual of the problem; where it does not, the run is not converged. Wherever tangential tractions act, only order
+    0 is known.
     """
     raised = np.zeros((1, *problem.surface.shape))
     spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
     for round_ in range(_MOST_ROUNDS):
-        solved = solution.solve(problem, range(1), before, raised=raised)
+        solved = solution.solve(problem, range(1), before, sliding, raised)
         before = solved.equilibrium
         spent.append((before.n_iterations, before.n_transforms, before.wall_time))
-        responses = _responses(solved, bodies, gradient, order)
+        responses = _responses(problem, solved, bodies, gradient, order)
         new = sum((response.u3 for response in responses), np.zeros(problem.surface.shape)) / gradient
         moved = float(abs(new - raised[0]).max())
         enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
@@ -80,17 +91,28 @@ def solve(
     iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
-    following = _responses(solved, bodies, gradient, order + 1)
+    following = _responses(problem, solved, bodies, gradient, order + 1)
     return Pressed(solved, responses, sum(response.highest_order for response in following))
 
 
+def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: float) -> tuple[Reals | None, Reals]:
+    """Traction along the surface, on maps `[component, y, x]`, and pressure `[(y,) x]` on a body, in its own E*.
+
+    None stands for no traction along the surface. Prescribed tractions act on the lower body.
+    """
+    pressure, tangential = solved.equilibrium.pressure[0] * gradient, solved.equilibrium.tangential
+    along = None if tangential is None else body.side * gradient * tangential.traction[0]
+    if problem.tractions is not None and body.side > 0:
+        pressure = pressure - gradient * problem.tractions.normal
+        along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
+    return None if along is None else body.share * along, body.share * pressure
+
+
 def _responses(
-    solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
+    problem: Problem, solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
 ) -> tuple[Response, ...] | tuple[MapResponse, ...]:
-    """Response of each body; its unit of stress is its own modulus, in which the pressure is lower by its share."""
-    pressure = solved.equilibrium.pressure[0] * gradient
-    if pressure.ndim == 2:
-        return tuple(
-            map_topography.respond(body.share * pressure, body.heights, body.elastic, order) for body in bodies
-        )
-    return tuple(topography.respond(body.share * pressure, body.heights, body.elastic, order) for body in bodies)
+    """Response of each body."""
+    borne = [(body, *tractions_on(body, problem, solved, gradient)) for body in bodies]
+    if len(problem.surface.shape) == 2:
+        return tuple(map_topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)
+    return tuple(topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)

@@ -36,15 +36,21 @@ class MapResponse:
     highest_order: float
 
 
-def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> MapResponse:
-    """Response to a pressure `[y, x]` of a body with topography `[y, x]` of zero mean, to an order of 0 or more."""
+def respond(
+    pressure: Reals, heights: Reals, body: ElasticBody, order: int, tangential: Reals | None = None
+) -> MapResponse:
+    """Response of a body with topography `[y, x]` of zero mean to a pressure `[y, x]`, to an order of 0 or more.
+
+    `tangential` is a traction `[component, y, x]` beside it. Of a layered body only the topmost material is known.
+    """
     if order == 0 or not heights.any():
         return MapResponse(np.zeros_like(heights), 0.0)
     planes = _Planes.of(heights.shape, body)
     fine = tuple(-(-(order + 2) * n // 2) for n in heights.shape)  # products are free of aliasing there
     topography = _on_finer_grid(_band(heights, heights.shape), fine)
     powers = [topography**m / factorial(m) for m in range(order + 1)]
-    traction = np.stack([np.zeros_like(planes.q), np.zeros_like(planes.q), -_band(pressure, heights.shape)])
+    along = np.zeros((2, *heights.shape)) if tangential is None else tangential
+    traction = np.stack([_band(each, heights.shape) for each in (*along, -pressure)])
     derivatives: list[list[Complexes]] = []  # states of each order, those in z
     for n in range(order + 1):
         if n > 0:
@@ -61,7 +67,7 @@ def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> M
 
 
 def flat_displacement(normal: Reals, body: ElasticBody) -> Reals:
-    """Normal displacement `[y, x]` of a flat body under a traction out of it; zero mean on a half-space."""
+    """Normal displacement `[y, x]` of a flat body under a traction out of it alone; zero mean on a half-space."""
     return grid.signal(_compliance(normal.shape, body).s33 * grid.coefficients(normal, 2), *normal.shape)
 
 
@@ -94,7 +100,7 @@ class _Planes:
         qy, qx = grid.wavevectors(shape, (1.0, 1.0))
         across = np.zeros_like(q)
         across[q > 0.0] = body.compliance_across(q[q > 0.0])
-        return cls(shape, body.nu, q, qy, qx, _compliance(shape, body), across)
+        return cls(shape, body.material(0.0).poissons_ratio, q, qy, qx, _compliance(shape, body), across)
 
     def displacements(self, traction: Complexes) -> Complexes:
         """Displacements `[component, k_y, k_x]` of the flat body under tractions on z = 0; waves across q shear it."""

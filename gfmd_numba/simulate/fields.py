@@ -91,14 +91,18 @@ def _one(
 ) -> xr.Dataset:
     scales, nx = Scales.of(contact, body, length), contact.sizes["x"]
     modulus, none = scales.worth["stress"], xr.zeros_like(contact["x"])
-    along = contact.get("tangential_traction", none).values + contact.get("prescribed_tangential_traction", none).values
+    along = contact.get("tangential_traction", none).values
     normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values
-    normal = normal + contact.get("prescribed_normal_traction", none).values
+    if name == "counter_body":  # the traction of the dataset is that on the body
+        along = -along
+    else:
+        along = along + contact.get("prescribed_tangential_traction", none).values
+        normal = normal + contact.get("prescribed_normal_traction", none).values
     flat = fields.surface_under_tractions(along / modulus, normal / modulus, elastic)
     formed = None
     if f"{name}_height" in contact:
         topography_ = contact[f"{name}_height"].values / length
-        response = topography.respond(-normal / modulus, topography_, elastic, order)
+        response = topography.respond(-normal / modulus, topography_, elastic, order, along / modulus)
         values = topography.rough_fields(flat, response, z / length, elastic)
         formed = fields.fields_inside(topography.formed_surface(topography_, elastic), nx, z / length, elastic)
     else:

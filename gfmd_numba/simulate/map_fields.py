@@ -39,7 +39,7 @@ def of_steps(
     scales = Scales.of(contact, body, length)
 
     def surface(step: xr.Dataset) -> MapSurface:
-        return map_fields.surface_under_tractions(_tractions(step) / scales.worth["stress"], elastic)
+        return map_fields.surface_under_tractions(_tractions(step, name) / scales.worth["stress"], elastic)
 
     largest = [map_sections.largest_von_mises(surface(step), z, elastic) for step in every]
     if wanted.planes:
@@ -69,13 +69,13 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
         raise InputError(f"planes: given {wanted.z.size} heights; allowed: {allowed}")
 
 
-def _tractions(step: xr.Dataset) -> Reals:
-    """Tractions `[component, y, x]` along x, along y and out of the body, in the unit of the file."""
+def _tractions(step: xr.Dataset, body: str) -> Reals:
+    """Tractions `[component, y, x]` along x, along y and out of a body, in the unit of the file."""
     found = np.zeros((3, step.sizes["y"], step.sizes["x"]))
     found[2] = -step["pressure"].values
     for i, name in enumerate(("tangential_traction", "tangential_traction_y")):
         if name in step:
-            found[i] = step[name].values
+            found[i] = (-1.0 if body == "counter_body" else 1.0) * step[name].values  # those of the file act on `body`
     return found
 
 

@@ -35,7 +35,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
         file = _recorded(SceneFile, contact)
         check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside", file.numerics)
         names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
-        scene, order = file.scene, file.numerics.slope_order(file.scene.dimension)
+        scene, order = file.scene, file.numerics.slope_order(file.scene)
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     nodes = nodes_of(scene)

@@ -57,6 +57,8 @@ PHRASES = {
     "fit": "`limits`, a `fit` or a `target`",
     "flat punch": "a flat punch",
     "force": "a load `force`",
+    "friction by dynamics": "friction that `verlet` follows",
+    "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
     "layers": "`layers`",

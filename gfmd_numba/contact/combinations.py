@@ -28,7 +28,10 @@ class Refusal:
 
 
 _AT_ORDER_0 = {
-    **{name: name if name == "friction" else f"a {name} law" for name, law in LAWS.items() if law.tangential},
+    "friction on maps": "friction on a map",
+    "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
+    "friction by dynamics": "friction that solver verlet follows (.inf, a law of the gap)",
+    **{name: f"a {name} law" for name, law in LAWS.items() if law.tangential and name != "friction"},
     "hardness": "a hardness",
     "prescribed tractions": "a boundary",
     "layers": "layers",
@@ -154,7 +157,7 @@ REFUSALS = (
         Refusal(
             feature,
             "higher topography_order",
-            f"0, or nothing, beside {named}: higher orders know frictionless profiles of one material",
+            f"0, or nothing, beside {named}",
             "not built yet",
         )
         for feature, named in _AT_ORDER_0.items()

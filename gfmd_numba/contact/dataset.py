@@ -14,7 +14,7 @@ from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.scene import LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -133,9 +133,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     }
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
     if problem.tractions is not None:
-        of = {"normal": problem.tractions.normal, "tangential": problem.tractions.tangential}
-        for component, values in of.items():
-            fields[f"prescribed_{component}_traction"] = "pressure", f"prescribed {component} traction", values
+        sideways = np.reshape(problem.tractions.tangential, (-1, *contact.heights.shape[1:]))
+        for component, values in zip(COMPONENTS[scene.dimension], (*sideways, problem.tractions.normal), strict=True):
+            long_name = f"prescribed traction on the body, {component.way}"
+            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()

@@ -55,12 +55,12 @@ def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
     if path.rough is None:
         yield from solve_steps(path.problems, path.sliding, path.realisation)
         return
-    before = None
+    before: Pressed | None = None
     rough = path.rough
     for problem, slid in zip(path.problems, path.sliding, strict=True):
         pressed = two_step.solve(problem, rough.bodies, rough.rms_gradient, rough.order, before, slid)
         yield pressed
-        before = pressed.contact.equilibrium
+        before = pressed
 
 
 def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Contact]:

@@ -95,7 +95,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
     """Add what is recorded along a path to its dataset."""
     scene = given.file.scene
     scale, unit, of_path = scales(scene, given.surfaces.rms_gradient), units(scene), record.of_path()
-    for name, row in recorded_along(scene).items():
+    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
         attributes = cf_attributes(row.long_name, unit[row.unit])
         if row.of == "path":
             dataset[name] = ((), of_path[name] * scale[row.unit], attributes)

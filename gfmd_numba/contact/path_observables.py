@@ -43,13 +43,13 @@ _NEEDS: dict[str, Literal["drag", "drag of maps", "friction", "loss", "tension"]
 }
 
 
-def recorded_along(scene: Scene) -> dict[str, Observable]:
-    """The rows for a path of a scene: those of effects that it has.
+def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
+    """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
 
     The energy is known where no tractions are prescribed, of rough or two elastic bodies where order 0 is all there is.
     """
     interface = scene.interface
-    higher_orders = scene.follows_topography and not interface.couples
+    higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
     has = {
         "drag": interface.couples,

@@ -82,7 +82,10 @@ def _features(
 ) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
     parts = [_of_numerics(numerics, 1 if isinstance(scene, LoadedBody) else scene.dimension)]
-    parts += [_of_loaded_body(scene)] if isinstance(scene, LoadedBody) else [_of_contact(scene, path, grid or {})]
+    if isinstance(scene, LoadedBody):
+        parts.append(_of_loaded_body(scene))
+    else:
+        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics)]
     for feature, location in chain(*parts, [("campaign", ())] if grid is not None else []):
         found.setdefault(feature, []).append(location)
     return found
@@ -93,6 +96,8 @@ def _of_numerics(numerics: Numerics, dimension: int) -> Iterator[tuple[str, Loca
         yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
+        if numerics.topography_order > 0:
+            yield "higher topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0 and dimension == 2:
             yield "higher topography_order of a map", ("numerics", "topography_order")
 
@@ -137,6 +142,20 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_rough_friction(scene: Scene, numerics: Numerics) -> Iterator[tuple[str, Location]]:
+    """Friction of rough deformable bodies, where it is known at order 0 in their slope alone."""
+    friction = scene.interface.friction
+    if friction is None or not scene.follows_topography:
+        return
+    if scene.dimension == 2:
+        yield "friction on maps", ("scene", "interface", "friction")
+    elif scene.roughness is not None or scene.counter_body is not None:
+        yield "friction on inclined surfaces", ("scene", "interface", "friction")
+    laws = [law for law in scene.interface.laws.values() if law.ability == "normal law"]
+    if laws or isinf(friction.coefficient) or numerics.solver == "verlet":
+        yield "friction by dynamics", ("scene", "interface", "friction")
 
 
 def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:

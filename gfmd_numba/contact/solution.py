@@ -1,7 +1,7 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from gfmd_numba.contact.problem import GivenSurface, Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
-from gfmd_numba.solvers.iteration import Stiffness
+from gfmd_numba.solvers.iteration import Start, Stiffness
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,13 @@ def solve(
     before: Equilibrium | None = None,
     sliding: Sequence[float] | None = None,
     raised: Reals | float = 0.0,
+    shifted: Reals | None = None,
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
     `sliding` is the tangential displacement of the punch along x, on maps also along y, `raised` what the surface has
-    moved towards it on its own.
+    moved towards it on its own, and `shifted` `[1, x]` what it has moved along x on its own since the equilibrium
+    `before`.
     """
     surface = problem.surface
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
@@ -81,6 +83,9 @@ def solve(
     ways = sliding or (0.0,) * (heights.ndim - 1)
     drag = ways[0] if len(ways) == 1 else np.reshape(ways, (2, 1, 1))
     start = None if before is None else following(before, punch, drag)
+    if shifted is not None:
+        start = start or Start.at_rest(punch)
+        start = replace(start, anchor=start.anchor - shifted, dragged=start.dragged - shifted)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, drag)
     return Contact(heights, punch, equilibrium, deflected)
 

@@ -15,12 +15,13 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 _MOST_ROUNDS = 30
+
+Responses = tuple[Response, ...] | tuple[MapResponse, ...]
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Pressed:
     """
 
     contact: Contact
-    responses: tuple[Response, ...] | tuple[MapResponse, ...]
+    responses: Responses
     expected_error: float
 
 
@@ -62,29 +63,38 @@ def solve(
     bodies: tuple[RoughBody, ...],
     gradient: float,
     order: int,
-    before: Equilibrium | None = None,
+    before: Pressed | None = None,
     sliding: Sequence[float] | None = None,
 ) -> Pressed:
     """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged. Wherever tangential tractions act, only order
-    0 is known.
+    residual of the problem; where it does not, the run is not converged. With friction each round begins where the last
+    step ended, and a profile's topography carries its nodes along x, too; on maps only order 0 is then known.
     """
-    raised = np.zeros((1, *problem.surface.shape))
+    start = None if before is None else before.contact.equilibrium
+    rubs_along = problem.interface.couples and order > 0
+    raised, since = np.zeros((1, *problem.surface.shape)), np.zeros(problem.surface.shape[-1:])
+    if before is not None and rubs_along:
+        raised[0], since = _raised(before.responses, problem, gradient), _shifted(before.responses, gradient)
+    shifted = since
     spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
     for round_ in range(_MOST_ROUNDS):
-        solved = solution.solve(problem, range(1), before, sliding, raised)
-        before = solved.equilibrium
-        spent.append((before.n_iterations, before.n_transforms, before.wall_time))
+        way = (shifted - since)[np.newaxis] if rubs_along else None
+        solved = solution.solve(problem, range(1), start, sliding, raised, way)
+        found = solved.equilibrium
+        if not rubs_along:
+            start = found
+        spent.append((found.n_iterations, found.n_transforms, found.wall_time))
         responses = _responses(problem, solved, bodies, gradient, order)
-        new = sum((response.u3 for response in responses), np.zeros(problem.surface.shape)) / gradient
-        moved = float(abs(new - raised[0]).max())
+        new = _raised(responses, problem, gradient)
+        along = _shifted(responses, gradient) if rubs_along else shifted
+        moved = max(float(abs(new - raised[0]).max()), float(abs(along - shifted).max()))
         enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
         if solved.equilibrium.status[0] != Status.ok or moved <= enough:
             break
         if round_ < _MOST_ROUNDS - 1:
-            raised[0] = new
+            raised[0], shifted = new, along
     else:
         failed = np.full_like(solved.equilibrium.status, Status.not_converged)
         solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
@@ -93,6 +103,18 @@ def solve(
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
     following = _responses(problem, solved, bodies, gradient, order + 1)
     return Pressed(solved, responses, sum(response.highest_order for response in following))
+
+
+def _raised(responses: Responses, problem: Problem, gradient: float) -> Reals:
+    """How far topographies carry the surfaces towards each other `[(y,) x]`, in g L_x."""
+    return np.asarray(sum((response.u3 for response in responses), np.zeros(problem.surface.shape)) / gradient)
+
+
+def _shifted(responses: Responses, gradient: float) -> Reals:
+    """How far the topography of a profile carries the nodes of its surface along x `[x]`, in g L_x."""
+    (response,) = responses  # of one body: between two, friction is known at order 0 alone
+    assert isinstance(response, Response)
+    return response.u1 / gradient
 
 
 def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: float) -> tuple[Reals | None, Reals]:
@@ -110,7 +132,7 @@ def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: f
 
 def _responses(
     problem: Problem, solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
-) -> tuple[Response, ...] | tuple[MapResponse, ...]:
+) -> Responses:
     """Response of each body."""
     borne = [(body, *tractions_on(body, problem, solved, gradient)) for body in bodies]
     if len(problem.surface.shape) == 2:

@@ -95,9 +95,17 @@ BAD = {
         {"counter_body": COUNTER | {"state": "plane_stress"}},
         "scene.counter_body.state: given 'plane_stress'; allowed: 'plane_strain', as that of the body",
     ),
-    "friction at a higher order": (
-        {"body": COUNTER, "interface": RUBBING},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction: .*not built yet",
+    "friction under a rough punch at a higher order": (
+        {"body": COUNTER, "roughness": ROUGH, "interface": RUBBING},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under a rough .*not built yet",
+    ),
+    "friction between two bodies at a higher order": (
+        {"counter_body": COUNTER, "interface": RUBBING},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under .* two elastic bodies",
+    ),
+    "sticking at a higher order": (
+        {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": np.inf}}},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction that solver verlet follows",
     ),
     "a hardness at a higher order": (
         {"body": COUNTER, "interface": {"hard_wall": {"hardness": 0.1}}},

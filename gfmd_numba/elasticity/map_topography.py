@@ -22,7 +22,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.fourier import grid
 
-_OUT, _NORMAL = 2, 5  # components of a state
+_OUT = 2  # component of a state
 
 
 @dataclass(frozen=True)
@@ -57,13 +57,12 @@ def respond(
             traction = planes.divergence(_carried(planes, derivatives, powers, n, fine))
         state = np.concatenate((planes.displacements(traction), traction))
         derivatives.append(list(planes.derivatives_in_z(state, order - n)))
-    added = np.zeros((order + 1, *fine))
-    for n, of_order in enumerate(derivatives):
-        for m, state in enumerate(of_order):
-            if n + m > 0:
-                added[n + m] += powers[m] * _on_finer_grid(state[_OUT], fine)
-    of_orders = [grid.signal(_band(part, heights.shape), *heights.shape) for part in added[1:]]
-    return MapResponse(np.sum(of_orders, axis=0), float(abs(of_orders[-1]).max()))
+    added = np.zeros_like(heights)
+    for total in range(1, order + 1):
+        lifted = (powers[m] * _on_finer_grid(derivatives[total - m][m][_OUT], fine) for m in range(total + 1))
+        of_order = grid.signal(_band(sum(lifted, np.zeros(fine)), heights.shape), *heights.shape)
+        added += of_order
+    return MapResponse(added, float(abs(of_order).max()))
 
 
 def flat_displacement(normal: Reals, body: ElasticBody) -> Reals:
@@ -75,11 +74,12 @@ def _carried(
     planes: "_Planes", derivatives: list[list[Complexes]], powers: list[Reals], n: int, fine: tuple[int, ...]
 ) -> Complexes:
     """Forces of order n along x and y, per length, of the material between z = 0 and the surface, by stresses."""
-    found = np.zeros((5, *fine))
-    for m in range(1, n + 1):
-        for part, stress in zip(found, planes.stresses(derivatives[n - m][m - 1]), strict=True):
-            part += powers[m] * _on_finer_grid(stress, fine)
-    return np.stack([_band(part, planes.shape) for part in found])
+    orders = [(powers[m], planes.stresses(derivatives[n - m][m - 1])) for m in range(1, n + 1)]
+    found = []
+    for i in range(5):  # one by one: the finer grid takes most of the memory
+        of_stress = sum((power * _on_finer_grid(stresses[i], fine) for power, stresses in orders), np.zeros(fine))
+        found.append(_band(of_stress, planes.shape))
+    return np.stack(found)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.truncated_newton import let_go
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 
@@ -42,7 +43,7 @@ class CoupledDynamics:
         (both,) = self.field.sources
         self._tangential, self.displacement = both[:-rows], both[-rows:]
         self._tangential[:, :n] = by_component(start.tangential, n)
-        self.displacement[:, :n] = np.minimum(start.displacement, punch).reshape(rows, n)
+        self.displacement[:, :n] = self._without_overlap(batch).reshape(rows, n)
         self._last = both.copy()
         self._anchor = np.full_like(self._tangential, np.nan)
         self._anchor[:, :n] = by_component(start.anchor, n)
@@ -101,6 +102,13 @@ class CoupledDynamics:
         for traction in tractions:
             strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
         return strongest
+
+    def _without_overlap(self, batch: Batch) -> Reals:
+        """Normal displacement to begin with: not beyond a wall, nor where the law repels by more than any pressure."""
+        if batch.interface.hard_wall or self._cohesion is None:
+            return np.minimum(batch.start.displacement, batch.punch)
+        law, none = self._cohesion, np.zeros(batch.punch[0].size)
+        return let_go(batch, lambda gap: law.normal_traction(gap, none))
 
     def _slip(self, active: Indices) -> Reals:
         """Slip of the punch over each node of the active rows, on maps its length."""

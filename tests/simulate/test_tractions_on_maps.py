@@ -161,3 +161,10 @@ def test_a_displacement_along_y_beside_a_punch_is_refused(tmp_path):
     load_scene(file)
     with pytest.raises(InputError, match=r"tangential_displacement_y.*only tractions beside a punch"):
         gfmd_numba.solve(file)
+
+
+@pytest.mark.parametrize("name", ["tangential_traction", "tangential_traction_y"])
+def test_nothing_holds_a_half_space_beside_a_punch_along_either_axis(tmp_path, name):
+    file = beside(tmp_path, {}, {"reduced_pressure": 0.1}, aspect_ratio=np.inf, **{name: 1e-3 + 0.0 * X})
+    with pytest.raises(InputError, match=rf"boundary\.{name}: given a mean of 0\.001; .* nothing holds a half-space"):
+        gfmd_numba.solve(file)

@@ -12,6 +12,7 @@ from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
@@ -124,6 +125,7 @@ def check_room(
     if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
         return
     surface = surfaces.surface
+    assert not isinstance(surface, SummedSurface)  # which has bodies
     one = range(file.realisation, file.realisation + 1)
     heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
     room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)

@@ -9,6 +9,7 @@ _ARRAYS_OF_LAWS = {
     (2, "friction"): 256,
     (2, "exponential"): 32,
 }
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, 48  # at order 0 in the slope, and more for each order
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
 _FIELDS_WITHOUT_DRAG = 4
@@ -18,6 +19,11 @@ ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may t
 def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
     """Return how many arrays of its size solving a realisation takes; `laws` are named as in scene files."""
     return max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+
+
+def arrays_of_topography(dimension: int, order: int) -> int:
+    """Return how many arrays of its size a contact of rough bodies takes, at an order in the slope."""
+    return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:

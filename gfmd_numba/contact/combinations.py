@@ -156,9 +156,9 @@ REFUSALS = (
     Refusal("campaign", "prescribed tractions", _ELSEWHERE, "not built yet"),
     Refusal(
         "path",
-        "fit",
-        "nothing beside a path, as a limit is that of contacts under one load; to see how a path depends on the "
-        "grid, vary an eps in `grid`",
+        "target",
+        "nothing beside a path, as numbers of realisations are planned for contacts under one load; write them into "
+        "`realisations`",
         "not built yet",
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),

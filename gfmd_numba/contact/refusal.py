@@ -52,8 +52,8 @@ def check_where(document: Document, scene: Scene | LoadedBody, where: Where, pat
 def check_keys(document: Document) -> None:
     """Raise InputError for keys of a campaign file that do not go together."""
     if isinstance(document.data, dict) and document.data.get("path"):
-        fitted: list[Location] = [(key,) for key in ("limits", "fit", "target") if key in document.data]
-        _raise(document, _table_refusals({"path": [("path",)], "fit": fitted}))
+        target: list[Location] = [("target",)] if "target" in document.data else []
+        _raise(document, _table_refusals({"path": [("path",)], "target": target}))
 
 
 def refusals(

@@ -11,6 +11,7 @@ import click
 
 from gfmd_numba.cli.arguments import (
     LIMITS,
+    OF_PATHS,
     conditions_option,
     file_argument,
     processor_time_option,
@@ -167,8 +168,15 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
     """Fit the results to their limit, print and draw it; False if the disk refuses the picture."""
     import gfmd_numba
 
+    options = fit_options(dataset, (), None, None)
     with waiting("fitting"):
-        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
+        fitted = gfmd_numba.fit_tfc(dataset, **options)
+    if "step" in dataset.dims:
+        show_paths(dataset)
+        for variable in (name for name in OF_PATHS if name in dataset):
+            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": variable}))
+        if not (fitted["fit_status"] == "ok").any():  # kappa under tension
+            fitted = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
     show_fit(fitted)
     show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)

@@ -60,7 +60,9 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.scene import Measured
 
     campaign, validity = load_campaign(document)[0], ""
-    if campaign.scene.interface.reaches_across or isinstance(campaign.scene.roughness, Measured):
+    scene = campaign.scene
+    is_measured = isinstance(scene.roughness, Measured)
+    if scene.interface.reaches_across or is_measured or scene.follows_topography:
         from gfmd_numba.campaign.plan import plan
 
         planned = plan(document)

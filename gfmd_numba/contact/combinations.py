@@ -39,7 +39,6 @@ _AT_ORDER_0 = {
 _COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
-_RANDOM = "a rough surface in a campaign, like method 'psd'"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
@@ -121,25 +120,33 @@ REFUSALS = (
         "no boundary beside a cohesive law, as its slip counts from the unloaded body",
         "not built yet",
     ),
+    Refusal(
+        "topography",
+        "varied measured punch",
+        "nothing where a deformable body is rough or both deform; there a punch has one measured surface",
+        "not built yet",
+    ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
     Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")
     ),
-    Refusal("campaign", "flat punch", _RANDOM, "not built yet"),
-    *(
-        Refusal("campaign", feature, _ELSEWHERE, "not built yet")
-        for feature in ("rough body", "counter_body", "prescribed tractions")
-    ),
+    Refusal("campaign", "prescribed tractions", _ELSEWHERE, "not built yet"),
     Refusal(
         "path",
-        "fit",
-        "nothing beside a path, as a limit is that of contacts under one load; to see how a path depends on the "
-        "grid, vary an eps in `grid`",
+        "target",
+        "nothing beside a path, as numbers of realisations are planned for contacts under one load; write them into "
+        "`realisations`",
         "not built yet",
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
+    Refusal(
+        "accuracy",
+        "topography",
+        "a rigid punch on a smooth body for `gfmd accuracy`",
+        "not built yet",
+    ),
     Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal(
         "smooth bodies",

@@ -12,6 +12,7 @@ from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
@@ -124,10 +125,12 @@ def check_room(
     is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
     if scene.loading.displacement is None or not rigid_mean or not is_known:
         return
-    surface = surfaces.surface
-    one = range(file.realisation, file.realisation + 1)
-    heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
-    room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)
+    surface, gradient, one = surfaces.surface, surfaces.rms_gradient, range(file.realisation, file.realisation + 1)
+    if isinstance(surface, SummedSurface):
+        heights, gradient = np.sum(surface.drawn(file.realisation), axis=0), 1.0
+    else:
+        heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
+    room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, as an incompressible body has no room for more of this punch"

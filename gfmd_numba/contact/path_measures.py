@@ -10,10 +10,13 @@ import numpy.typing as npt
 from gfmd_numba.contact.energy_balance import Balance, components
 from gfmd_numba.contact.evaluation import mean_pressure, measure
 from gfmd_numba.contact.load_path import solve_steps
-from gfmd_numba.contact.observables import recorded
+from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body_observables import recorded_of_rough_bodies
 from gfmd_numba.contact.solution import Contact, solve
+from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
 
 Measures = dict[str, npt.NDArray[Any]]
@@ -92,10 +95,29 @@ def measured(problem: Problem, realisations: range) -> Measures:
     Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
     largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
     """
-    if not problem.path:
+    if problem.path:
+        rows = [_along(problem, realisation) for realisation in realisations]
+        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    if problem.rough is None:
         return measure(solve(problem, realisations))
-    rows = [_along(problem, realisation) for realisation in realisations]
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    found = [_measure(problem, next(solve_steps([problem], [()], realisation))) for realisation in realisations]
+    return {name: np.concatenate([each[name] for each in found]) for name in found[0]}
+
+
+def recorded_of(problem: Problem) -> dict[str, Observable]:
+    """What is recorded of each contact of a problem."""
+    rows = recorded(problem.interface.hardness is not None)
+    return rows if problem.rough is None else recorded_of_rough_bodies(rows)
+
+
+def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
+    """Measures `[realisation]` of one contact."""
+    if isinstance(solved, Contact):
+        return measure(solved)
+    assert isinstance(problem.surface, SummedSurface)  # of rough bodies
+    values = measure(solved.contact)
+    error = solved.expected_error / problem.surface.rms_gradient
+    return values | {"expected_error": np.where(values["status"] == Status.ok, error, nan)}
 
 
 def _along(problem: Problem, realisation: int) -> Measures:
@@ -103,13 +125,13 @@ def _along(problem: Problem, realisation: int) -> Measures:
     problems = loads_of(problem)
     sliding = ((0.0,) * len(problem.surface.shape), *(step.sliding for step in problem.path))
     record, found = PathRecord(), []
-    for one, contact in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
-        found.append(measure(contact))
+    for one, solved in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
+        found.append(_measure(one, solved))
         is_ok = bool(found[-1]["status"][0] == Status.ok)
-        record.add(one, contact, is_ok)
+        record.add(one, solved if isinstance(solved, Contact) else solved.contact, is_ok)
         if not is_ok:
             break
-    rows = recorded(hardness=False)
+    rows = recorded_of(problem)
     values = {name: np.concatenate([each[name] for each in found]) for name in rows}
     joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
     joined |= {name: _filled(values[name], problem.n_loads) for name, row in rows.items() if row.of == "contact"}

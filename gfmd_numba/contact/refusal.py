@@ -16,6 +16,9 @@ from gfmd_numba.text.input_error import brief
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
 Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file
+# axes of a grid that vary a body
+_ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
+_POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
 Where = Literal["campaign", "accuracy", "fields inside"]
 
 
@@ -51,8 +54,8 @@ def check_where(
 def check_keys(document: Document) -> None:
     """Raise InputError for keys of a campaign file that do not go together."""
     if isinstance(document.data, dict) and document.data.get("path"):
-        fitted: list[Location] = [(key,) for key in ("limits", "fit", "target") if key in document.data]
-        _raise(document, _table_refusals({"path": [("path",)], "fit": fitted}))
+        target: list[Location] = [("target",)] if "target" in document.data else []
+        _raise(document, _table_refusals({"path": [("path",)], "target": target}))
 
 
 def refusals(
@@ -198,15 +201,14 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
 
 def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the bodies and their surfaces are."""
-    if scene.roughness is None or isinstance(scene.roughness, Measured):
-        yield "flat punch" if scene.roughness is None else "measured punch", ("scene", "roughness", "method")
+    if isinstance(scene.roughness, Measured):
+        yield "measured punch", ("scene", "roughness", "method")
+        yield from (("varied measured punch", ("grid", name)) for name in grid if name in Measured.model_fields)
     if getattr(scene.roughness, "anisotropy", None) is not None:
         yield "anisotropy", ("scene", "roughness", "anisotropy")
     for place, surface in scene.surfaces.items():
         if isinstance(surface, Random) and surface.of_maps:
             yield "model of maps", ("scene", *place, surface.named_by)
-    if scene.counter_body is not None:
-        yield "counter_body", ("scene", "counter_body")
     if scene.body.roughness is not None:
         yield "rough body", ("scene", "body", "roughness")
     if scene.body.state == "plane_stress":
@@ -221,27 +223,32 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
         if body.layers is not None:
             yield "layers", ("scene", name, "layers")
-        if body.is_half_space and not (name == "body" and "aspect_ratio" in grid):
+        if body.is_half_space and _ASPECT_RATIO[name] not in grid:
             whole = body.layers is None
             yield (
                 "half-space" if whole else "layers on a half-space",
                 ("scene", name, "aspect_ratio" if whole else "base"),
             )
-    for i, value in enumerate(grid.get("aspect_ratio", ())):
-        if isinf(value):
-            yield "half-space", ("grid", "aspect_ratio", i)
+    for axis in _ASPECT_RATIO.values():
+        for i, value in enumerate(grid.get(axis, ())):
+            if isinf(value):
+                yield "half-space", ("grid", axis, i)
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:
     """Where the file says that no body changes its volume."""
-    if "poissons_ratio" not in grid:
-        if all(body.is_incompressible for body in scene.deformable):
-            place = () if scene.body.layers is None else ("layers", 0)
-            yield ("scene", "body", *place, "poissons_ratio")
-        return
-    for i, value in enumerate(grid["poissons_ratio"]):
-        if scene.body.model_copy(update={"poissons_ratio": value}).is_incompressible:
-            yield ("grid", "poissons_ratio", i)
+    found: list[list[Location]] = []  # of each body
+    for name, body in zip(_POISSONS_RATIO, scene.deformable, strict=False):
+        axis = _POISSONS_RATIO[name]
+        if axis in grid:
+            copies = (body.model_copy(update={"poissons_ratio": value}) for value in grid[axis])
+            found.append([("grid", axis, i) for i, copy in enumerate(copies) if copy.is_incompressible])
+        else:
+            layer = () if body.layers is None else ("layers", 0)
+            found.append([("scene", name, *layer, "poissons_ratio")] if body.is_incompressible else [])
+    if all(found):
+        varied = [location for of_body in found for location in of_body if location[0] == "grid"]
+        yield from varied or found[0]
 
 
 def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Location, Refusal]]:

@@ -1,6 +1,6 @@
 """What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -9,6 +9,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body_observables import OF_PUNCH, OF_SUM, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness, tractions_on
 from gfmd_numba.elasticity import fields, map_topography, topography
@@ -18,6 +19,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Scene
 
+_ERROR = "expected_error"
 _OUT = "normal displacement of the {}, out of it"
 _SIDEWAYS = "tangential displacement of the {}"
 
@@ -34,7 +36,7 @@ def add_bodies(
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
     for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
         attributes = found[name].attrs
-        attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
+        attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     length, unit = scene.length or 1.0, units(scene)
     responses: tuple[Response | MapResponse, ...] = pressed.responses
     for name, body, response in zip(BODIES, bodies, responses, strict=False):
@@ -52,8 +54,8 @@ def add_bodies(
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
-    attributes = cf_attributes("expected error of displacements, what the next order adds", unit["height"])
-    found["expected_error"] = ((), pressed.expected_error * length, attributes)
+    attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_ERROR].long_name, unit["height"])
+    found[_ERROR] = ((), pressed.expected_error * length, attributes)
     refuse_nonfinite(found)
 
 
@@ -86,7 +88,7 @@ def _of_map(
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
-    return "\n".join(filter(None, (_of_slopes(bodies, found), _of_films(bodies) if order == 0 else "")))
+    return "\n".join(filter(None, (_of_slopes(bodies, found), too_thin(bodies) if order == 0 else "")))
 
 
 def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
@@ -102,8 +104,9 @@ def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
     )
 
 
-def _of_films(bodies: tuple[RoughBody, ...]) -> str:
-    change = max(map(change_of_thickness, bodies))
+def too_thin(bodies: Sequence[RoughBody]) -> str:
+    """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
+    change = max(map(change_of_thickness, bodies), default=0.0)
     if change < THICKNESS:
         return ""
     return (

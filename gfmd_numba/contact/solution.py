@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import GivenSurface, Problem
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
@@ -66,6 +67,7 @@ def solve(
     `before`.
     """
     surface = problem.surface
+    assert not isinstance(surface, SummedSurface)  # `two_step` draws it
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights

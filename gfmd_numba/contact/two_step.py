@@ -1,6 +1,6 @@
 """Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,8 +8,10 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.prescribed_load import Sliding
+from gfmd_numba.contact.problem import DeformableBody, Problem, given_surface
 from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_topography import MapResponse
@@ -128,6 +130,36 @@ def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: f
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
     return None if along is None else body.share * along, body.share * pressure
+
+
+def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Pressed]:
+    """Press the rough bodies of a problem together at each of several loads, each begun where the last one ended.
+
+    Raises ValueError as `rough_body` does, and for surfaces that add up to nothing.
+    """
+    first = problems[0]
+    assert isinstance(first.surface, SummedSurface)  # the promise of the reduction
+    assert first.rough is not None
+    drawn = first.surface.drawn(realisation)
+    bodies = tuple(rough_body(each, drawn) for each in first.rough.bodies)
+    together, gradient = given_surface(np.sum(drawn, axis=0), first.surface.rms_gradient)
+    before: Pressed | None = None
+    for problem, slid in zip(problems, sliding, strict=True):
+        before = solve(replace(problem, surface=together), bodies, gradient, first.rough.order, before, slid)
+        yield before
+
+
+def rough_body(body: DeformableBody, drawn: Sequence[Reals]) -> RoughBody:
+    """A deformable body, the surfaces `[(y,) x]` having `drawn` these heights (L_x).
+
+    Raises ValueError for a topography that reaches through it.
+    """
+    heights = np.zeros_like(drawn[0]) if body.part is None else drawn[body.part]
+    height = body.elastic.aspect_ratio
+    if height is not None and max(-float(heights.min()), float(heights.max())) >= height:
+        span = f"from {heights.min():.3g} to {heights.max():.3g} L_x"
+        raise ValueError(f"a topography {span} is not within the height {height:g} L_x of its body")
+    return RoughBody(body.elastic, heights, body.share, body.side)
 
 
 def _responses(

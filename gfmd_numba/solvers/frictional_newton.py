@@ -5,16 +5,19 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
+from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
 from gfmd_numba.solvers.friction_sets import middle_slip, revised
-from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.iteration import Batch, Iteration
 from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 from gfmd_numba.solvers.stick_slip import StickSlip
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton
 
 # tuned on half-spaces of 2^13 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
 _COARSENING, _COARSEST = 4, 256  # nodes over those of the grid the guess is made on; where that is frictionless
@@ -28,9 +31,18 @@ _CLOSE = 1e3  # change of the tractions over the residual asked for below which 
 _DIRECTIONS = 40  # of the linear solution, at most
 
 
-def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton":
-    """Begin the method for profiles or for maps."""
+def frictional_newton(
+    batch: Batch, options: Options
+) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
+    """Begin the method for profiles or for maps, or for either beside a law of the gap."""
+    if batch.interface.normal_law is not None:
+        return FrictionalLawNewton(batch, options)
     return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
+
+
+def frictionless_newton(batch: Batch, options: Options) -> Iteration:
+    """Begin Newton's method where friction has no effect, with or without a law of the gap."""
+    return TruncatedNewton(batch, options) if batch.interface.normal_law is not None else newton(batch, options)
 
 
 class FrictionalNewton:

@@ -1,7 +1,9 @@
 """Random scenes with laws between the surfaces: how each path ends, and an independent check of every step called ok.
 
 `python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
-are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction and friction_and_law.
+are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction, friction_and_law (of
+attraction), friction_and_repulsion, rigid_friction_and_law, and three in which touching nodes stick: sticking,
+sticking_and_law and rigid_sticking. A further argument names a solver in place of the automatic one.
 """
 
 import sys
@@ -18,7 +20,11 @@ from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import following
 from gfmd_numba.solvers.status import Status
 
-KINDS = ("exponential", "cohesive", "rigid", "friction", "friction_and_law")
+KINDS = (
+    *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
+    *("rigid_friction_and_law", "sticking", "sticking_and_law", "rigid_sticking"),
+)
+NEWTON = 100  # steps after which damped dynamics takes over
 
 
 def random_scene(kind, seed):
@@ -28,7 +34,7 @@ def random_scene(kind, seed):
     inverse = [int(rng.choice(each)) for each in ([1, 2, 4, 8], [8, 32, 64, 128], [1, 2])]
     aspect_ratio, nu = rng.choice([None, 1.0, 0.3, 0.1, 1.0]), float(rng.choice([0.0, 0.3, 0.45, 0.49, 0.3, 0.5]))
     loaded = rng.random() < 0.5
-    if kind == "rigid":
+    if kind.startswith("rigid"):
         aspect_ratio, nu, loaded = rng.choice([3.0, 1.0, 0.3, 0.1]), 0.5, False
     elif nu == 0.5:
         loaded = True
@@ -36,7 +42,8 @@ def random_scene(kind, seed):
         loaded = True
     interface, range_ = {}, 10 ** rng.uniform(-3.5, 0.0)
     work = 10 ** rng.uniform(-3, 0) * np.pi * np.prod(inverse) * range_**2
-    law = kind if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
+    law = kind.removeprefix("rigid_") if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
+    rubs = "friction" in law or "sticking" in law
     if law == "cohesive":
         work *= np.e**2  # which softens less, at a gap of twice its normal length
         interface["cohesive"] = {
@@ -44,13 +51,14 @@ def random_scene(kind, seed):
             "normal_length": float(range_ * g),
             "tangential_length": float(range_ * g * 10 ** rng.uniform(-0.7, 0.7)),
         }
-    elif law != "friction":
-        if law == "exponential" and rng.random() < 0.4:
+    elif law not in ("friction", "sticking"):
+        if "repulsion" in law or (law == "exponential" and rng.random() < 0.4):
             work = -(10 ** rng.uniform(-5, 1)) * max(range_, 1e-3)
         interface["exponential"] = {"work_of_adhesion": float(work * g * g), "range": float(range_ * g)}
-    if "friction" in law:
-        interface["friction"] = {"coefficient": float(10 ** rng.uniform(-2, 0.3))}
-    if "friction" in law or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
+    if rubs:
+        coefficient = float(10 ** rng.uniform(-2, 0.3))
+        interface["friction"] = {"coefficient": np.inf if "sticking" in law else coefficient}
+    if rubs or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
         interface["hard_wall"] = {}
     deepest = 0.2 if nu < 0.5 else 0.05
     if loaded:
@@ -75,7 +83,7 @@ def random_scene(kind, seed):
         "path": path[1:],
         "discretisation": {name: 1 / each for name, each in zip(("eps_c", "eps_f", "eps_t"), inverse, strict=True)},
         "seed": int(rng.integers(1000)),
-        "numerics": {"max_iterations": 200000 if kind == "friction_and_law" else 2000},
+        "numerics": {"max_iterations": 200000 if rubs and kind != "friction" else 2000},
     }
 
 
@@ -111,7 +119,7 @@ def violation(problem, contact, sliding, before):
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
     touching = (u >= punch) & laws.hard_wall
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
-        shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 41)
+        shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 401)
         load += min(shifts, key=lambda shift: unbalanced(load + shift - elastic + pull, touching))
     bears = load - elastic + pull
     overlap = laws.hard_wall and (u > punch).any()
@@ -122,10 +130,11 @@ def violation(problem, contact, sliding, before):
     else:
         start = following(before, contact.punch, sliding) if before is not None else None
         slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
-        bound = laws.friction * np.maximum(bears, 0.0) * touching
+        bound = np.multiply(laws.friction, bears, out=np.zeros(n), where=touching & (bears > 0.0))
         worst = max(worst, (np.abs(shear) - bound).max())
-        slips = touching & (slid != 0.0) & (laws.normal_law is None)  # the dynamics has anchors of its own
-        worst = max(worst, np.abs(shear + np.sign(slid) * bound)[slips].max(initial=0.0))
+        slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
+        slips &= found.n_iterations[0] <= NEWTON  # the dynamics has its own anchors
+        worst = max(worst, np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips]).max(initial=0.0))
     if rigid:
         worst = max(worst, k33.max() * abs(u.mean()))
     pressure = np.where(touching, bears, 0.0) - pull

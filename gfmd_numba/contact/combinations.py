@@ -31,7 +31,6 @@ _DRAGS = (
     "no friction and no cohesive law where a deformable body is rough or both deform, as only normal tractions "
     "are followed there; map the roughness to a rigid punch"
 )
-_COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
 _RANDOM = "a rough surface in a campaign, like method 'psd'"
@@ -50,12 +49,6 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
         elif LAWS[first].ability == LAWS[second].ability:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
-
-# each two of these go together, but all three do not
-FRICTION_AND_LAW_AT_A_RIGID_MEAN = ("friction", "normal law", "rigid mean")
-REFUSAL_OF_THREE = Refusal(
-    "friction", "rigid mean", _COMPRESSIBLE.format("both friction and a law of the gap"), "not built yet"
-)
 
 REFUSALS = (
     *(
@@ -143,7 +136,6 @@ REFUSALS = (
         "not built yet",
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
-    Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")

@@ -10,7 +10,7 @@ from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
-from gfmd_numba.solvers.friction_sets import middle_slip
+from gfmd_numba.solvers.friction_sets import bound, middle_slip
 from gfmd_numba.solvers.iteration import Batch, Start, by_component
 from gfmd_numba.solvers.law_stick_slip import LawGuess, LawStickSlip
 from gfmd_numba.solvers.map_products import MapProducts
@@ -74,7 +74,8 @@ class FrictionalLawNewton:
         self._changed = np.full(rows, n)  # nodes that the last step found to be guessed wrong
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest of them
         self._tries, self._one_by_one = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.bool_)
-        self._nearest, self._patience = np.full(rows, np.inf), np.full(rows, _PATIENCE)
+        self._nearest, self._fewest = np.full(rows, np.inf), np.full(rows, n)  # the least of both
+        self._patience = np.full(rows, _PATIENCE)
 
     @property
     def tangential(self) -> tuple[Reals, Reals, Reals]:
@@ -97,24 +98,22 @@ class FrictionalLawNewton:
         Costs four transforms, six on maps, for each row whose tractions hardly change; others have that change.
         """
         n, products, certificate = self.field.n, self._products, self.certificate
+        residual = np.maximum(self._moved[active], 10.0 * self._asked)
+        certificate.worst[active] = 0.0
         stands = self._moved[active] < _CLOSE * self._asked
-        products.restore(active[stands])
-        self._law.pull(self.displacement, self.restoring, self.wall, active[stands], n)
-        for i in active[~stands]:
-            guess = self._guesses[i]
-            products.tangential_restoring[self._own(i), :n] = guess.tractions[:-1]
-            self.restoring[i, :n] = self.load[i] - np.where(guess.contact, guess.tractions[-1], 0.0)
-        certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        sure = active[stands]
+        products.restore(sure)
+        self._law.pull(self.displacement, self.restoring, self.wall, sure, n)
+        certificate.look(self.displacement, self.restoring, self.wall, self.load, sure, n)
         violation = kernels.friction_violation if self._components == 1 else kernels.map_friction_violation
         violation(
             products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
-            self.wall, self.load, self._friction, active, n, certificate.worst,
+            self.wall, self.load, self._friction, sure, n, certificate.worst,
         )  # fmt: skip
-        strongest = np.abs(self._law.traction(self.wall[active, :n] - self.displacement[active, :n])).max(axis=1)
-        residual = certificate.residual(self.load, active, strongest)
-        self._last[active[stands & (residual > self._asked)]] *= _TIGHTEN
-        unsure = np.maximum(self._moved[active], 10.0 * self._asked)
-        return np.where(stands, residual, np.maximum(residual, unsure))
+        strongest = np.abs(self._law.traction(self.wall[sure, :n] - self.displacement[sure, :n])).max(axis=1, initial=0)
+        residual[stands] = certificate.residual(self.load, sure, strongest)
+        self._last[sure[residual[stands] > self._asked]] *= _TIGHTEN
+        return residual
 
     def _own(self, i: int) -> list[int]:
         """Rows of the tangential components of a row."""
@@ -167,7 +166,7 @@ class FrictionalLawNewton:
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(solver.displacement[0, :n] + lifted, wall))
         pressure = np.where(contact, pressure, -self._law.traction(wall - u))
-        return LawGuess(contact, np.zeros_like(shear), np.zeros(n), np.array([*shear, pressure]), u)
+        return LawGuess(contact, np.zeros_like(shear), np.zeros(n), np.array([*shear, pressure]), u, np.zeros_like(contact))
 
     def _step(self, i: int) -> None:
         n, guess = self.field.n, self._guesses[i]
@@ -205,7 +204,7 @@ class FrictionalLawNewton:
         n, guess, own = self.field.n, self._guesses[i], self._own(i)
         wall, anchor, contact = self.wall[i, :n], self._anchor[own, :n], guess.contact
         pressure = np.where(contact, tractions[-1], 0.0)
-        slid, held = u[:-1] - anchor, self._bound(pressure)
+        slid, held = u[:-1] - anchor, bound(self._friction, pressure)
         sticks = contact & ~guess.direction.any(axis=0)
         if self._components == 1 and self._drifts and contact.any() and not sticks.any():
             slid -= slid[0, middle_slip(slid[0], pressure, contact)]  # nothing else tells where the body is
@@ -220,7 +219,7 @@ class FrictionalLawNewton:
         direction = np.zeros_like(guess.direction)
         direction[:, goes_on] = slid[:, goes_on] / size[goes_on]
         direction[:, gives_way] = -tractions[:-1, gives_way] / strength[gives_way]
-        starts = joins & (size > self._bound(u[-1] - wall))
+        starts = joins & (size > bound(self._friction, u[-1] - wall))
         direction[:, starts] = slid[:, starts] / size[starts]
         guess.give[:] = 0.0
         guess.give[goes_on] = size[goes_on] / held[goes_on]
@@ -233,6 +232,9 @@ class FrictionalLawNewton:
             changes[others] = leaves[others] = joins[others] = False
             direction[:, others] = guess.direction[:, others]
             guess.give[others] = 0.0
+        if np.isinf(self._friction):
+            guess.loose |= leaves
+            anchor = self._anchor[own, :n] = np.where(guess.loose, u[:-1], anchor)
         guess.contact = (contact | joins) & ~leaves
         guess.direction = direction
         part = np.divide(held, strength, out=np.ones(n), where=strength > held)
@@ -246,10 +248,6 @@ class FrictionalLawNewton:
             self._begin_anew(i)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = (own_pressure - np.where(guess.contact, pull, 0.0)).mean()
-
-    def _bound(self, pressure: Reals) -> Reals:
-        """Largest tangential traction under a pressure of the wall."""
-        return np.multiply(self._friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
 
     def _slid_against(
         self, u: Reals, anchor: Reals, shear: Reals, bears: Reals, slips: Reals, held: Reals
@@ -279,14 +277,13 @@ class FrictionalLawNewton:
         if changed > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         self._changed[i] = changed
-        if self._moved[i] < _CLOSER * self._nearest[i]:
-            self._nearest[i], self._patience[i] = self._moved[i], _PATIENCE
-        else:
-            self._patience[i] -= 1
+        comes_closer = self._moved[i] < _CLOSER * self._nearest[i] or changed < self._fewest[i]
+        self._patience[i] = _PATIENCE if comes_closer else self._patience[i] - 1
+        self._nearest[i], self._fewest[i] = min(self._moved[i], self._nearest[i]), min(changed, self._fewest[i])
 
     def _begin_anew(self, i: int) -> None:
         """Descend to the normal contact under the tangential tractions found, or change one node alone in a step."""
-        self._nearest[i], self._patience[i] = np.inf, _PATIENCE
+        self._nearest[i], self._fewest[i], self._patience[i] = np.inf, self.field.n, _PATIENCE
         self._tries[i] += 1
         self._one_by_one[i] = self._tries[i] % 2 == 0
         if self._one_by_one[i]:
@@ -295,5 +292,5 @@ class FrictionalLawNewton:
         guess = self._guesses[i]
         shear = guess.tractions[:-1] * guess.contact
         found = self._descended(i, shear, _SETTLED * _TIGHTEN ** self._tries[i])
-        found.direction = guess.direction * found.contact
+        found.direction, found.loose = guess.direction * found.contact, guess.loose
         self._guesses[i] = found

@@ -10,7 +10,7 @@ from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
 from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
-from gfmd_numba.solvers.friction_sets import middle_slip, revised
+from gfmd_numba.solvers.friction_sets import bound, middle_slip, revised
 from gfmd_numba.solvers.iteration import Batch, Iteration
 from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
@@ -63,8 +63,8 @@ class FrictionalNewton:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness, start = batch.punch, batch.coupled_stiffness, batch.start
         rows, n = punch.shape
-        if batch.interface.friction is None or not np.isfinite(batch.interface.friction):
-            raise ValueError("this solver knows finite friction alone")
+        if batch.interface.friction is None:
+            raise ValueError("this solver knows contacts with friction alone")
         self._friction = batch.interface.friction
         self._products = CoupledProducts(stiffness, rows, n)
         self.field = self._products.field
@@ -175,8 +175,8 @@ class FrictionalNewton:
         other = self._to_change(i, wrong, whole=middle >= 0)
         contact[other], slip[other] = better[0][other], better[1][other]
         guess.pressure[i] = np.maximum(pressure, 0.0)
-        bound = self._friction * guess.pressure[i]
-        guess.shear[i] = np.clip(shear, -bound, bound)
+        most = bound(self._friction, guess.pressure[i])
+        guess.shear[i] = np.clip(shear, -most, most)
 
     def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
         """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""

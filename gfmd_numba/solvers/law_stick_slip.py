@@ -41,7 +41,8 @@ class LawGuess:
 
     Nodes in contact; directions of slip `[component, n]`, 0 where they stick; slip over friction. `tractions`
     `[component + 1, n]` are tangential ones, then the pressure on touching nodes and minus the law's traction on
-    others, which is linear about the displacement `normal`.
+    others, which is linear about the displacement `normal`. Nodes that are `loose` bear no tangential traction: an
+    infinite friction has pulled them off, and they stick where they touch down again.
     """
 
     contact: Flags
@@ -49,6 +50,7 @@ class LawGuess:
     give: Reals
     tractions: Reals
     normal: Reals
+    loose: Flags
 
 
 class LawStickSlip:
@@ -88,11 +90,11 @@ class LawStickSlip:
         slips = guess.direction.any(axis=0)
         of_touching = np.flatnonzero(touches)
         of_slipping = of_touching[slips[self._pressed[of_touching]]]
-        self._of_stuck = of_touching[~slips[self._pressed[of_touching]]]
+        self._of_stuck = of_touching[~(slips | guess.loose)[self._pressed[of_touching]]]
         self.stuck, self._of_slipping = self._pressed[self._of_stuck], of_slipping
         self.slipping = self._pressed[of_slipping]
         along = guess.direction[:, self.slipping]
-        self._drag = -friction * along if along.size else along  # tangential traction over pressure
+        self._drag = -friction * along  # tangential traction over pressure
         self._turning = self.slipping if components == 2 else self.slipping[:0]
         self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
         self._give = guess.give[self._turning]

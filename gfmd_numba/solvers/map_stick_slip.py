@@ -51,7 +51,9 @@ class MapStickSlip:
         self.stuck, self.slipping = self.touching[~slips], self.touching[slips]
         self._of_stuck, self._of_slipping = np.flatnonzero(~slips), np.flatnonzero(slips)  # among those that touch
         near.factor(self.touching)
-        self._drag = -friction * guess.direction[:, self.touching]  # tangential traction over pressure
+        towards = guess.direction[:, self.touching]
+        # tangential traction over pressure
+        self._drag = np.multiply(-friction, towards, out=np.zeros_like(towards), where=towards != 0.0)
         along = guess.direction[:, self.slipping]
         self._across = np.array([-along[1], along[0]])
         self._give = guess.give[self.slipping]

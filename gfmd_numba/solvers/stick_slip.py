@@ -30,7 +30,8 @@ class StickSlip:
         inverses: tuple[ProfileInverse, ProfileInverse],
     ) -> None:
         self.touching, self.stuck = _ordered(contact), _ordered(contact & (slip == 0))
-        self.drag = -friction * slip[self.touching]  # tangential traction over pressure; sticking nodes have their own
+        sliding = slip[self.touching]
+        self.drag = np.multiply(-friction, sliding, out=np.zeros(sliding.size), where=sliding != 0)  # tangential traction over pressure; sticking nodes have their own
         self._n, self._touches, self._sticks = contact.size, len(self.touching), len(self.stuck)
         self._tangential, self._normal = inverses
         self._normal.factor(self.touching, self._touches)

@@ -92,6 +92,14 @@ def unbalanced(bears, touching):
     return np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
 
 
+def unrubbed(bears, touching, shear, slid, friction):
+    """Largest tangential traction that friction does not balance; `slid` is 0 where that is not known."""
+    bound = np.multiply(friction, bears, out=np.zeros_like(bears), where=touching & (bears > 0.0))
+    slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
+    against = np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips])
+    return max((np.abs(shear) - bound).max(), against.max(initial=0.0))
+
+
 def violation(problem, contact, sliding, before):
     """Largest violated condition over the largest traction, by NumPy's transforms, and what rounding leaves open."""
     found, punch, laws = contact.equilibrium, contact.punch[0], problem.interface
@@ -118,23 +126,23 @@ def violation(problem, contact, sliding, before):
         drag = 2.0 * s / laws.cohesive.tangential * (1.0 + np.maximum(g, 0.0)) * decay
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
     touching = (u >= punch) & laws.hard_wall
+    slid = np.zeros(n)
+    if found.n_iterations[0] <= NEWTON:  # the dynamics has anchors of its own
+        start = following(before, contact.punch, sliding) if before is not None else None
+        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
+
+    def wrong(load):
+        bears = load - elastic + pull
+        rubbed = 0.0 if laws.friction is None else unrubbed(bears, touching, shear, slid, laws.friction)
+        return max(unbalanced(bears, touching), rubbed)
+
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
-        shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 401)
-        load += min(shifts, key=lambda shift: unbalanced(load + shift - elastic + pull, touching))
-    bears = load - elastic + pull
+        load += min(1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 401), key=lambda by: wrong(load + by))
+    bears, worst = load - elastic + pull, wrong(load)
     overlap = laws.hard_wall and (u > punch).any()
-    worst = unbalanced(bears, touching)
     largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
     if laws.friction is None:
         worst = max(worst, np.abs(shear - drag).max())
-    else:
-        start = following(before, contact.punch, sliding) if before is not None else None
-        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
-        bound = np.multiply(laws.friction, bears, out=np.zeros(n), where=touching & (bears > 0.0))
-        worst = max(worst, (np.abs(shear) - bound).max())
-        slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
-        slips &= found.n_iterations[0] <= NEWTON  # the dynamics has its own anchors
-        worst = max(worst, np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips]).max(initial=0.0))
     if rigid:
         worst = max(worst, k33.max() * abs(u.mean()))
     pressure = np.where(touching, bears, 0.0) - pull

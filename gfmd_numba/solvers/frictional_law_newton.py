@@ -73,7 +73,7 @@ class FrictionalLawNewton:
         self._inner = np.full(rows, _INNER)
         self._changed = np.full(rows, n)  # nodes that the last step found to be guessed wrong
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest of them
-        self._tries, self._one_by_one = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.bool_)
+        self._tries = np.zeros(rows, dtype=np.int64)
         self._nearest, self._fewest = np.full(rows, np.inf), np.full(rows, n)  # the least of both
         self._patience = np.full(rows, _PATIENCE)
 
@@ -166,7 +166,8 @@ class FrictionalLawNewton:
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(solver.displacement[0, :n] + lifted, wall))
         pressure = np.where(contact, pressure, -self._law.traction(wall - u))
-        return LawGuess(contact, np.zeros_like(shear), np.zeros(n), np.array([*shear, pressure]), u, np.zeros_like(contact))
+        nowhere = np.zeros_like(contact)
+        return LawGuess(contact, np.zeros_like(shear), np.zeros(n), np.array([*shear, pressure]), u, nowhere)
 
     def _step(self, i: int) -> None:
         n, guess = self.field.n, self._guesses[i]
@@ -227,7 +228,7 @@ class FrictionalLawNewton:
         changes = leaves | joins | gives_way | turns_back
         wrong = np.flatnonzero(changes)
         self._tell(i, wrong.size)
-        if self._one_by_one[i] and wrong.size > 1:
+        if self._tries[i] > 0 and self._tries[i] % 3 == 0 and wrong.size > 1:
             others = wrong[:-1]
             changes[others] = leaves[others] = joins[others] = False
             direction[:, others] = guess.direction[:, others]
@@ -245,13 +246,15 @@ class FrictionalLawNewton:
         own_pressure = np.where(guess.contact, np.maximum(pressure, 0.0), -pull)
         guess.tractions = np.array([*(part * tractions[:-1]), own_pressure])
         if self._patience[i] < 0:
+            self._tries[i] += 1
+            self._nearest[i], self._fewest[i], self._patience[i] = np.inf, n, _PATIENCE
+            self._begin_anew(i)
+        elif self._tries[i] % 3 == 2 and (leaves | joins).any():
             self._begin_anew(i)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = (own_pressure - np.where(guess.contact, pull, 0.0)).mean()
 
-    def _slid_against(
-        self, u: Reals, anchor: Reals, shear: Reals, bears: Reals, slips: Reals, held: Reals
-    ) -> Reals:
+    def _slid_against(self, u: Reals, anchor: Reals, shear: Reals, bears: Reals, slips: Reals, held: Reals) -> Reals:
         """Tangential displacements in which a slipping node has slid exactly against its traction, others not."""
         slid = u - anchor
         forth = np.where(slips, -(slid * shear).sum(axis=0), 0.0)
@@ -282,15 +285,9 @@ class FrictionalLawNewton:
         self._nearest[i], self._fewest[i] = min(self._moved[i], self._nearest[i]), min(changed, self._fewest[i])
 
     def _begin_anew(self, i: int) -> None:
-        """Descend to the normal contact under the tangential tractions found, or change one node alone in a step."""
-        self._nearest[i], self._fewest[i], self._patience[i] = np.inf, self.field.n, _PATIENCE
-        self._tries[i] += 1
-        self._one_by_one[i] = self._tries[i] % 2 == 0
-        if self._one_by_one[i]:
-            self._patience[i] = 3 * _PATIENCE
-            return
+        """Descend to the normal contact under the tangential tractions found."""
         guess = self._guesses[i]
         shear = guess.tractions[:-1] * guess.contact
-        found = self._descended(i, shear, _SETTLED * _TIGHTEN ** self._tries[i])
+        found = self._descended(i, shear, max(_SETTLED * _TIGHTEN ** self._tries[i], 1e-5))
         found.direction, found.loose = guess.direction * found.contact, guess.loose
         self._guesses[i] = found

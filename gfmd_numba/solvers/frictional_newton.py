@@ -9,8 +9,8 @@ from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
-from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
 from gfmd_numba.solvers.friction_sets import bound, middle_slip, revised
+from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
 from gfmd_numba.solvers.iteration import Batch, Iteration
 from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
@@ -31,9 +31,7 @@ _CLOSE = 1e3  # change of the tractions over the residual asked for below which 
 _DIRECTIONS = 40  # of the linear solution, at most
 
 
-def frictional_newton(
-    batch: Batch, options: Options
-) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
+def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
     """Begin the method for profiles or for maps, or for either beside a law of the gap."""
     if batch.interface.normal_law is not None:
         return FrictionalLawNewton(batch, options)
@@ -86,6 +84,8 @@ class FrictionalNewton:
         self._fewest = np.full(rows, n)  # and the fewest that any step did
         self._patience = np.full(rows, _PATIENCE)
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest pressure
+        # nodes that stick where they touch down, free of traction, as an infinite friction has pulled them off before
+        self._loose = np.zeros((rows, n), dtype=np.bool_)
         self._guess = self._first_guess(batch, options)
 
     @property
@@ -130,7 +130,8 @@ class FrictionalNewton:
         n, products, guess = self.field.n, self._products, self._guess
         total = self.load[i] * n if self._free_mean else None
         spent = self._spent
-        problem = StickSlip(guess.contact[i], guess.slip[i], self._friction, total, self._drifts, self._inverses)
+        contact, slip, loose = guess.contact[i], guess.slip[i], self._loose[i]
+        problem = StickSlip(contact, slip, self._friction, total, self._drifts, self._inverses, loose)
         asked = problem.restricted(self._anchor[i, :n], self.wall[i, :n])
         x = problem.unknowns(guess.pressure[i], guess.shear[i])
         u = products.deflect(i, *problem.tractions(x))
@@ -167,12 +168,16 @@ class FrictionalNewton:
             slid[middle] = 0.0  # whatever rounding leaves of it
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
-        self._products.tangential[i, :n] = np.where(bears & (slip * slid <= 0.0), anchor, u[0])
+        stays = bears & (slip * slid <= 0.0)
         better = revised(contact, slip, shear, pressure, wall - u[1], slid, self._friction, self._rounding[i])
         if middle >= 0:  # nothing held the body, so that all may have slipped the wrong way
             better[1][:] = np.sign(slid) * better[0]
         wrong = np.flatnonzero((better[0] != contact) | (better[1] != slip))
-        other = self._to_change(i, wrong, whole=middle >= 0)
+        other = self._to_change(i, wrong, whole=middle >= 0 or np.isinf(self._friction))
+        if np.isinf(self._friction):
+            self._loose[i, other] |= contact[other] & ~better[0][other]
+            anchor[:] = np.where(self._loose[i], u[0], anchor)
+        self._products.tangential[i, :n] = np.where(stays, anchor, u[0])
         contact[other], slip[other] = better[0][other], better[1][other]
         guess.pressure[i] = np.maximum(pressure, 0.0)
         most = bound(self._friction, guess.pressure[i])

@@ -149,6 +149,9 @@ class MapFrictionalNewton:
         guess.give[:] = 0.0
         moves = goes_on & ~leaves
         guess.give[moves] = size[moves] / most[moves]
+        if np.isinf(self._friction):  # what its traction pulls off sticks where it touches down, free of traction
+            guess.loose |= leaves
+            anchor = self._anchor[own, :n] = np.where(guess.loose, u[:2], anchor)
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[2], wall))
         # a slipping node has slid exactly against its traction, any other that bears a pressure not at all; of a long
@@ -175,5 +178,9 @@ class MapFrictionalNewton:
             active = active[solver.residual(active) > _SETTLED]
         u, ku = solver.displacement, solver.restoring
         solver.certificate.pressure(u, ku, solver.wall, solver.load, every, n, ku)
-        guesses = [MapGuess(p > 0.0, np.zeros((2, n)), np.zeros(n), np.array([0.0 * p, 0.0 * p, p])) for p in ku[:, :n]]
+        nothing, nowhere = np.zeros((2, n)), np.zeros(n, dtype=np.bool_)
+        guesses = [
+            MapGuess(p > 0.0, nothing.copy(), np.zeros(n), np.array([0.0 * p, 0.0 * p, p]), nowhere.copy())
+            for p in ku[:, :n]
+        ]
         return guesses, solver.n_transforms.copy()

@@ -5,21 +5,21 @@ from dataclasses import replace
 import numpy as np
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.friction_sets import bound, middle_slip
 from gfmd_numba.solvers.iteration import Batch, Start, by_component
-from gfmd_numba.solvers.law_stick_slip import LawGuess, LawStickSlip
+from gfmd_numba.solvers.law_guess import LawGuess, descended, next_normal
+from gfmd_numba.solvers.law_stick_slip import LawStickSlip
 from gfmd_numba.solvers.map_products import MapProducts
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.law_tractions import MapTractions, ProfileTractions
-from gfmd_numba.solvers.truncated_newton import TruncatedNewton
 
-_DESCENT, _SETTLED = 60, 0.01  # steps of the contact without slip's changes, at most; residual with which it is left
+_SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first descent of the normal contact is left, later ones
 _INNER = 0.02  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
@@ -113,7 +113,7 @@ class FrictionalLawNewton:
         strongest = np.abs(self._law.traction(self.wall[sure, :n] - self.displacement[sure, :n])).max(axis=1, initial=0)
         residual[stands] = certificate.residual(self.load, sure, strongest)
         self._last[sure[residual[stands] > self._asked]] *= _TIGHTEN
-        return residual
+        return np.asarray(residual)
 
     def _own(self, i: int) -> list[int]:
         """Rows of the tangential components of a row."""
@@ -140,34 +140,25 @@ class FrictionalLawNewton:
 
     def _descended(self, i: int, shear: Reals, settled: float = _SETTLED) -> LawGuess:
         """Guess of the normal contact under given tangential tractions, from the displacement stored."""
-        n, batch, row = self.field.n, self._batch, np.arange(1)
-        shape = (1, *batch.punch.shape[1:])
-        lifted = np.zeros(n)
+        n, batch, lifted = self.field.n, self._batch, np.zeros(self.field.n)
         if shear.any():
             lifted = self._deflect(i, np.array([*shear, np.zeros(n)]))[-1]
-        wall = self.wall[i, :n]
-        punch, start = (wall - lifted).reshape(shape), (self.displacement[i, :n] - lifted).reshape(shape)
+        shape = (1, *batch.punch.shape[1:])
+        punch, start = self.wall[i, :n] - lifted, self.displacement[i, :n] - lifted
         normal = replace(
             batch,
-            punch=punch,
+            punch=punch.reshape(shape),
             stiffness=self._condensed,
             load=None if batch.load is None else self.load[[i]],
             interface=replace(batch.interface, friction=None),
-            start=replace(Start.at_rest(punch), displacement=start),
+            start=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
         )
-        solver = TruncatedNewton(normal, Options("truncated_newton", residual=settled))
-        for _ in range(_DESCENT):
-            if not solver.residual(row)[0] > settled:
-                break
-            solver.advance(row)
-        self._spent[i] += solver.n_transforms[0]
-        touches = solver.displacement[0, :n] >= punch.ravel()
-        pressure = np.where(touches, np.maximum(solver.load[0] - solver.restoring[0, :n], 0.0), 0.0)
-        contact = pressure > 0.0
-        u = np.where(contact, wall, np.minimum(solver.displacement[0, :n] + lifted, wall))
+        found, pressure, transforms = descended(normal, settled)
+        self._spent[i] += transforms
+        wall, contact = self.wall[i, :n], pressure > 0.0
+        u = np.where(contact, wall, np.minimum(found + lifted, wall))
         pressure = np.where(contact, pressure, -self._law.traction(wall - u))
-        nowhere = np.zeros_like(contact)
-        return LawGuess(contact, np.zeros_like(shear), np.zeros(n), np.array([*shear, pressure]), u, nowhere)
+        return LawGuess.sticking(contact, np.array([*shear, pressure]), u)
 
     def _step(self, i: int) -> None:
         n, guess = self.field.n, self._guesses[i]
@@ -187,16 +178,23 @@ class FrictionalLawNewton:
         if self._changed[i] or self._moved[i] > _CLOSE * self._asked:
             aim = max(aim, self._inner[i] * moved)
         self._moved[i] = moved / peak if peak > 0.0 else moved and np.inf
-        found: list[Reals] = []
+        found: list[Reals] = []  # of profiles: maps are too large to keep them
 
         def product(direction: Reals) -> Reals:
-            found.append(problem.deflected(direction))
-            return problem.correction(problem.restricted(found[-1], direction))[0]
+            displaced = problem.deflected(direction)
+            if self._components == 1:
+                found.append(displaced)
+            return problem.correction(problem.restricted(displaced, direction))[0]
 
         basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS, change.size))
         x += shares @ basis
+        if not np.isfinite(x).all():
+            self._moved[i] = np.nan
+            return
         for share, displaced in zip(shares, found, strict=False):
             u += share * displaced
+        if self._components > 1 and shares.size:
+            u = problem.deflected(x, known=True)
         problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
         self._revise(i, u, problem.tractions(x))
 
@@ -241,7 +239,9 @@ class FrictionalLawNewton:
         part = np.divide(held, strength, out=np.ones(n), where=strength > held)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[-1], wall))
         self._products.tangential[own, :n] = self._slid_against(u[:-1], anchor, tractions[:-1], bears, slips, held)
-        guess.normal = np.where(guess.contact, wall, self._next_gap(guess, wall, u[-1], tractions[-1], contact))
+        guess.normal = np.where(
+            guess.contact, wall, next_normal(self._law, guess.normal, wall, u[-1], -tractions[-1], ~contact)
+        )
         pull = self._law.traction(wall - guess.normal)
         own_pressure = np.where(guess.contact, np.maximum(pressure, 0.0), -pull)
         guess.tractions = np.array([*(part * tractions[:-1]), own_pressure])
@@ -254,7 +254,7 @@ class FrictionalLawNewton:
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = (own_pressure - np.where(guess.contact, pull, 0.0)).mean()
 
-    def _slid_against(self, u: Reals, anchor: Reals, shear: Reals, bears: Reals, slips: Reals, held: Reals) -> Reals:
+    def _slid_against(self, u: Reals, anchor: Reals, shear: Reals, bears: Flags, slips: Flags, held: Reals) -> Reals:
         """Tangential displacements in which a slipping node has slid exactly against its traction, others not."""
         slid = u - anchor
         forth = np.where(slips, -(slid * shear).sum(axis=0), 0.0)
@@ -265,22 +265,13 @@ class FrictionalLawNewton:
         far = (forth > 0.0) & (size * self._near.tangential_of_a_node > held)
         return np.where(bears & ~far, anchor - against * shear, u)
 
-    def _next_gap(self, guess: LawGuess, wall: Reals, u: Reals, pressure: Reals, contact: Reals) -> Reals:
-        """Displacement about which the law is linear next: where a repulsion rises, that of the traction found."""
-        gap = wall - guess.normal
-        pull, slope = self._law.traction(gap), -self._law.stiffness(gap)
-        found = np.minimum(u, wall)
-        rises = ~contact & (slope < 0.0) & (pressure > -pull) & (pull < 0.0)
-        length = np.divide(pull, slope, out=np.zeros_like(pull), where=rises)
-        ratio = np.divide(pressure, -pull, out=np.ones_like(pull), where=rises)
-        return np.where(rises, np.minimum(guess.normal + length * np.log(ratio), wall), found)
-
     def _tell(self, i: int, changed: int) -> None:
         """Remember how far a step has come, and lose patience if that is no closer."""
         if changed > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         self._changed[i] = changed
         comes_closer = self._moved[i] < _CLOSER * self._nearest[i] or changed < self._fewest[i]
+        comes_closer |= changed == 0 and self._moved[i] < _CLOSE * self._asked
         self._patience[i] = _PATIENCE if comes_closer else self._patience[i] - 1
         self._nearest[i], self._fewest[i] = min(self._moved[i], self._nearest[i]), min(changed, self._fewest[i])
 
@@ -288,6 +279,6 @@ class FrictionalLawNewton:
         """Descend to the normal contact under the tangential tractions found."""
         guess = self._guesses[i]
         shear = guess.tractions[:-1] * guess.contact
-        found = self._descended(i, shear, max(_SETTLED * _TIGHTEN ** self._tries[i], 1e-5))
+        found = self._descended(i, shear, max(_SETTLED * _TIGHTEN ** self._tries[i], _MOST_SETTLED))
         found.direction, found.loose = guess.direction * found.contact, guess.loose
         self._guesses[i] = found

@@ -5,14 +5,17 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
+from gfmd_numba.solvers.decay_newton import DecayNewton
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
 from gfmd_numba.solvers.friction_sets import bound, middle_slip, revised
 from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
-from gfmd_numba.solvers.iteration import Batch, Iteration
+from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
+from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
@@ -38,7 +41,7 @@ def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | Map
     return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
 
 
-def frictionless_newton(batch: Batch, options: Options) -> Iteration:
+def frictionless_newton(batch: Batch, options: Options) -> TruncatedNewton | ActiveSetNewton | DecayNewton | MapNewton:
     """Begin Newton's method where friction has no effect, with or without a law of the gap."""
     return TruncatedNewton(batch, options) if batch.interface.normal_law is not None else newton(batch, options)
 

@@ -6,12 +6,12 @@ law is linear about the last gap: traction = given + slope (u - last u).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.solvers.law_guess import LawGuess
 
 _STIFF = 0.3  # slope of a repulsion times the compliance of a node from which on it is told by its inverse
 
@@ -33,24 +33,6 @@ class Preconditioner(Protocol):
     def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
         """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
         ...
-
-
-@dataclass
-class LawGuess:
-    """What is guessed of a row `[n]`, and the tractions found last.
-
-    Nodes in contact; directions of slip `[component, n]`, 0 where they stick; slip over friction. `tractions`
-    `[component + 1, n]` are tangential ones, then the pressure on touching nodes and minus the law's traction on
-    others, which is linear about the displacement `normal`. Nodes that are `loose` bear no tangential traction: an
-    infinite friction has pulled them off, and they stick where they touch down again.
-    """
-
-    contact: Flags
-    direction: Reals
-    give: Reals
-    tractions: Reals
-    normal: Reals
-    loose: Flags
 
 
 class LawStickSlip:
@@ -87,7 +69,7 @@ class LawStickSlip:
         at = guess.normal[self._pressed]
         self._asked = np.where(touches, -at, -scale * pull[self._pressed] - self._closing * at)
         self._soften = 1.0 / np.sqrt(1.0 + self._own[: self._held] * near.normal_of_a_node)
-        slips = guess.direction.any(axis=0)
+        slips = np.asarray(guess.direction.any(axis=0))
         of_touching = np.flatnonzero(touches)
         of_slipping = of_touching[slips[self._pressed[of_touching]]]
         self._of_stuck = of_touching[~(slips | guess.loose)[self._pressed[of_touching]]]

@@ -223,12 +223,11 @@ class FrictionalLawNewton:
         guess.give[:] = 0.0
         guess.give[goes_on] = size[goes_on] / held[goes_on]
         bears = contact & ~leaves
-        changes = leaves | joins | gives_way | turns_back
-        wrong = np.flatnonzero(changes)
+        wrong = np.flatnonzero(leaves | joins | gives_way | turns_back)
         self._tell(i, wrong.size)
         if self._tries[i] > 0 and self._tries[i] % 3 == 0 and wrong.size > 1:
             others = wrong[:-1]
-            changes[others] = leaves[others] = joins[others] = False
+            leaves[others] = joins[others] = False
             direction[:, others] = guess.direction[:, others]
             guess.give[others] = 0.0
         if np.isinf(self._friction):

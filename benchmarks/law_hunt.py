@@ -153,17 +153,22 @@ def violation(problem, contact, sliding, before):
     return worst / largest, rounding
 
 
-def follow(kind, seed):
-    """Status of the last step, the worst violation over what is allowed, and transforms a step; None if refused."""
+def follow(kind, seed, solver):
+    """Status of the last step, the worst violation over what is allowed, and transforms and iterations of each step.
+
+    None if the scene is refused.
+    """
+    scene = random_scene(kind, seed)
+    scene["numerics"]["solver"] = solver
     try:
-        path = load_path(read_contact(*load_scene(random_scene(kind, seed))))
+        path = load_path(read_contact(*load_scene(scene)))
     except InputError as error:
         return None if "resolve" in str(error) or "room" in str(error) else sys.exit(f"{seed}: {error}")
     before, worst, spent, status = None, 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore"):
         for problem, (sliding,), contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
-            spent.append(int(contact.equilibrium.n_transforms[0]))
+            spent.append((int(contact.equilibrium.n_transforms[0]), int(contact.equilibrium.n_iterations[0])))
             if status != Status.ok:
                 break
             found, rounding = violation(problem, contact, sliding, before)
@@ -173,21 +178,25 @@ def follow(kind, seed):
 
 
 if __name__ == "__main__":
-    kind, ended, transforms, failed = sys.argv[1], Counter(), [], 0
+    kind, ended, steps, failed = sys.argv[1], Counter(), [], 0
+    solver = sys.argv[4] if len(sys.argv) > 4 else "auto"
     started = time.process_time()
     for seed in range(*map(int, sys.argv[2:4])):
-        result = follow(kind, seed)
+        result = follow(kind, seed, solver)
         if result is None:
             ended["refused"] += 1
             continue
         status, worst, spent = result
         ended[status.name] += 1
-        transforms += spent
+        steps += spent
         if status != Status.ok:
-            print(f"{kind} {seed}: {status.name} in step {len(spent)} after {spent[-1]} transforms", flush=True)
+            print(f"{kind} {seed}: {status.name} in step {len(spent)} after {spent[-1][0]} transforms", flush=True)
         if not worst <= 1.0:
             failed += 1
             print(f"{kind} {seed}: called ok, but violated by {worst:.1e} times what is allowed", flush=True)
-    print(f"{kind}: {dict(ended)}; {failed} fail the check; transforms a step: median {np.median(transforms):.0f},")
-    seconds = time.process_time() - started
-    print(f"ninth decile {np.percentile(transforms, 90):.0f}, most {max(transforms)}; {seconds:.0f} s")
+    transforms, iterations = np.array(steps).T
+    low, median, high, ninth = np.percentile(transforms, (25, 50, 75, 90))
+    print(f"{kind} by {solver}: {dict(ended)}; {failed} fail the check; of {transforms.size} steps", end=" ")
+    print(f"{(iterations > NEWTON).sum()} took more than {NEWTON} iterations; transforms a step: median {median:.0f}")
+    print(f"({low:.0f} to {high:.0f}), ninth decile {ninth:.0f}, most {transforms.max()};", end=" ")
+    print(f"{time.process_time() - started:.0f} s")

@@ -30,13 +30,12 @@ class Refusal:
 _AT_ORDER_0 = {
     "friction on maps": "friction on a map",
     "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
-    "friction by dynamics": "friction that solver verlet follows (.inf, a law of the gap)",
+    "friction by dynamics": "friction with coefficient .inf, beside a law of the gap, or by solver verlet",
     **{name: f"a {name} law" for name, law in LAWS.items() if law.tangential and name != "friction"},
     "hardness": "a hardness",
     "prescribed tractions": "a boundary",
     "layers": "layers",
 }
-_COMPRESSIBLE = "a number below 0.5, as no solver combines a rigid mean displacement with {}"
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
@@ -54,12 +53,6 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
         elif LAWS[first].ability == LAWS[second].ability:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
-
-# each two of these go together, but all three do not
-FRICTION_AND_LAW_AT_A_RIGID_MEAN = ("friction", "normal law", "rigid mean")
-REFUSAL_OF_THREE = Refusal(
-    "friction", "rigid mean", _COMPRESSIBLE.format("both friction and a law of the gap"), "not built yet"
-)
 
 REFUSALS = (
     Refusal(
@@ -127,7 +120,6 @@ REFUSALS = (
         "not built yet",
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
-    Refusal("sticking", "rigid mean", _COMPRESSIBLE.format("an infinite coefficient of friction"), "not built yet"),
     *(
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")

@@ -55,7 +55,7 @@ PHRASES = {
     "displacement": "a prescribed displacement of the punch",
     "fields inside": "`gfmd fields`",
     "force": "a load `force`",
-    "friction by dynamics": "friction that `verlet` follows",
+    "friction by dynamics": "friction that sticks everywhere, is beside a law of the gap, or is solved by `verlet`",
     "friction on maps": "friction on a map (`dimension: 2`)",
     "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
     "half-space": "a half-space",

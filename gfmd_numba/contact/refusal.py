@@ -5,7 +5,7 @@ from itertools import chain
 from math import isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import FRICTION_AND_LAW_AT_A_RIGID_MEAN, REFUSAL_OF_THREE, REFUSALS, Refusal
+from gfmd_numba.contact.combinations import REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Boundary, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
@@ -255,9 +255,6 @@ def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Loca
     """Refusals of a solver that cannot do what the scene asks for, and of options that it does not have."""
     needs = [name for name in ABILITIES if name in found]
     others = able(needs)
-    if all(feature in found for feature in FRICTION_AND_LAW_AT_A_RIGID_MEAN):
-        yield from ((location, REFUSAL_OF_THREE) for location in found["rigid mean"])
-        return
     solver = numerics.solver if numerics.solver != "auto" else next(iter(others), None)
     if solver is None:
         return

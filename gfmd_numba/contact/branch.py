@@ -15,6 +15,7 @@ from gfmd_numba.solvers.stability import smallest_curvature
 from gfmd_numba.solvers.status import Status
 
 _LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
+_HELD = 1e-2  # of the work of adhesion, which a node that a law of gap and slip holds has gained at least
 _CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
 _UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
 _DIVISIONS = 12  # halvings of a step at most
@@ -46,7 +47,8 @@ class _Point:
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
         gap, slip = self.contact.punch - found.displacement, self.sliding[0] - found.tangential.displacement
-        return float(np.maximum(-laws.cohesive.energy(gap, slip), 0.0).mean())
+        gained = -laws.cohesive.energy(gap, slip)
+        return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:
         """Work on the way to another point if all of it were done by the forces here, and by those there."""

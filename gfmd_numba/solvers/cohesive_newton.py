@@ -46,7 +46,7 @@ class CohesiveNewton(TruncatedNewton):
         self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._sideways, self._together = slice(0, n), np.zeros(n)
         self._u = np.zeros_like(self._source)
-        self._u[:, :n] = batch.start.tangential
+        self._u[:, :n] = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
         self._u[:, length : length + n] = let_go(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
         self._parallel = ParallelLaw((compliance.s11, compliance.s33), n, length)
         self._nowhere = np.broadcast_to(np.nan, (rows, n))

@@ -74,9 +74,9 @@ class XuNeedlemanLaw:
         g, closer, along = gap / self.normal, closing / self.normal, dragged / self.tangential
         along *= 2.0 * slip / self.tangential - along
         overlapping = np.where(g < 0.0, np.maximum(closer, g), np.maximum(closer - g, 0.0))  # what closes below zero
-        opens = _envelope_change(np.maximum(g, 0.0), closer - overlapping, along)
-        overlaps = _envelope_change(np.minimum(g, 0.0), overlapping, 0.0)
-        return np.asarray(-self.work * (np.exp(-((slip / self.tangential) ** 2)) * opens + overlaps))
+        opens = _envelope_change(np.maximum(g, 0.0), (slip / self.tangential) ** 2, closer - overlapping, along)
+        overlaps = _envelope_change(np.minimum(g, 0.0), 0.0, overlapping, 0.0)
+        return np.asarray(-self.work * (opens + overlaps))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Bound of the stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
@@ -103,7 +103,9 @@ class XuNeedlemanLaw:
         return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))
 
 
-def _envelope_change(g: Reals, closing: Reals, more: Reals | float) -> Reals:
-    """Change of (1 + g) exp(-g) as g decreases by `closing` and a factor exp(more) comes."""
-    growth = np.expm1(closing + more)
-    return np.asarray(np.exp(-g) * ((g - closing) * growth + (growth - closing)))
+def _envelope_change(g: Reals, slipped: Reals | float, closing: Reals, back: Reals | float) -> Reals:
+    """Change of (1 + g) exp(-g - slipped) as g decreases by `closing` and what has slipped by `back`."""
+    before, more = np.exp(-g - slipped), closing + back
+    small = before * np.expm1(np.minimum(more, 1.0))
+    growth = np.where(more > 1.0, np.exp(more - g - slipped) - before, small)  # `before` may be less than any number
+    return np.asarray((g - closing) * growth + growth - closing * before)

@@ -22,6 +22,10 @@ def test_random_maps_are_solved(kind):
     assert hunt(kind, range(20, 25)) == ([], [])
 
 
+def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
+    assert hunt("cohesive", [1523]) == ([], [])
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_sixty_random_maps_are_solved(kind):

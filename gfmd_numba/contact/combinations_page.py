@@ -59,6 +59,7 @@ PHRASES = {
     "friction on maps": "friction on a map (`dimension: 2`)",
     "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
     "half-space": "a half-space",
+    "higher topography_order": "a `topography_order` above 0",
     "higher topography_order of a map": "a `topography_order` above 0 of a map",
     "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",

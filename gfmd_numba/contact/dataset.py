@@ -14,7 +14,7 @@ from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.scene import LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -132,6 +132,11 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
+    if problem.tractions is not None:
+        sideways = np.reshape(problem.tractions.tangential, (-1, *contact.heights.shape[1:]))
+        for component, values in zip(COMPONENTS[scene.dimension], (*sideways, problem.tractions.normal), strict=True):
+            long_name = f"prescribed traction on the body, {component.way}"
+            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
@@ -141,10 +146,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
-    values = measure(contact)
+    measures = measure(contact)
     for name, row in recorded(problem.interface.hardness is not None).items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)
-        dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
+        dataset[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)

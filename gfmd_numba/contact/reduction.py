@@ -12,13 +12,13 @@ import numpy as np
 
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body, stiffness_scale
 from gfmd_numba.contact.prescribed_load import reduced_load
-from gfmd_numba.contact.problem import CounterBody, Effect, GivenSurface, Problem
+from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.reduced_units import in_reduced_units
 from gfmd_numba.solvers.options import Options
@@ -29,12 +29,15 @@ _ROUNDING = float(np.finfo(float).eps) / 2
 
 def reduce(
     scene: Scene,
-    surface: RandomSurface | GivenSurface,
+    surface: Surface,
     rms_gradient: float,
     numerics: Numerics,
     tractions: Tractions | None = None,
+    rough: RoughBodies | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
     """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    `rough` are its bodies where their topographies are followed, whose sum the surface is.
 
     Raises ValueError for a load that is beyond all measure beside the rms gradient and the moduli, or that the hardness
     cannot carry.
@@ -53,12 +56,14 @@ def reduce(
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
+    if rough is not None:  # what the flat bodies do without, their topographies may need
+        elasticity = tuple(effect for effect in elasticity if effect.state != "dropped")
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None
     if facing is not None:
         other = _body(facing.body, interface, displacement is not None, False, tolerance)[0]
         counter = CounterBody(other, facing.share)
-    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
+    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter, rough=rough)
     return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import GivenSurface, Problem
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
@@ -19,12 +20,14 @@ class Followed:
     """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*).
+    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
+    displacement of the punch along x at the jump (g L_x).
     """
 
     lost: float
     jump_at: float
     least_pressure: float = np.nan
+    jump_sliding: float = np.nan
 
 
 NOTHING_LOST = Followed(0.0, np.nan)
@@ -36,8 +39,9 @@ class Contact:
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `followed` tells of the
-    step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
+    `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `followed`
+    tells of the step of a path that led here, None where steps are not divided. `found` is what observables have found
+    of it.
     """
 
     heights: Reals
@@ -63,6 +67,7 @@ def solve(
     `before`.
     """
     surface = problem.surface
+    assert not isinstance(surface, SummedSurface)  # `two_step` draws it
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
@@ -71,7 +76,7 @@ def solve(
     punch -= raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
-        coupled = problem.body.coupled_stiffness(problem.surface.nx)
+        coupled = problem.body.stiffness_of_all(problem.surface.shape)
         share = 1.0 if problem.counter is None else 1.0 - problem.counter.share  # of E* in that of the body
         deflected = coupled.deflection(share * problem.tractions.tangential, share * problem.tractions.normal)
         punch -= deflected[1]
@@ -92,13 +97,12 @@ def _stiffness(problem: Problem) -> Stiffness:
     shape, counter = problem.surface.shape, problem.counter
     if not problem.interface.couples:
         return condensed_stiffness(problem, grid.magnitudes(shape))
+    if counter is None:
+        return problem.body.stiffness_of_all(shape)
     if len(shape) == 2:
         of_map = problem.body.coupled_stiffness_of_map(shape)
-        return (
-            of_map if counter is None else of_map.in_series(counter.body.coupled_stiffness_of_map(shape), counter.share)
-        )
-    own = problem.body.coupled_stiffness(shape[0])
-    return own if counter is None else own.in_series(counter.body.coupled_stiffness(shape[0]), counter.share)
+        return of_map.in_series(counter.body.coupled_stiffness_of_map(shape), counter.share)
+    return problem.body.coupled_stiffness(shape[0]).in_series(counter.body.coupled_stiffness(shape[0]), counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -1,14 +1,17 @@
 """Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.prescribed_load import Sliding
+from gfmd_numba.contact.problem import DeformableBody, Problem, given_surface
 from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_topography import MapResponse
@@ -68,8 +71,8 @@ def solve(
     """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged. Of maps only order 0 is known. With friction
-    each round begins where the last step ended, and a body's topography carries its nodes along x, too.
+    residual of the problem; where it does not, the run is not converged. With friction each round begins where the last
+    step ended, and a profile's topography carries its nodes along x, too; on maps only order 0 is then known.
     """
     start = None if before is None else before.contact.equilibrium
     rubs_along = problem.interface.couples and order > 0
@@ -77,11 +80,14 @@ def solve(
     if before is not None and rubs_along:
         raised[0], since = _raised(before.responses, problem, gradient), _shifted(before.responses, gradient)
     shifted = since
+    spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
     for round_ in range(_MOST_ROUNDS):
         way = (shifted - since)[np.newaxis] if rubs_along else None
         solved = solution.solve(problem, range(1), start, sliding, raised, way)
+        found = solved.equilibrium
         if not rubs_along:
-            start = solved.equilibrium
+            start = found
+        spent.append((found.n_iterations, found.n_transforms, found.wall_time))
         responses = _responses(problem, solved, bodies, gradient, order)
         new = _raised(responses, problem, gradient)
         along = _shifted(responses, gradient) if rubs_along else shifted
@@ -94,6 +100,9 @@ def solve(
     else:
         failed = np.full_like(solved.equilibrium.status, Status.not_converged)
         solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
+    iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
+    all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
+    solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
     following = _responses(problem, solved, bodies, gradient, order + 1)
     return Pressed(solved, responses, sum(response.highest_order for response in following))
 
@@ -121,6 +130,36 @@ def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: f
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
     return None if along is None else body.share * along, body.share * pressure
+
+
+def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Pressed]:
+    """Press the rough bodies of a problem together at each of several loads, each begun where the last one ended.
+
+    Raises ValueError as `rough_body` does, and for surfaces that add up to nothing.
+    """
+    first = problems[0]
+    assert isinstance(first.surface, SummedSurface)  # the promise of the reduction
+    assert first.rough is not None
+    drawn = first.surface.drawn(realisation)
+    bodies = tuple(rough_body(each, drawn) for each in first.rough.bodies)
+    together, gradient = given_surface(np.sum(drawn, axis=0), first.surface.rms_gradient)
+    before: Pressed | None = None
+    for problem, slid in zip(problems, sliding, strict=True):
+        before = solve(replace(problem, surface=together), bodies, gradient, first.rough.order, before, slid)
+        yield before
+
+
+def rough_body(body: DeformableBody, drawn: Sequence[Reals]) -> RoughBody:
+    """A deformable body, the surfaces `[(y,) x]` having `drawn` these heights (L_x).
+
+    Raises ValueError for a topography that reaches through it.
+    """
+    heights = np.zeros_like(drawn[0]) if body.part is None else drawn[body.part]
+    height = body.elastic.aspect_ratio
+    if height is not None and max(-float(heights.min()), float(heights.max())) >= height:
+        span = f"from {heights.min():.3g} to {heights.max():.3g} L_x"
+        raise ValueError(f"a topography {span} is not within the height {height:g} L_x of its body")
+    return RoughBody(body.elastic, heights, body.share, body.side)
 
 
 def _responses(

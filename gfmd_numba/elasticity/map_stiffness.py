@@ -76,6 +76,15 @@ class MapStiffness:
             found[element, 0, 0] = 1.0 / k if k > 0.0 else 0.0
         return found
 
+    def deflection(self, tangential: Reals, normal: Reals) -> tuple[Reals, Reals]:
+        """Displacements `[2, ny, nx]` and `[ny, nx]` under tractions in E*; 0 in a mean that nothing restores."""
+        x, y = grid.coefficients(tangential, 2)
+        z = grid.coefficients(normal, 2)
+        xx, xy, yy, xz, yz, zz = self.compliance()
+        along = np.stack((xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z))
+        out = zz * z - 1j * (xz * x + yz * y)
+        return grid.signal(along, *normal.shape), grid.signal(out, *normal.shape)
+
     def in_series(self, other: "MapStiffness", share: float) -> "MapStiffness":
         """Stiffness of two bodies that face each other, for how far they approach and slide past each other.
 

@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
-
-Rows = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -31,15 +28,15 @@ class RigidMean:
         mean = punch.reshape(len(punch), -1).mean(axis=1)
         return cls(float(stiffness[np.isfinite(stiffness)].max()), mean < 0.0)
 
-    def violation(self, u: Reals, active: Rows, n: int) -> Reals:
+    def violation(self, u: Reals, active: Indices, n: int) -> Reals:
         """Return the violation `[active]` by the mean of the displacements, as a traction in E*."""
         return np.asarray(self.stiffest * np.abs(u[active, :n].mean(axis=1)))
 
     @staticmethod
-    def drift(u: Reals, active: Rows, n: int) -> Reals:
+    def drift(u: Reals, active: Indices, n: int) -> Reals:
         """Return the mean of the displacements over the largest one `[active]`."""
         mean, largest = np.abs(u[active, :n].mean(axis=1)), np.abs(u[active, :n]).max(axis=1)
-        return np.divide(mean, largest, out=np.zeros(mean.shape), where=largest > 0.0)
+        return np.asarray(np.divide(mean, largest, out=np.zeros(mean.shape), where=largest > 0.0))
 
 
 class Certificate:
@@ -56,7 +53,7 @@ class Certificate:
         self.hardness, self.rigid_mean = hardness, rigid_mean
         self.worst, self.peak, self.imbalance, self.drift = np.zeros((4, rows))
 
-    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
+    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
         kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
         if self.rigid_mean is not None:
@@ -64,11 +61,11 @@ class Certificate:
             self.worst[self.rigid_mean.impossible] = np.inf
             self.drift[active] = self.rigid_mean.drift(u, active, n)
 
-    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
         kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
 
-    def residual(self, load: Reals, active: Rows, strongest: Reals | float = 0.0) -> Reals:
+    def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 
         Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere

@@ -68,14 +68,14 @@ SOLVERS = {
         "and slip",
         can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "cohesive law", "rigid mean"}),
         condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
-        coupled="gfmd_numba.solvers.cohesive_newton:CohesiveNewton",
+        coupled="gfmd_numba.solvers.map_cohesive_newton:cohesive_newton",
         block_samples=2**18,
     ),
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "friction", "rigid mean"}),
-        condensed="gfmd_numba.solvers.bounded_newton:newton",
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"}),
+        condensed="gfmd_numba.solvers.frictional_newton:frictionless_newton",
         coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
         block_samples=2**18,
         gives_up_after=100,  # usually below 12

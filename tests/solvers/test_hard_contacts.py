@@ -230,7 +230,7 @@ def incompressible(nodes, room_left, mu=0.0, numerics=None):
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("room_left", [1e-2, 3e-3, 1e-4])
 def test_an_incompressible_slab_that_hardly_has_room_left_keeps_its_volume(nodes, mu, room_left):
-    """Full contact, the first guess on so small a grid, leaves no pressure: a uniform one that grows deforms nothing."""
+    """Of full contact, the first guess on so small a grid, the uniform pressure grows without bound."""
     found, room = incompressible(nodes, room_left, mu)
     assert int(found["status"]) == Status.ok
     gap, pressure = found["gap"].values, found["pressure"].values

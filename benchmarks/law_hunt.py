@@ -1,7 +1,9 @@
 """Random scenes with laws between the surfaces: how each path ends, and an independent check of every step called ok.
 
 `python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
-are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction and friction_and_law.
+are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction, friction_and_law (of
+attraction), friction_and_repulsion, rigid_friction_and_law, and three in which touching nodes stick: sticking,
+sticking_and_law and rigid_sticking. A further argument names a solver in place of the automatic one.
 """
 
 import sys
@@ -18,7 +20,11 @@ from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import following
 from gfmd_numba.solvers.status import Status
 
-KINDS = ("exponential", "cohesive", "rigid", "friction", "friction_and_law")
+KINDS = (
+    *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
+    *("rigid_friction_and_law", "sticking", "sticking_and_law", "rigid_sticking"),
+)
+NEWTON = 100  # steps after which damped dynamics takes over
 
 
 def random_scene(kind, seed):
@@ -28,7 +34,7 @@ def random_scene(kind, seed):
     inverse = [int(rng.choice(each)) for each in ([1, 2, 4, 8], [8, 32, 64, 128], [1, 2])]
     aspect_ratio, nu = rng.choice([None, 1.0, 0.3, 0.1, 1.0]), float(rng.choice([0.0, 0.3, 0.45, 0.49, 0.3, 0.5]))
     loaded = rng.random() < 0.5
-    if kind == "rigid":
+    if kind.startswith("rigid"):
         aspect_ratio, nu, loaded = rng.choice([3.0, 1.0, 0.3, 0.1]), 0.5, False
     elif nu == 0.5:
         loaded = True
@@ -36,7 +42,8 @@ def random_scene(kind, seed):
         loaded = True
     interface, range_ = {}, 10 ** rng.uniform(-3.5, 0.0)
     work = 10 ** rng.uniform(-3, 0) * np.pi * np.prod(inverse) * range_**2
-    law = kind if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
+    law = kind.removeprefix("rigid_") if kind != "rigid" else str(rng.choice(["exponential", "cohesive"]))
+    rubs = "friction" in law or "sticking" in law
     if law == "cohesive":
         work *= np.e**2  # which softens less, at a gap of twice its normal length
         interface["cohesive"] = {
@@ -44,13 +51,14 @@ def random_scene(kind, seed):
             "normal_length": float(range_ * g),
             "tangential_length": float(range_ * g * 10 ** rng.uniform(-0.7, 0.7)),
         }
-    elif law != "friction":
-        if law == "exponential" and rng.random() < 0.4:
+    elif law not in ("friction", "sticking"):
+        if "repulsion" in law or (law == "exponential" and rng.random() < 0.4):
             work = -(10 ** rng.uniform(-5, 1)) * max(range_, 1e-3)
         interface["exponential"] = {"work_of_adhesion": float(work * g * g), "range": float(range_ * g)}
-    if "friction" in law:
-        interface["friction"] = {"coefficient": float(10 ** rng.uniform(-2, 0.3))}
-    if "friction" in law or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
+    if rubs:
+        coefficient = float(10 ** rng.uniform(-2, 0.3))
+        interface["friction"] = {"coefficient": np.inf if "sticking" in law else coefficient}
+    if rubs or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
         interface["hard_wall"] = {}
     deepest = 0.2 if nu < 0.5 else 0.05
     if loaded:
@@ -75,13 +83,21 @@ def random_scene(kind, seed):
         "path": path[1:],
         "discretisation": {name: 1 / each for name, each in zip(("eps_c", "eps_f", "eps_t"), inverse, strict=True)},
         "seed": int(rng.integers(1000)),
-        "numerics": {"max_iterations": 200000 if kind == "friction_and_law" else 2000},
+        "numerics": {"max_iterations": 200000 if rubs and kind != "friction" else 2000},
     }
 
 
 def unbalanced(bears, touching):
     """Largest traction that the wall cannot bear."""
     return np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+
+
+def unrubbed(bears, touching, shear, slid, friction):
+    """Largest tangential traction that friction does not balance; `slid` is 0 where that is not known."""
+    bound = np.multiply(friction, bears, out=np.zeros_like(bears), where=touching & (bears > 0.0))
+    slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
+    against = np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips])
+    return max((np.abs(shear) - bound).max(), against.max(initial=0.0))
 
 
 def violation(problem, contact, sliding, before):
@@ -110,22 +126,23 @@ def violation(problem, contact, sliding, before):
         drag = 2.0 * s / laws.cohesive.tangential * (1.0 + np.maximum(g, 0.0)) * decay
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
     touching = (u >= punch) & laws.hard_wall
+    slid = np.zeros(n)
+    if found.n_iterations[0] <= NEWTON:  # the dynamics has anchors of its own
+        start = following(before, contact.punch, sliding) if before is not None else None
+        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
+
+    def wrong(load):
+        bears = load - elastic + pull
+        rubbed = 0.0 if laws.friction is None else unrubbed(bears, touching, shear, slid, laws.friction)
+        return max(unbalanced(bears, touching), rubbed)
+
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
-        shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 41)
-        load += min(shifts, key=lambda shift: unbalanced(load + shift - elastic + pull, touching))
-    bears = load - elastic + pull
+        load += min(1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 401), key=lambda by: wrong(load + by))
+    bears, worst = load - elastic + pull, wrong(load)
     overlap = laws.hard_wall and (u > punch).any()
-    worst = unbalanced(bears, touching)
     largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
     if laws.friction is None:
         worst = max(worst, np.abs(shear - drag).max())
-    else:
-        start = following(before, contact.punch, sliding) if before is not None else None
-        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
-        bound = laws.friction * np.maximum(bears, 0.0) * touching
-        worst = max(worst, (np.abs(shear) - bound).max())
-        slips = touching & (slid != 0.0) & (laws.normal_law is None)  # the dynamics has anchors of its own
-        worst = max(worst, np.abs(shear + np.sign(slid) * bound)[slips].max(initial=0.0))
     if rigid:
         worst = max(worst, k33.max() * abs(u.mean()))
     pressure = np.where(touching, bears, 0.0) - pull
@@ -136,17 +153,22 @@ def violation(problem, contact, sliding, before):
     return worst / largest, rounding
 
 
-def follow(kind, seed):
-    """Status of the last step, the worst violation over what is allowed, and transforms a step; None if refused."""
+def follow(kind, seed, solver):
+    """Status of the last step, the worst violation over what is allowed, and transforms and iterations of each step.
+
+    None if the scene is refused.
+    """
+    scene = random_scene(kind, seed)
+    scene["numerics"]["solver"] = solver
     try:
-        path = load_path(read_contact(*load_scene(random_scene(kind, seed))))
+        path = load_path(read_contact(*load_scene(scene)))
     except InputError as error:
         return None if "resolve" in str(error) or "room" in str(error) else sys.exit(f"{seed}: {error}")
     before, worst, spent, status = None, 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore"):
         for problem, (sliding,), contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
-            spent.append(int(contact.equilibrium.n_transforms[0]))
+            spent.append((int(contact.equilibrium.n_transforms[0]), int(contact.equilibrium.n_iterations[0])))
             if status != Status.ok:
                 break
             found, rounding = violation(problem, contact, sliding, before)
@@ -156,21 +178,25 @@ def follow(kind, seed):
 
 
 if __name__ == "__main__":
-    kind, ended, transforms, failed = sys.argv[1], Counter(), [], 0
+    kind, ended, steps, failed = sys.argv[1], Counter(), [], 0
+    solver = sys.argv[4] if len(sys.argv) > 4 else "auto"
     started = time.process_time()
     for seed in range(*map(int, sys.argv[2:4])):
-        result = follow(kind, seed)
+        result = follow(kind, seed, solver)
         if result is None:
             ended["refused"] += 1
             continue
         status, worst, spent = result
         ended[status.name] += 1
-        transforms += spent
+        steps += spent
         if status != Status.ok:
-            print(f"{kind} {seed}: {status.name} in step {len(spent)} after {spent[-1]} transforms", flush=True)
+            print(f"{kind} {seed}: {status.name} in step {len(spent)} after {spent[-1][0]} transforms", flush=True)
         if not worst <= 1.0:
             failed += 1
             print(f"{kind} {seed}: called ok, but violated by {worst:.1e} times what is allowed", flush=True)
-    print(f"{kind}: {dict(ended)}; {failed} fail the check; transforms a step: median {np.median(transforms):.0f},")
-    seconds = time.process_time() - started
-    print(f"ninth decile {np.percentile(transforms, 90):.0f}, most {max(transforms)}; {seconds:.0f} s")
+    transforms, iterations = np.array(steps).T
+    low, median, high, ninth = np.percentile(transforms, (25, 50, 75, 90))
+    print(f"{kind} by {solver}: {dict(ended)}; {failed} fail the check; of {transforms.size} steps", end=" ")
+    print(f"{(iterations > NEWTON).sum()} took more than {NEWTON} iterations; transforms a step: median {median:.0f}")
+    print(f"({low:.0f} to {high:.0f}), ninth decile {ninth:.0f}, most {transforms.max()};", end=" ")
+    print(f"{time.process_time() - started:.0f} s")

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
@@ -106,7 +107,7 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
     if scene.body.is_half_space:
         for name in tangential:
             arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = surfaces.rms_gradient * effective_modulus(scene.body)
+    scale = surfaces.rms_gradient * contact_modulus(scene)
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
     return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
 
@@ -119,13 +120,17 @@ def check_room(
     `displacements` of the punch, in m or L_x, stand at their places in the document.
     """
     scene = file.scene
-    rigid_mean = scene.body.is_incompressible and not scene.body.is_half_space
-    if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
+    rigid_mean = all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
+    # at higher orders a body that is pressed moves what its topography takes up, too
+    is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
+    if scene.loading.displacement is None or not rigid_mean or not is_known:
         return
-    surface = surfaces.surface
-    one = range(file.realisation, file.realisation + 1)
-    heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
-    room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)
+    surface, gradient, one = surfaces.surface, surfaces.rms_gradient, range(file.realisation, file.realisation + 1)
+    if isinstance(surface, SummedSurface):
+        heights, gradient = np.sum(surface.drawn(file.realisation), axis=0), 1.0
+    else:
+        heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
+    room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, as an incompressible body has no room for more of this punch"

@@ -133,6 +133,19 @@ class ElasticBody:
             return transfer.half_space_transfer(q * depth, self.nu)
         return transfer.slab_transfer(depth, q, self.aspect_ratio, self.nu)
 
+    def compliance_across(self, q: Reals) -> Reals:
+        """Compliance of waves q > 0 of shear, whose displacement is across q and along the surface, in L_x/E*."""
+        return np.asarray(1.0 / (q * self._across(q)))
+
+    def transfer_across(self, depth: float, q: Reals) -> tuple[Reals, Reals]:
+        """Displacement of such waves and its slope in z over q at a depth, over the displacement of the surface."""
+        if self.stack is not None:
+            return self.stack.transfer_across(depth, q)
+        if self.aspect_ratio is None:
+            decay = np.exp(-q * depth)
+            return decay, decay
+        return transfer.across_transfer(depth, q, self.aspect_ratio, 0.0)
+
     def _elements(self, q: Reals) -> tuple[Reals, Reals, Reals]:
         if self.stack is not None:
             s11, s13, s33 = self.stack.compliance(q)

@@ -5,15 +5,12 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import lambertw
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Cohesive
 from gfmd_numba.scene.reduced_units import rounded
-
-Rows = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -90,13 +87,13 @@ class XuNeedlemanLaw:
         return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
 
     def pull(
-        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: float, active: Rows, n: int
+        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: float, active: Indices, n: int
     ) -> None:
         """Take the tractions of the law off the restoring tractions of both displacements in the active rows."""
         kernels.xu_needleman_pull(u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential)
 
     def pull_on_map(
-        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Rows, n: int
+        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Indices, n: int
     ) -> None:
         """The same of a map, dragged along x and y; tangential rows are the x components, then the y components."""
         x, y = (float(way) for way in sliding.flat)

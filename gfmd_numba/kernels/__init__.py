@@ -41,6 +41,7 @@ from gfmd_numba.kernels.maps import (
     take_tiles,
 )
 from gfmd_numba.kernels.near_field import near_field_pressure
+from gfmd_numba.kernels.parallel_stiffness import parallel_solve
 from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 from gfmd_numba.kernels.tile_newton import (
@@ -110,6 +111,7 @@ __all__ = [
     "open_gap",
     "open_map",
     "pack_rows",
+    "parallel_solve",
     "power",
     "prescribed_step",
     "prescribed_violation",

@@ -60,7 +60,7 @@ def friction_violation(
     """Raise `worst` to the largest tangential force that friction does not balance.
 
     Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the
-    distance slid.
+    distance slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
     """
     for i in active:
         largest = 0.0
@@ -71,7 +71,9 @@ def friction_violation(
             pressure = load[i] - k3[i, j]
             if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
                 slid = u1[i, j] - anchor[i, j]
-                if slid > 0.0:
+                if slid != 0.0 and np.isinf(friction):
+                    violation = max(violation, pressure)
+                elif slid > 0.0:
                     violation = abs(k1[i, j] + friction * pressure)
                 elif slid < 0.0:
                     violation = abs(k1[i, j] - friction * pressure)

@@ -105,7 +105,9 @@ def map_friction_violation(
             if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
                 along, across = u1[i, j] - anchor[i, j], u1[rows + i, j] - anchor[rows + i, j]
                 slid = np.hypot(along, across)
-                if slid > 0.0:
+                if slid > 0.0 and np.isinf(friction):
+                    violation = max(violation, pressure)
+                elif slid > 0.0:
                     bound = friction * pressure
                     violation = np.hypot(x + bound * along / slid, y + bound * across / slid)
                 else:

@@ -11,6 +11,7 @@ _ARRAYS_OF_LAWS = {
     (2, "cohesive"): 96,
     (2, "boundary"): 32,
 }
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, 48  # at order 0 in the slope, and more for each order
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
@@ -21,6 +22,11 @@ ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may t
 def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
     """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes."""
     return max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+
+
+def arrays_of_topography(dimension: int, order: int) -> int:
+    """Return how many arrays of its size a contact of rough bodies takes, at an order in the slope."""
+    return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
@@ -12,8 +12,6 @@ from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.truncated_newton import let_go
 from gfmd_numba.theory.damping import critical_damping, stability_limit
-
-Rows = npt.NDArray[np.int64]
 
 
 class CoupledDynamics:
@@ -70,7 +68,7 @@ class CoupledDynamics:
         """Transforms made so far for each realisation."""
         return np.asarray(self.field.n_transforms.reshape(self._components, self._rows).sum(axis=0))
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
         last_tangential, last_normal = self._last[: -self._rows], self._last[-self._rows :]
         step = kernels.coupled_step if self._of_profile else kernels.coupled_map_step
@@ -80,7 +78,7 @@ class CoupledDynamics:
         )  # fmt: skip
         self._restore(active)
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
@@ -91,7 +89,7 @@ class CoupledDynamics:
         )  # fmt: skip
         return certificate.residual(self.load, active, self._strongest(active))
 
-    def _strongest(self, active: Rows) -> Reals:
+    def _strongest(self, active: Indices) -> Reals:
         """Largest traction of a law on each active row."""
         n = self.field.n
         gap, strongest = self._punch[active, :n] - self.displacement[active, :n], np.zeros(active.size)
@@ -112,7 +110,7 @@ class CoupledDynamics:
         law, none = self._cohesion, np.zeros(batch.punch[0].size)
         return let_go(batch, lambda gap: law.normal_traction(gap, none))
 
-    def _slip(self, active: Rows) -> Reals:
+    def _slip(self, active: Indices) -> Reals:
         """Slip of the punch over each node of the active rows, on maps its length."""
         n = self.field.n
         if isinstance(self._sliding, np.ndarray):
@@ -120,7 +118,7 @@ class CoupledDynamics:
             return vector_slip.length(self._sliding - tangential[:, active])
         return np.asarray(self._sliding - self._tangential[active, :n])
 
-    def _restore(self, active: Rows) -> None:
+    def _restore(self, active: Indices) -> None:
         every = np.concatenate([active + i * self._rows for i in range(self._components)])
         self.field.forward(every)
         couple = kernels.couple if self._of_profile else kernels.couple_map

@@ -8,6 +8,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
+from gfmd_numba.solvers.friction_sets import bound
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.options import Options
 
@@ -48,8 +49,8 @@ class FrictionGuess:
         contact = self.contact[:, nearest]
         pressure = np.where(contact, _between(self.pressure, n), 0.0)
         contact &= pressure > 0.0
-        bound = friction * pressure
-        shear = np.clip(_between(self.shear, n), -bound, bound)
+        most = bound(friction, pressure)
+        shear = np.clip(_between(self.shear, n), -most, most)
         cost = m * np.log(m) / (n * np.log(n))
         transforms = np.ceil(self.transforms * cost).astype(np.int64)
         return FrictionGuess(contact, self.slip[:, nearest] * contact, pressure, shear, transforms)

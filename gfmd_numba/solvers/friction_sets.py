@@ -5,6 +5,11 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Indices, Reals
 
 
+def bound(friction: float, pressure: Reals) -> Reals:
+    """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
+    return np.multiply(friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
+
+
 def revised(
     contact: Flags,
     slip: Indices,
@@ -23,12 +28,12 @@ def revised(
     leaves = contact & ~(pressure > 0.0)
     joins = ~contact & (gap < -rounding)
     sticks = contact & (slip == 0)
-    gives_way = sticks & (np.abs(shear) > friction * pressure)
+    gives_way = sticks & (np.abs(shear) > bound(friction, pressure))
     turns_back = contact & (slip * slid < 0.0)
     new = slip.copy()
     new[gives_way] = -np.sign(shear[gives_way]).astype(np.int64)
     new[turns_back | leaves] = 0
-    new[joins] = np.where(np.abs(slid) > friction * np.abs(gap), np.sign(slid), 0.0)[joins].astype(np.int64)
+    new[joins] = np.where(np.abs(slid) > bound(friction, np.abs(gap)), np.sign(slid), 0.0)[joins].astype(np.int64)
     return (contact | joins) & ~leaves, new
 
 

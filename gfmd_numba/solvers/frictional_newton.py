@@ -5,16 +5,22 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
+from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
+from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
+from gfmd_numba.solvers.decay_newton import DecayNewton
 from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
-from gfmd_numba.solvers.friction_sets import middle_slip, revised
+from gfmd_numba.solvers.friction_sets import bound, middle_slip, revised
+from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
+from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 from gfmd_numba.solvers.stick_slip import StickSlip
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton
 
 # tuned on half-spaces of 2^13 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
 _COARSENING, _COARSEST = 4, 256  # nodes over those of the grid the guess is made on; where that is frictionless
@@ -28,9 +34,16 @@ _CLOSE = 1e3  # change of the tractions over the residual asked for below which 
 _DIRECTIONS = 40  # of the linear solution, at most
 
 
-def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton":
-    """Begin the method for profiles or for maps."""
+def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
+    """Begin the method for profiles or for maps, or for either beside a law of the gap."""
+    if batch.interface.normal_law is not None:
+        return FrictionalLawNewton(batch, options)
     return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
+
+
+def frictionless_newton(batch: Batch, options: Options) -> TruncatedNewton | ActiveSetNewton | DecayNewton | MapNewton:
+    """Begin Newton's method where friction has no effect, with or without a law of the gap."""
+    return TruncatedNewton(batch, options) if batch.interface.normal_law is not None else newton(batch, options)
 
 
 class FrictionalNewton:
@@ -51,8 +64,8 @@ class FrictionalNewton:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness, start = batch.punch, batch.coupled_stiffness, batch.start
         rows, n = punch.shape
-        if batch.interface.friction is None or not np.isfinite(batch.interface.friction):
-            raise ValueError("this solver knows finite friction alone")
+        if batch.interface.friction is None:
+            raise ValueError("this solver knows contacts with friction alone")
         self._friction = batch.interface.friction
         self._products = CoupledProducts(stiffness, rows, n)
         self.field = self._products.field
@@ -74,6 +87,8 @@ class FrictionalNewton:
         self._fewest = np.full(rows, n)  # and the fewest that any step did
         self._patience = np.full(rows, _PATIENCE)
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest pressure
+        # nodes that stick where they touch down, free of traction, as an infinite friction has pulled them off before
+        self._loose = np.zeros((rows, n), dtype=np.bool_)
         self._guess = self._first_guess(batch, options)
 
     @property
@@ -118,7 +133,8 @@ class FrictionalNewton:
         n, products, guess = self.field.n, self._products, self._guess
         total = self.load[i] * n if self._free_mean else None
         spent = self._spent
-        problem = StickSlip(guess.contact[i], guess.slip[i], self._friction, total, self._drifts, self._inverses)
+        contact, slip, loose = guess.contact[i], guess.slip[i], self._loose[i]
+        problem = StickSlip(contact, slip, self._friction, total, self._drifts, self._inverses, loose)
         asked = problem.restricted(self._anchor[i, :n], self.wall[i, :n])
         x = problem.unknowns(guess.pressure[i], guess.shear[i])
         u = products.deflect(i, *problem.tractions(x))
@@ -155,16 +171,20 @@ class FrictionalNewton:
             slid[middle] = 0.0  # whatever rounding leaves of it
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
-        self._products.tangential[i, :n] = np.where(bears & (slip * slid <= 0.0), anchor, u[0])
+        stays = bears & (slip * slid <= 0.0)
         better = revised(contact, slip, shear, pressure, wall - u[1], slid, self._friction, self._rounding[i])
         if middle >= 0:  # nothing held the body, so that all may have slipped the wrong way
             better[1][:] = np.sign(slid) * better[0]
         wrong = np.flatnonzero((better[0] != contact) | (better[1] != slip))
-        other = self._to_change(i, wrong, whole=middle >= 0)
+        other = self._to_change(i, wrong, whole=middle >= 0 or np.isinf(self._friction))
+        if np.isinf(self._friction):
+            self._loose[i, other] |= contact[other] & ~better[0][other]
+            anchor[:] = np.where(self._loose[i], u[0], anchor)
+        self._products.tangential[i, :n] = np.where(stays, anchor, u[0])
         contact[other], slip[other] = better[0][other], better[1][other]
         guess.pressure[i] = np.maximum(pressure, 0.0)
-        bound = self._friction * guess.pressure[i]
-        guess.shear[i] = np.clip(shear, -bound, bound)
+        most = bound(self._friction, guess.pressure[i])
+        guess.shear[i] = np.clip(shear, -most, most)
 
     def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
         """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""

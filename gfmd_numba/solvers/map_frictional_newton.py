@@ -9,6 +9,7 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.friction_sets import bound
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, by_component
 from gfmd_numba.solvers.map_products import MapProducts
 from gfmd_numba.solvers.map_stick_slip import MapGuess, MapStickSlip
@@ -38,8 +39,8 @@ class MapFrictionalNewton:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness, start = batch.punch, batch.map_stiffness, batch.start
         rows, shape = len(punch), punch.shape[1:]
-        if batch.interface.friction is None or not np.isfinite(batch.interface.friction):
-            raise ValueError("this solver knows finite friction alone")
+        if batch.interface.friction is None:
+            raise ValueError("this solver knows contacts with friction alone")
         self._friction = batch.interface.friction
         self._products = MapProducts(stiffness, rows, shape)
         self._near = NearTractions(stiffness, shape)
@@ -126,35 +127,37 @@ class MapFrictionalNewton:
 
     def _revise(self, i: int, u: Reals, tractions: Reals) -> None:
         """Revise the guess of a row, and store the displacement that is nearest to the conditions."""
-        n, guess, friction = self.field.n, self._guesses[i], self._friction
+        n, guess = self.field.n, self._guesses[i]
         own = [i, len(self.load) + i]
         wall, anchor, contact = self.wall[i, :n], self._anchor[own, :n], guess.contact
         gap, slid, pressure = wall - u[2], u[:2] - anchor, tractions[2]
         sticks = contact & ~guess.direction.any(axis=0)
-        slips = contact & ~sticks
+        slips, most = contact & ~sticks, bound(self._friction, pressure)
         size, strength = np.hypot(*slid), np.hypot(*tractions[:2])
         forth = np.where(slips, -(slid * tractions[:2]).sum(axis=0), 0.0)  # slip against the traction, times that
         leaves = contact & ~(pressure > 0.0)
         joins = ~contact & (gap < -self._rounding[i])
-        gives_way = sticks & ~leaves & (strength > friction * pressure)
+        gives_way = sticks & ~leaves & (strength > most)
         turns_back = slips & ~((guess.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back
         direction = np.zeros_like(guess.direction)
         direction[:, goes_on] = slid[:, goes_on] / size[goes_on]
         direction[:, gives_way] = -tractions[:2, gives_way] / strength[gives_way]
-        starts = joins & (size > friction * np.abs(gap))
+        starts = joins & (size > bound(self._friction, np.abs(gap)))
         direction[:, starts] = slid[:, starts] / size[starts]
         direction[:, leaves] = 0.0
         guess.give[:] = 0.0
-        bound = friction * np.maximum(pressure, 0.0)
         moves = goes_on & ~leaves
-        guess.give[moves] = size[moves] / bound[moves]
+        guess.give[moves] = size[moves] / most[moves]
+        if np.isinf(self._friction):  # what its traction pulls off sticks where it touches down, free of traction
+            guess.loose |= leaves
+            anchor = self._anchor[own, :n] = np.where(guess.loose, u[:2], anchor)
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[2], wall))
         # a slipping node has slid exactly against its traction, any other that bears a pressure not at all; of a long
         # way the direction is known better than that of the traction
         against = np.divide(-forth, strength**2, out=np.zeros(n), where=forth > 0.0)
-        far = (forth > 0.0) & (size * self._near.of_a_node > bound)
+        far = (forth > 0.0) & (size * self._near.of_a_node > most)
         self._products.tangential[own, :n] = np.where(bears & ~far, anchor + against * tractions[:2], u[:2])
         changed = np.count_nonzero(leaves | joins | gives_way | turns_back)
         if changed > _FALLS * self._changed[i]:
@@ -162,7 +165,7 @@ class MapFrictionalNewton:
         self._changed[i] = changed
         guess.contact = (contact | joins) & ~leaves
         guess.direction = direction
-        held = np.divide(bound, strength, out=np.ones(n), where=strength > bound)
+        held = np.divide(most, strength, out=np.ones(n), where=strength > most)
         guess.tractions = np.array([*(held * tractions[:2]), np.maximum(pressure, 0.0)])
 
     def _first_guesses(self, batch: Batch, options: Options) -> tuple[list[MapGuess], Indices]:
@@ -175,5 +178,9 @@ class MapFrictionalNewton:
             active = active[solver.residual(active) > _SETTLED]
         u, ku = solver.displacement, solver.restoring
         solver.certificate.pressure(u, ku, solver.wall, solver.load, every, n, ku)
-        guesses = [MapGuess(p > 0.0, np.zeros((2, n)), np.zeros(n), np.array([0.0 * p, 0.0 * p, p])) for p in ku[:, :n]]
+        nothing, nowhere = np.zeros((2, n)), np.zeros(n, dtype=np.bool_)
+        guesses = [
+            MapGuess(p > 0.0, nothing.copy(), np.zeros(n), np.array([0.0 * p, 0.0 * p, p]), nowhere.copy())
+            for p in ku[:, :n]
+        ]
         return guesses, solver.n_transforms.copy()

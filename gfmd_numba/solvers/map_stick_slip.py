@@ -19,13 +19,15 @@ from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
 class MapGuess:
     """Nodes in contact `[n]`, directions of slip `[2, n]` (0 where they stick), and slip over friction `[n]`.
 
-    `tractions` are the tangential ones and the pressure `[3, n]` found last.
+    `tractions` are the tangential ones and the pressure `[3, n]` found last. Nodes that are `loose` `[n]` neither slip
+    nor bear a tangential traction.
     """
 
     contact: Flags
     direction: Reals
     give: Reals
     tractions: Reals
+    loose: Flags
 
 
 class MapStickSlip:
@@ -48,10 +50,13 @@ class MapStickSlip:
         self._products, self._near, self._i, self._shape = products, near, i, guess.tractions.shape
         self.touching = np.flatnonzero(guess.contact)
         slips = guess.direction[:, self.touching].any(axis=0)
-        self.stuck, self.slipping = self.touching[~slips], self.touching[slips]
-        self._of_stuck, self._of_slipping = np.flatnonzero(~slips), np.flatnonzero(slips)  # among those that touch
+        sticks = ~(slips | guess.loose[self.touching])
+        self.stuck, self.slipping = self.touching[sticks], self.touching[slips]
+        self._of_stuck, self._of_slipping = np.flatnonzero(sticks), np.flatnonzero(slips)  # among those that touch
         near.factor(self.touching)
-        self._drag = -friction * guess.direction[:, self.touching]  # tangential traction over pressure
+        towards = guess.direction[:, self.touching]
+        # tangential traction over pressure
+        self._drag = np.multiply(-friction, towards, out=np.zeros_like(towards), where=towards != 0.0)
         along = guess.direction[:, self.slipping]
         self._across = np.array([-along[1], along[0]])
         self._give = guess.give[self.slipping]

@@ -17,7 +17,8 @@ class StickSlip:
 
     `contact` and `slip` are `[n]`; slip is the sign of the distance slid, 0 for a node that sticks. `total` is the sum
     of the pressure that the load prescribes, None under a prescribed displacement. `drifts`: no traction restores the
-    mean tangential displacement, so that the tangential tractions add up to zero.
+    mean tangential displacement, so that the tangential tractions add up to zero. Nodes that are `loose` `[n]` neither
+    slip nor bear a tangential traction.
     """
 
     def __init__(
@@ -28,9 +29,13 @@ class StickSlip:
         total: float | None,
         drifts: bool,
         inverses: tuple[ProfileInverse, ProfileInverse],
+        loose: Flags | None = None,
     ) -> None:
-        self.touching, self.stuck = _ordered(contact), _ordered(contact & (slip == 0))
-        self.drag = -friction * slip[self.touching]  # tangential traction over pressure; sticking nodes have their own
+        sticks = slip == 0 if loose is None else (slip == 0) & ~loose
+        self.touching, self.stuck = _ordered(contact), _ordered(contact & sticks)
+        sliding = slip[self.touching]
+        # tangential traction over pressure; sticking nodes have their own
+        self.drag = np.multiply(-friction, sliding, out=np.zeros(sliding.size), where=sliding != 0)
         self._n, self._touches, self._sticks = contact.size, len(self.touching), len(self.stuck)
         self._tangential, self._normal = inverses
         self._normal.factor(self.touching, self._touches)

@@ -74,8 +74,8 @@ SOLVERS = {
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "friction", "rigid mean"}),
-        condensed="gfmd_numba.solvers.bounded_newton:newton",
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"}),
+        condensed="gfmd_numba.solvers.frictional_newton:frictionless_newton",
         coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
         block_samples=2**18,
         gives_up_after=100,  # usually below 12

@@ -79,6 +79,8 @@ def test_friction_violation_is_its_plain_twin(kernel, friction):
         (-0.5, True, 0.24, 0.2, 0.3, 0.0),  # and the other way
         (-0.5, True, 0.1, 0.2, 0.3, 0.14),
         (0.0, True, 9.0, 0.2, np.inf, 0.0),  # stuck for good
+        (0.5, True, 0.1, 0.2, np.inf, 0.8),  # it left its anchor, and must bear nothing
+        (-0.5, True, 0.9, 0.2, np.inf, 0.9),
     ],
 )
 @pytest.mark.parametrize("kernel", both(kernels.friction_violation))

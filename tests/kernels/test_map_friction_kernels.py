@@ -78,6 +78,7 @@ def test_map_friction_violation_is_its_plain_twin(kernel, friction, rng):
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         bound = friction * pressure
         slips = np.hypot(*(traction + bound * slid / way))
+        slips = np.maximum(size, pressure) if np.isinf(friction) else slips  # none may slip
         violation = np.where(way > 0.0, slips, np.maximum(size - bound, 0.0))
     violation = np.where(touches, violation, size)
     expected = worst.copy()

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba import body_fields, run
+from gfmd_numba import run
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.status import Status
@@ -39,8 +39,6 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
         assert np.isnan(dataset["kappa_edges"])
         assert float(dataset["rms_gradient"]) == pytest.approx(0.01)
         figure = plot_contact(dataset)
-        with pytest.raises(InputError, match=r"scene\.dimension: given 2; allowed: a contact of dimension 1"):
-            body_fields(dataset)
     assert len(figure.axes) == 9  # three maps, their colour bars and three distributions
 
 

@@ -5,7 +5,6 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
-from gfmd_numba.scene import InputError
 
 PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
 EPS = {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2}
@@ -34,13 +33,19 @@ def test_an_incompressible_slab_is_dragged_to_and_fro_by_a_displaced_punch():
         np.testing.assert_allclose(shear[step], sign * 0.3 * pressure[step], atol=1e-7 * pressure.max())
 
 
-@pytest.mark.parametrize(("friction", "solver"), [(0.3, "frictional_newton"), (float("inf"), "verlet")])
-def test_auto_takes_the_dynamics_for_an_infinite_coefficient_alone(friction, solver):
+@pytest.mark.parametrize("friction", [0.3, float("inf")])
+@pytest.mark.parametrize("work", [0.0, 1e-6, -1e-6])
+def test_auto_takes_newtons_method_for_any_coefficient_and_any_law_of_the_gap(friction, work):
     file = {"scene": scene(friction, {"reduced_pressure": 0.05}, 0.3), "discretisation": EPS}
-    assert gfmd_numba.solve(file).attrs["solver"] == solver
+    if work:
+        file["scene"]["interface"]["exponential"] = {"work_of_adhesion": work, "range": 1e-3}
+    found = gfmd_numba.solve(file)
+    assert found.attrs["solver"] == "frictional_newton"
+    assert int(found["status"]) == 0
+    assert int(found["n_iterations"]) <= 100  # and no other after it
 
 
-def test_an_infinite_coefficient_in_a_grid_is_refused_beside_newtons_method():
+def test_an_infinite_coefficient_in_a_grid_is_allowed_beside_newtons_method():
     campaign = {
         "name": "mu",
         "seed": 1,
@@ -49,6 +54,5 @@ def test_an_infinite_coefficient_in_a_grid_is_refused_beside_newtons_method():
         "reference": EPS,
         "grid": {"friction_coefficient": [0.1, float("inf")]},
     }
-    load_campaign(campaign)
-    with pytest.raises(InputError, match=r"grid.friction_coefficient\[1\]: given inf; allowed: a finite number"):
-        load_campaign(campaign | {"numerics": {"solver": "frictional_newton"}})
+    for numerics in ({}, {"solver": "frictional_newton"}):
+        load_campaign(campaign | {"numerics": numerics})

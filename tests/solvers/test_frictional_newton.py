@@ -185,8 +185,31 @@ def test_a_guess_that_goes_to_and_fro_ends(monkeypatch):
     assert damped.n_iterations[0] > 100
 
 
-def test_an_infinite_friction_is_left_to_the_dynamics():
-    """A node that touches sticks at once: where its traction pulls it off again, only its way there decides."""
-    punch, stiffness = rough(256, 1), ElasticBody(0.0, None).coupled_stiffness(256)
-    with pytest.raises(ValueError, match="the solver frictional_newton knows no sticking"):
-        press(punch, stiffness, 0.1, np.inf)
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("load", [0.3, None])
+def test_under_an_infinite_friction_no_node_slips_and_free_ones_bear_nothing(nu, load):
+    """Nodes that touched before stay; of others, those that their traction pulls off touch down free of traction."""
+    punch, stiffness = rough(256, 1), ElasticBody(nu, 0.3).coupled_stiffness(256)
+    before, steps = None, ((0.0, load), (0.02, load), (-0.03, None if load is None else 0.5 * load))
+    if load is None:
+        punch -= 0.4 * punch.mean()
+    for sliding, pushed in steps:
+        start = None if before is None else following(before, punch, sliding)
+        before = press(punch, stiffness, pushed, np.inf, start, sliding)
+        assert before.status[0] == Status.ok
+        assert not before.tangential.slip.any()
+        assert largest_violation(stiffness, punch, pushed, np.inf, before, start) < 2e-8
+    assert abs(before.tangential.traction).max() > 0.1 * before.pressure.max()
+
+
+def test_full_contact_that_sticks_has_the_tractions_of_its_displacements():
+    nx, load = 64, 2.0
+    punch = 0.1 * (1.0 - np.cos(2.0 * np.pi * np.arange(nx) / nx))[np.newaxis]
+    stiffness = ElasticBody(0.1, None).coupled_stiffness(nx)
+    found = press(punch, stiffness, load, np.inf)
+    k13, k33 = stiffness.k13[1], stiffness.k33[1]
+    assert found.touching.all()
+    wave = punch - punch.mean()
+    np.testing.assert_allclose(found.pressure, load - k33 * wave, atol=1e-8)
+    quarter = np.roll(wave, -nx // 4, axis=1)  # u1 = 0 everywhere, so that only the coupling acts
+    np.testing.assert_allclose(found.tangential.traction, k13 * quarter, atol=1e-8)

@@ -15,14 +15,17 @@ def tractions(stiffness, tangential, normal, load=None):
     return shear, (load or 0.0) - restoring
 
 
-def largest_violation(stiffness, punch, load, friction, result, start=None, row=0):
+def largest_violation(stiffness, punch, load, friction, result, start=None, row=0, law=None):
     """Largest violation of any condition in one row: of lengths over the height of the punch, else over the pressure.
+
+    With a law of the gap over the largest traction. Under an infinite friction nodes may have touched down anywhere.
 
     `start` is what the step began with: nodes slip by their way from where they were then, moved with the punch.
     """
     punch, u1, u3 = punch[row], result.tangential.displacement[row], result.displacement[row]
     shear, pressure = tractions(stiffness, u1, u3, load)
-    peak = result.pressure[row].max()
+    pull = 0.0 * punch if law is None else law.work / law.length * np.exp((u3 - punch) / law.length)
+    pressure = pressure + pull
     volume = 0.0
     if load is None and np.isinf(stiffness.k33[0]):
         pressure = pressure + result.pressure[row].mean()
@@ -30,15 +33,16 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
     gap = punch - u3
     touching = gap <= 0.0
     slid = u1 - (0.0 if start is None else start.tangential[row] + start.dragged)  # exactly 0 where it sticks
-    bound = friction * np.where(touching, np.maximum(pressure, 0.0), 0.0)
-    slips = touching & (slid != 0.0)
+    peak = max((result.pressure[row] + pull)[touching].max(initial=0.0), abs(pull).max())
+    bound = np.multiply(friction, pressure, out=np.zeros_like(pressure), where=touching & (pressure > 0.0))
+    slips = touching & (slid != 0.0) & (bound < np.inf)
     violations = [
         abs(pressure[~touching]).max(initial=0.0),
         -pressure[touching].min(initial=0.0),
         (abs(shear) - bound).max(),
-        abs(shear + np.sign(slid) * bound)[slips].max(initial=0.0),
+        abs(shear[slips] + np.sign(slid[slips]) * bound[slips]).max(initial=0.0),
     ]
-    balance = 0.0 if load is None else abs(pressure[touching].sum() / len(punch) / load - 1.0)
+    balance = 0.0 if load is None else abs((np.where(touching, pressure, 0.0) - pull).mean() / load - 1.0)
     return max(max(violations) / peak if peak > 0.0 else max(violations), -gap.min() / np.ptp(punch), balance, volume)
 
 

@@ -1,0 +1,77 @@
+"""Approximate inverses of the compliance on some nodes, of profiles and of maps, in one form."""
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
+from gfmd_numba.elasticity.map_stiffness import MapStiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
+
+
+class ProfileTractions:
+    """Inverses of both compliances of a profile, each on its own nodes."""
+
+    def __init__(self, stiffness: CoupledStiffness, n: int) -> None:
+        compliance, share = stiffness.compliance(), grid.multiplicity(n) / n
+        self._tangential, self._normal = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
+        of_a_node = [
+            float((np.divide(1.0, s, out=np.zeros_like(s), where=s > 0.0) * share).sum())
+            for s in (compliance.s11, compliance.s33)
+        ]
+        self.tangential_of_a_node, self.normal_of_a_node = of_a_node
+
+    @property
+    def transforms(self) -> float:
+        """Transforms made so far."""
+        return self._tangential.transforms + self._normal.transforms
+
+    def order(self, flags: Flags) -> Indices:
+        """Return the nodes in their order around the period, from behind the widest gap."""
+        nodes = np.empty(flags.size, dtype=np.int64)
+        return nodes[: kernels.contact_nodes(flags, flags.size, nodes)]
+
+    def factor(self, nodes: Indices, dragged: Indices) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own."""
+        for inverse, some in ((self._normal, nodes), (self._tangential, nodes[dragged])):
+            if some.size:
+                inverse.factor(some, some.size)
+
+    def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
+        """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
+        pressure, traction = np.empty_like(normal), np.empty_like(tangential)
+        if normal.size:
+            self._normal.solve(normal, pressure)
+        if tangential.size:
+            self._tangential.solve(tangential[0], traction[0])
+        return pressure, traction
+
+
+class MapTractions:
+    """The stiffness between near nodes of a map."""
+
+    transforms = 0.0
+
+    def __init__(self, stiffness: MapStiffness, shape: tuple[int, ...]) -> None:
+        self._near, normal = NearTractions(stiffness, shape), stiffness.k33
+        self.tangential_of_a_node = self._near.of_a_node
+        self.normal_of_a_node = float(normal[np.isfinite(normal)].mean())
+        self._dragged = np.empty(0, dtype=np.int64)
+
+    def order(self, flags: Flags) -> Indices:
+        """Return the nodes, first the first."""
+        return np.flatnonzero(flags)
+
+    def factor(self, nodes: Indices, dragged: Indices) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own."""
+        self._near.factor(nodes)
+        self._dragged = dragged
+
+    def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
+        """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
+        u = np.zeros((3, normal.size))
+        u[2], u[:2, self._dragged] = normal, tangential
+        found = self._near.solve(u)
+        return found[2], found[:2, self._dragged]

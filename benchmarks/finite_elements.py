@@ -1,4 +1,4 @@
-"""Finite elements for a body with a rough top: plane strain, periodic sides, fixed base, rigid frictionless punch.
+"""Finite elements for a body with a rough top: plane strain, periodic sides, fixed base, rigid punch.
 
 An independent reference: small strains, the topography as geometry of the mesh, quadratic elements, and contact of
 nodes with the punch by an active set. Lengths in L_x, stresses in E*.
@@ -92,9 +92,13 @@ class Body:
         """Labels of the top nodes."""
         return self.owned_label[0][self.top]
 
-    def press(self, clearance, touching, most=60):
-        """Equilibrium where no top node rises above its clearance `[top node]`; `touching` is a first guess."""
+    def press(self, clearance, touching, most=60, friction=0.0):
+        """Equilibrium where no top node rises above its clearance `[top node]`; `touching` is a first guess.
+
+        A level punch that slides along x on all touching nodes pulls each by `friction` times what it presses.
+        """
         base = self.owned_label[1] <= self.owned_label[1].min() + 1e-12
+        partners = self._partners() if friction else []
         u = np.zeros(self.stiffness.shape[0])
         for iteration in range(1, most + 1):
             held = base.copy()
@@ -102,11 +106,15 @@ class Body:
             u[:] = 0.0
             u[self.top[touching]] = clearance[touching]
             free = np.flatnonzero(~held)
-            rows = self.stiffness[free]
+            stiffness = self.stiffness
+            if friction:
+                on = (partners[touching], self.top[touching])
+                drag = coo_array((np.full(touching.sum(), friction), on), shape=stiffness.shape).tocsr()
+                stiffness = (stiffness + drag @ stiffness).tocsc()
+            rows = stiffness[free]
             load = -(rows[:, np.flatnonzero(held)] @ u[held])
-            u[free] = splu(rows[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
-                load
-            )
+            symmetric = {"SymmetricMode": not friction}
+            u[free] = splu(rows[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", options=symmetric).solve(load)
             force = self.stiffness @ u
             pulled = touching & (force[self.top] > 0.0)
             inside = ~touching & (u[self.top] > clearance * (1 + 1e-12))
@@ -122,12 +130,14 @@ class Body:
 
     def along_top(self, solution):
         """Tangential and normal displacement of the top nodes."""
-        u = solution.displacement
+        return solution.displacement[self._partners()], solution.displacement[self.top]
+
+    def _partners(self):
+        """Horizontal degrees of freedom of the top nodes."""
         tangential = {
             tuple(np.round(at, 9)): i for i, at in enumerate(self.owned_label.T) if not self.owned_component[i]
         }
-        partners = [tangential[tuple(np.round(self.owned_label[:, i], 9))] for i in self.top]
-        return u[partners], u[self.top]
+        return np.array([tangential[tuple(np.round(self.owned_label[:, i], 9))] for i in self.top])
 
     def inside(self, solution, across=0.5):
         """Labels x, z, displacements, and stresses 1, 3, 5 on a line in each element and at its Gauss heights.

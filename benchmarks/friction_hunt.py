@@ -1,6 +1,7 @@
 """Random paths with friction by Newton's method alone: how many steps end, and an independent check of each.
 
-`python benchmarks/friction_hunt.py 0 1000` takes about five minutes: first seed, and the one after the last.
+`python benchmarks/friction_hunt.py 0 1000` takes about five minutes: first seed, and the one after the last. With
+`two` as the last argument a second elastic body, layered in a third of the paths, is in place of the rigid punch.
 """
 
 import sys
@@ -9,12 +10,26 @@ from collections import Counter
 import numpy as np
 
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 
 ALONE = Options("frictional_newton", max_iterations=100)  # the dynamics does not take over
+
+
+def facing(seed, body):
+    """A second elastic body and its part of 1/E*."""
+    rng = np.random.default_rng([seed, 1])
+    ratios, height, share = rng.uniform(-0.9, 0.5, 2), 10 ** rng.uniform(-2.0, 0.6), rng.uniform()
+    if rng.uniform() < 1 / 3:
+        top, below = (Material(e, float(nu)) for e, nu in zip((1.0, 10 ** rng.uniform(-1, 1)), ratios, strict=True))
+        if body.aspect_ratio is None:
+            return ElasticBody.layered((0.1 * height,), (top,), below), share
+        return ElasticBody.layered((0.1 * height, 0.9 * height), (top, below), None), share
+    nu = rng.choice([ratios[0], 0.5])
+    return ElasticBody(float(nu), None if body.aspect_ratio is None else height), share
 
 
 def random_path(seed):
@@ -75,6 +90,9 @@ if __name__ == "__main__":
     ended, transforms, worst = Counter(), [], 0.0
     for seed in range(*map(int, sys.argv[1:3])):
         body, stiffness, friction, steps = random_path(seed)
+        if sys.argv[3:] == ["two"]:
+            other, share = facing(seed, body)
+            stiffness = stiffness.in_series(other.coupled_stiffness(steps[0][0].shape[1]), share)
         before = None
         for step, (punch, load, sliding) in enumerate(steps):
             start = None if before is None else following(before, punch, sliding)

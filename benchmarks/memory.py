@@ -1,8 +1,8 @@
 """Peak memory of one contact in bytes a node, beside what is counted before it is solved.
 
 `python benchmarks/memory.py CASE LOG2_NODES [LOAD [COEFFICIENT]]` measures one case, each in its own process:
-`wall`, `law`, `soft`, `friction`, with a dimension before it, like `2-friction 18 2 3`. `2-law 18 0.1 3` is followed
-along a path of three steps. The counts of `gfmd_numba/scene/memory.py` are the largest found, rounded up.
+`wall`, `law`, `soft`, `friction`, `cohesive`, with a dimension before it, like `2-friction 18 2 3`. `2-law 18 0.1 3`
+is followed along a path of three steps. The counts of `gfmd_numba/scene/memory.py` are the largest found, rounded up.
 """
 
 import sys
@@ -18,6 +18,10 @@ LAWS = {
     "law": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-4, "range": 5e-3}},
     "soft": {"exponential": {"work_of_adhesion": -1e-4, "range": 2e-3}},
     "friction": {"hard_wall": {}, "friction": {"coefficient": 0.3}},
+    "cohesive": {
+        "hard_wall": {},
+        "cohesive": {"work_of_adhesion": 1e-4, "normal_length": 5e-3, "tangential_length": 5e-3},
+    },
 }
 
 

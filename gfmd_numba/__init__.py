@@ -82,16 +82,25 @@ def load_curve(
     return dataset
 
 
-def body_fields(contact: xr.Dataset | str | Path, z: ArrayLike | None = None, body: str = "body") -> xr.Dataset:
+def body_fields(
+    contact: xr.Dataset | str | Path,
+    z: ArrayLike | None = None,
+    body: str = "body",
+    x: float | None = None,
+    y: float | None = None,
+    planes: ArrayLike | None = None,
+) -> xr.Dataset:
     """Return displacement, strain and stress over (z, x) inside the body (or `counter_body`) of a solved contact.
 
     `contact` is what `solve` returns, or the path of its netCDF file. `z` counts from the body's surface, is negative
-    inside, and has the unit of x. Without it, there are 101 levels down to the base. Raises InputError for z outside
+    inside, and has the unit of x. Without it, there are 101 levels down to the base. Below a map the fields are those
+    of the vertical section nearest to `y`, or to `x`; without either, of the section through the largest von Mises
+    stress. With `planes`, heights like `z`, they are those of whole horizontal planes. Raises InputError for z outside
     the body, and for a contact that was cropped or thinned, because the tractions of a whole period are needed.
     """
     from gfmd_numba.simulate.fields import body_fields as fields_of
 
-    return fields_of(_dataset("contact", contact, "solve"), z, body)
+    return fields_of(_dataset("contact", contact, "solve"), z, body, x, y, planes)
 
 
 def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Dataset:

@@ -5,24 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
-from scipy.special import chdtri
 
-from gfmd_numba.analysis.fit_warnings import inseparable
-from gfmd_numba.analysis.group_means import means_of
-from gfmd_numba.analysis.laws import Given, choices, exponent_range
-from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
-from gfmd_numba.analysis.posterior import linearised, weighed
-from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.ensembles import FEWEST, Ensemble, Level, ensembles, level_of_case, levels_of, relative_errors
+from gfmd_numba.analysis.selection import CROSS, LIMITS, UnusableDataError
 from gfmd_numba.arrays import Reals
 
-_FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
-_CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: errors of fits have noise, too
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
-
-Level = tuple[str, tuple[float, ...]]  # a limit and its eps, "cross" and all eps, or "reference" and none
-_REFERENCE: Level = ("reference", ())
 
 
 @dataclass(frozen=True)
@@ -41,20 +30,6 @@ class Design:
     seconds: float
     limiting: str
     cross: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True)
-class Ensemble:
-    """What a pilot, or results with fewer realisations of some levels, says of one group."""
-
-    covariance: Reals  # (case, case) of one realisation
-    columns: Reals  # (case, coefficient) of the fit at the likeliest laws
-    slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
-    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
-    level: NDArray[np.intp]  # (case)
-    kappa: float
-    doubt: float  # factor on variances
-    freedom: float  # degrees of freedom of the variance of kappa
 
 
 @dataclass(frozen=True)
@@ -94,6 +69,7 @@ def cheapest_design(
     for _ in range(2):  # the best shares depend on the budget, hardly
         budget = _enough(choice, shares, target)
         shares = _best_shares(choice, shares, budget)
+    shares = _without_dear_levels(choice, shares, target)
     counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
     if counts.max() > _MOST:
         raise UnusableDataError(
@@ -117,9 +93,9 @@ def best_design(
     choice = _choice(pilot, seconds, variable, fixed)
     shares = choice.price**-0.5
     for level in np.argsort(-choice.price):  # the dearest levels go first
-        if _FEWEST * choice.price[shares > 0].sum() > budget and _may_go(choice, shares, level):
+        if FEWEST * choice.price[shares > 0].sum() > budget and _may_go(choice, shares, level):
             shares[level] = 0.0
-    least = _FEWEST * choice.price[shares > 0].sum()
+    least = FEWEST * choice.price[shares > 0].sum()
     if least > budget:
         raise UnusableDataError(f"given a budget of {budget:.3g} s; allowed: at least {least:.3g} s of processor time")
     return _described(choice, np.floor(_counts(choice, _best_shares(choice, shares, budget), budget)))
@@ -133,67 +109,7 @@ def _choice(
     price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
     fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
     price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
-    return _Choice(found, _levels(pilot), price)
-
-
-def _levels(pilot: xr.Dataset) -> list[Level]:
-    """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
-    order = [_REFERENCE[0], *LIMITS, CROSS]
-    return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
-
-
-def level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
-    """Return the number of each case's level (case), 0 for the reference."""
-    numbers = {level: number for number, level in enumerate(_levels(pilot))}
-    return np.array([numbers[level] for level in _level_of_each(pilot)], dtype=np.intp)
-
-
-def _level_of_each(pilot: xr.Dataset) -> list[Level]:
-    """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
-    references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
-    alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
-    told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
-    eps = {name: pilot[name].values.astype(float).tolist() for name in LIMITS}
-    names = pilot["limit"].values.astype(str).tolist()
-    return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
-
-
-def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
-    """Return what results say of each group; UnusableDataError where they do not tell."""
-    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in fixed.items()}
-    found = []
-    for group in groups_to_fit(pilot, variable, omit_nyquist=True):
-        values = group.values[group.complete]
-        if not group.levels:
-            raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
-        fewest = int(np.isfinite(values).sum(axis=0).min())
-        if fewest < _FEWEST:
-            raise UnusableDataError(f"given a pilot of {fewest} good realisations; allowed: at least {_FEWEST}")
-        if why := inseparable(group):
-            raise UnusableDataError(why)
-        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
-    return found
-
-
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
-    hurst = group.parameters.get("hurst", np.nan)
-    means = means_of(group, values)
-    found = [weighed([means], laws) for laws in choices(list(group.levels), variable, [hurst], given)]
-    likeliest = max(found, key=lambda choice: choice.log_weight.max())
-    columns, slopes, known, kappa = linearised(means, likeliest)
-    covariance = pooled_covariance(values)
-    freedom = degrees_of_freedom(values, covariance, columns)
-    return Ensemble(
-        covariance=covariance,
-        columns=columns,
-        slopes=slopes,
-        known=known,
-        level=level,
-        kappa=kappa,
-        # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / chdtri(freedom, _CONFIDENCE)),
-        freedom=freedom,
-    )
+    return _Choice(found, levels_of(pilot), price)
 
 
 def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
@@ -203,10 +119,10 @@ def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
     counts = np.zeros(len(shares))
 
     def cost(logarithm: float) -> float:
-        counts[used] = np.maximum(_FEWEST, np.exp(logarithm) * shares[used])
+        counts[used] = np.maximum(FEWEST, np.exp(logarithm) * shares[used])
         return float(counts[used] @ price)
 
-    low, high = np.log(_FEWEST / shares[used].max()), np.log(budget / (price @ shares[used]))
+    low, high = np.log(FEWEST / shares[used].max()), np.log(budget / (price @ shares[used]))
     while high - low > 1e-3:
         middle = (low + high) / 2
         low, high = (middle, high) if cost(middle) <= budget else (low, middle)
@@ -214,31 +130,9 @@ def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
     return counts
 
 
-def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
-    """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
-    asked = counts[ensemble.level]
-    information = np.zeros_like(ensemble.covariance)
-    before = 0.0
-    for count in np.unique(asked[asked > 0]):
-        there = np.flatnonzero(asked >= count)
-        information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
-        before = count
-    fewest = asked[asked > 0].min()
-    # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
-    dear = asked[(asked > 0) & (asked < before)]
-    controlled = (fewest / dear).sum()
-    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
-    variances = []
-    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
-        known = np.diag(ensemble.known[: columns.shape[1]])
-        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
-    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
-    return float(error), float(of_surfaces)
-
-
 def _enough(choice: _Choice, shares: Reals, target: float) -> float:
     """Return the least budget by which shares meet a target."""
-    high = _FEWEST * float(choice.price[shares > 0].sum())
+    high = FEWEST * float(choice.price[shares > 0].sum())
     while choice.error(_counts(choice, shares, high)) > target:
         high *= 2
     low = high / 2
@@ -259,12 +153,37 @@ def _best_shares(choice: _Choice, shares: Reals, budget: float) -> Reals:
                     continue
                 trial = shares.copy()
                 trial[level] *= factor
-                if _FEWEST * choice.price[trial > 0].sum() > budget:
+                if FEWEST * choice.price[trial > 0].sum() > budget:
                     continue
                 error = choice.error(_counts(choice, trial, budget))
                 if error < _GAIN * least:
                     shares, least, better = trial, error, True
     return shares
+
+
+def _without_dear_levels(choice: _Choice, shares: Reals, target: float) -> Reals:
+    """Return the shares without those levels without which a target is cheaper, the dearest first.
+
+    At a loose target each level has the fewest realisations there may be, so that no error tells that one is too dear.
+    """
+    least = _price_of(choice, shares, target)
+    for level in np.argsort(-choice.price):
+        if shares[level] == 0.0 or not _may_go(choice, shares, level):
+            continue
+        trial = shares.copy()
+        trial[level] = 0.0
+        if choice.error(np.where(trial > 0.0, float(_MOST), 0.0)) < target:
+            price = _price_of(choice, trial, target)
+            if price < least:
+                shares, least = trial, price
+    return shares
+
+
+def _price_of(choice: _Choice, shares: Reals, target: float) -> float:
+    """Return the seconds that realisations in the proportion of shares take to meet a target."""
+    counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
+    used = counts > 0
+    return float(counts[used] @ choice.price[used])
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import chdtri
 
-from gfmd_numba.analysis.allocation import Ensemble, ensembles, level_of_case, relative_errors
+from gfmd_numba.analysis.ensembles import Ensemble, ensembles, level_of_case, relative_errors
 
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
 _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the one it says times the factor

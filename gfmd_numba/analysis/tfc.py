@@ -34,6 +34,7 @@ from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
+from gfmd_numba.analysis.steps_of_paths import joined, steps_of
 from gfmd_numba.arrays import Reals
 
 MODEL = (
@@ -64,12 +65,18 @@ def fit_tfc(
     all dimensionless, and seconds of processor time over (group), where groups that share a problem each count it; the
     attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is not identified; ValueError
     for an unknown variable, mode or limit, or a wrong fixed exponent.
+
+    Each step of a loading path is fitted for itself, so that groups also differ in `path_step`; what is known of the
+    path as a whole, like `pull_off_pressure`, is fitted once.
     """
     if exponents not in ("shared", "free"):
         raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
     if not isinstance(fixed, Mapping | None):
         raise ValueError(f"fixed is a mapping like {{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}}, not {fixed!r}")
     given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
+    if "step" in dataset.dims:
+        steps = steps_of(dataset, variable)
+        return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
     members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another

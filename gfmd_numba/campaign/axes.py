@@ -3,14 +3,13 @@
 To add an axis, add its row. This is pure data and records: importing it compiles nothing.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from operator import attrgetter
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel
 
+from gfmd_numba.campaign.axis import Axis, Place
 from gfmd_numba.scene import Discretisation, Scene
 from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.quantities import (
@@ -40,58 +39,27 @@ from gfmd_numba.scene.quantities import (
 )
 from gfmd_numba.scene.surfaces import PositiveHurst
 
-Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
 
-
-@dataclass(frozen=True)
-class Axis:
-    """A parameter of a grid: its key, the type of its values, and the place in the scene that they are put in.
-
-    `place` is empty for a discretisation, which stands beside the scene. `symbol` heads a column on the terminal,
-    `label` is its TeX. `unit` is a kind of unit, as a scene's units are named by. Cases that differ in an axis that
-    `forms_groups` are different physics, and never enter one fit. `coordinate_name` is its name in the dataset where
-    that is not its key. `limit` is the name of the limit in which a discretisation goes to 0.
-    """
-
-    name: str
-    type: Any
-    place: Place
-    symbol: str
-    label: str
-    long_name: str
-    unit: str = "1"
-    forms_groups: bool = True
-    coordinate_name: str = ""
-    limit: str = ""
-
-    @property
-    def coordinate(self) -> str:
-        """Name of its coordinate in the dataset."""
-        return self.coordinate_name or self.name
-
-    @property
-    def has_names(self) -> bool:
-        """Whether its values are names, which the dataset counts beside them."""
-        return self.type is FileName
-
-    @property
-    def of_surface(self) -> bool:
-        """Whether it varies the rough surface."""
-        return self.place[:1] == ("roughness",)
-
-    @cached_property
-    def _found(self) -> Callable[[Any], Any]:
-        return attrgetter(".".join(self.place or (self.name,)))
-
-    def value(self, scene: Scene, discretisation: Discretisation | None) -> float | str | None:
-        """Value of a case; None if it has no such parameter, as layers have ratios and heights of their own."""
-        if self.place[:1] == ("body",) and scene.body.layers is not None:
-            return None
-        try:
-            found: float | str | None = self._found(scene if self.place else discretisation)
-        except AttributeError:
-            return None
-        return found
+def _of_rough_body(whose: str) -> tuple[Axis, ...]:
+    """Axes of the roughness of one of the two bodies."""
+    number, name = ("1", "body") if whose == "body" else ("2", "counter body")
+    of_all = (
+        ("hurst", Hurst, "H", "H", "Hurst exponent", "1"),
+        ("rms_gradient", RmsGradient, "g", r"\bar{g}", "rms gradient asked for", "1"),
+        ("rms_height", Length, "h", r"\bar{h}", "rms height asked for", "height"),
+    )
+    return tuple(
+        Axis(
+            f"{whose}_{key}",
+            kind,
+            (whose, "roughness", key),
+            f"{symbol}_{number}",
+            f"${label}_{number}$",
+            f"{long_name}, of the surface of the {name}",
+            unit,
+        )
+        for key, kind, symbol, label, long_name, unit in of_all
+    )
 
 
 AXES = (
@@ -231,6 +199,32 @@ AXES = (
         "$z_r$",
         "range of the exponential law",
         unit="height",
+    ),
+    *(axis for whose in ("body", "counter_body") for axis in _of_rough_body(whose)),
+    Axis(
+        "counter_body_youngs_modulus",
+        Pressure,
+        ("counter_body", "youngs_modulus"),
+        "E_2",
+        "$E_2$",
+        "Young's modulus of the counter body",
+        unit="pressure",
+    ),
+    Axis(
+        "counter_body_poissons_ratio",
+        PoissonsRatio,
+        ("counter_body", "poissons_ratio"),
+        "nu_2",
+        r"$\nu_2$",
+        "Poisson's ratio of the counter body",
+    ),
+    Axis(
+        "counter_body_aspect_ratio",
+        AspectRatio,
+        ("counter_body", "aspect_ratio"),
+        "a_2",
+        "$a_2$",
+        "thickness of the counter body over the period",
     ),
     Axis(
         "eps_c",

@@ -8,17 +8,21 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
+from gfmd_numba.campaign.axis import Place
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
-from gfmd_numba.contact.problem import Effect, GivenSurface, LoadStep, Problem, random_surface
+from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, InputError, Scene, Surface
-from gfmd_numba.scene.memory import arrays_per_realisation
+from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
+from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
@@ -80,16 +84,23 @@ class Block:
         return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"
 
 
-def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[Case]:
+def expand(
+    campaign: Campaign,
+    punches: Punches = MappingProxyType({}),
+    measured: MeasuredSurfaces = MappingProxyType({}),
+    document: Document | None = None,
+) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits.
 
-    `punches` are its surfaces, if they were measured; raises InputError for a surface that cannot be used.
+    `punches` are its surfaces, if they were measured, or `measured` where topographies are followed; raises InputError,
+    at a place of the document if there is one, for a surface that cannot be used.
     """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
     places = tuple(place for place, _ in varied)
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
+    bodies_of = _RoughBodies(campaign, measured, document or Document(None, "", campaign.model_dump()))
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
@@ -98,12 +109,16 @@ def expand(campaign: Campaign, punches: Punches = MappingProxyType({})) -> list[
         if punch is not None:
             scene = point.scene
         for level in levels:
-            surface, rms_gradient = (
-                random_surface_of(scene.roughness, level.discretisation)
-                if punch is None
-                else (punch.surface, punch.rms_gradient)
-            )
-            problem, effects = _reduced(scene, surface, rms_gradient, campaign)
+            surface: ProblemSurface
+            rough = None
+            if scene.follows_topography:
+                surface, rough = bodies_of(scene, level.discretisation)
+                rms_gradient = surface.rms_gradient
+            elif punch is None:
+                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
+            else:
+                surface, rms_gradient = punch.surface, punch.rms_gradient
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign, rough)
             case = Case(
                 point=point,
                 discretisation=level.discretisation,
@@ -132,11 +147,33 @@ def _surface(
         raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
 
 
+class _RoughBodies:
+    """Rough bodies of a campaign's scenes, the first realisation of each sum of surfaces checked once."""
+
+    def __init__(self, campaign: Campaign, measured: MeasuredSurfaces, document: Document):
+        self._campaign, self._measured, self._document = campaign, measured, document
+        self._checked: set[tuple[SummedSurface, tuple[float | None, ...]]] = set()
+
+    def __call__(self, scene: Scene, discretisation: Discretisation | None) -> tuple[SummedSurface, RoughBodies]:
+        """All surfaces of a scene, and its bodies; raises InputError for surfaces that cannot be used."""
+        order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
+        summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, self._measured, self._document)
+        known = summed, tuple(body.elastic.aspect_ratio for body in rough.bodies)
+        if known not in self._checked:
+            check_drawn(scene, summed, rough, 0, self._document)
+            self._checked.add(known)
+        return summed, rough
+
+
 def _reduced(
-    scene: Scene, surface: RandomSurface | GivenSurface, rms_gradient: float, campaign: Campaign
+    scene: Scene,
+    surface: ProblemSurface,
+    rms_gradient: float,
+    campaign: Campaign,
+    rough: RoughBodies | None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
     try:
-        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics)
+        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, rough=rough)
     except ValueError as error:
         raise _beyond_measure("scene.loading", scene, error) from None
     if not campaign.path:
@@ -219,8 +256,14 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
 
 
 def block_bytes(problem: Problem, realisations: int) -> int:
-    """Return the largest memory that solving a block takes; along a path its realisations come one after another."""
+    """Return the largest memory that solving a block takes.
+
+    Along a path, and of rough bodies, its realisations come one after another.
+    """
     surface = problem.surface
-    together = 1 if problem.path else realisations
-    arrays = arrays_per_realisation(len(surface.shape), problem.interface.laws)
+    together = 1 if problem.path or problem.rough is not None else realisations
+    dimension = len(surface.shape)
+    arrays = arrays_per_realisation(dimension, problem.interface.laws)
+    if problem.rough is not None:
+        arrays = max(arrays, arrays_of_topography(dimension, problem.rough.order))
     return arrays * 8 * together * surface.nodes

@@ -29,9 +29,11 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.observables import OBSERVABLES, Observable, recorded
+from gfmd_numba.contact.observables import OBSERVABLES, Observable
+from gfmd_numba.contact.path_measures import recorded_of as recorded_of_problem
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import netcdf, replace
@@ -72,7 +74,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": planned.validity,
-        **({"processing": planned.processing} if planned.punches else {}),
+        **({"processing": planned.processing} if planned.punches or planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions()),
         "git_commit": git_commit(),
@@ -128,7 +130,7 @@ def is_altered(results: xr.Dataset, planned: Plan) -> bool:
 
 def recorded_of(cases: list[Case]) -> dict[str, Observable]:
     """The observables of all cases, and those that any of them has of its path."""
-    rows = recorded(cases[0].problem.interface.hardness is not None)
+    rows = recorded_of_problem(cases[0].problem)
     for case in cases if cases[0].problem.path else ():
         rows |= recorded_along(case.scene)
     return rows
@@ -144,7 +146,7 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
     """Measures of a problem `[longest]` from its blocks, dimensionless, and their seconds."""
     parts = []
     problem = blocks[0].problem
-    names = (*recorded(problem.interface.hardness is not None), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
+    names = (*recorded_of_problem(problem), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
     for block in blocks:
         part = stored.read(block.name)
         if part is None:
@@ -162,7 +164,7 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
 def _nothing(problem: Problem, count: int, status: Outcome) -> Measures:
     nothing: Measures = {
         name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
-        for name, row in (OBSERVABLES | PATH_OBSERVABLES).items()
+        for name, row in (OBSERVABLES | ROUGH_BODY_OBSERVABLES | PATH_OBSERVABLES).items()
     }
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)

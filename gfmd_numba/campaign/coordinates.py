@@ -15,7 +15,7 @@ from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 
 Described = tuple[str | tuple[str, ...], list[Any], dict[str, Any]]  # dims, values, attributes
 
-_REDUCED = "reduced_pressure"
+_REDUCED, _GRADIENT = "reduced_pressure", "rms_gradient_target"
 _OTHERS = {
     "case_id": "identity of the dimensionless problem, which equal cases share",
     "limit": "discretisation in which the case differs from its reference",
@@ -27,10 +27,14 @@ _OTHERS = {
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
-    """Values by name and case; an axis that they have no value on is left out."""
+    """Values by name and case; an axis that they have no value on is left out.
+
+    Where several surfaces are pressed together, g is that of all.
+    """
     axes = present(cases[0].scene, cases[0].discretisation)
     reduced = _follows(cases[0].scene)
     columns: dict[str, list[Any]] = {axis.coordinate: [] for axis in axes} | ({_REDUCED: []} if reduced else {})
+    summed = {_GRADIENT: [case.rms_gradient for case in cases]} if cases[0].scene.follows_topography else {}
     dimensions = []
     for case in cases:
         scene = case.scene
@@ -45,6 +49,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "realisations": [case.realisations for case in cases],
         "is_reference": [case.limit == "reference" for case in cases],
         **columns,
+        **summed,
         "nx": [case.problem.surface.nx for case in cases],
         "dimension": dimensions,
     }

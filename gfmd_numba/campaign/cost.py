@@ -16,7 +16,7 @@ from gfmd_numba.campaign.run_times import remember, remembered
 from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.contact.surfaces import without_shortest
 
 Told = Callable[[float], None]  # of the share of something long that is done
 
@@ -158,13 +158,14 @@ def _affordable(
 def _smaller(problem: Problem) -> Iterator[Problem]:
     """The physics of a problem on grids of half its nx, a quarter, and so on: its shortest waves are left out."""
     surface = problem.surface
-    if not isinstance(surface, RandomSurface):
-        return  # measured, with no spectrum that could be cut
     for halvings in range(1, 32):
-        nx, generator = 2 * (surface.nx >> (halvings + 1)), surface.generator.without_shortest(halvings)
-        if nx ** len(surface.shape) < _LEAST_NODES or generator is None:
+        nx = 2 * (surface.nx >> (halvings + 1))
+        if nx ** len(surface.shape) < _LEAST_NODES:
             return
-        yield replace(problem, surface=replace(surface, nx=nx, generator=generator))
+        fewer_waves = without_shortest(surface, nx, halvings)
+        if fewer_waves is None:
+            return
+        yield replace(problem, surface=fewer_waves)
 
 
 def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:

@@ -16,8 +16,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
-from gfmd_numba.analysis.allocation import level_of_case
-from gfmd_numba.analysis.selection import groups
+from gfmd_numba.analysis.ensembles import level_of_case
+from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.limits import CROSS, MOST
 from gfmd_numba.campaign.price import price_of_transform
@@ -26,6 +26,12 @@ _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, an
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look
 _HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
 _LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
+
+# of the exponents of kappa by dimension, as the campaigns in campaigns/ have them
+_USUAL: dict[int, dict[str, str]] = {
+    1: {"eps_c": "[3/2, 5/2]", "eps_f": "[1/5, 2]", "eps_t": "[1/2, 3/2]"},
+    2: {"eps_c": "[1, 2]", "eps_f": "[1/5, 2]", "eps_t": "[1/2, 3/2]"},
+}
 
 Counts = NDArray[np.intp]
 
@@ -217,9 +223,19 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(
             f"{left}, as the exponents are not known better than that; allowed: a larger target, finer levels, or "
-            "narrower ranges under `fit: {fixed: ...}`"
+            f"{_narrower(cases, fit)}"
         )
     return UnusableDataError(f"{left}; allowed: a larger target, or levels further from the reference")
+
+
+def _narrower(cases: xr.Dataset, fit: Fit) -> str:
+    """Say which ranges of exponents to give, in full where kappa is fitted and some have none."""
+    limits = [name for name in LIMITS if name in cases["limit"].values]
+    usual = _USUAL[int(cases["dimension"].values[0])]
+    if fit.variable != "kappa" or fit.fixed.keys() >= set(limits):
+        return "narrower ranges under `fit: {fixed: ...}`"
+    unknown = ", ".join(f"{name}: {usual[name]}" for name in limits if name not in fit.fixed)
+    return f"the ranges in which exponents of kappa lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
 
 
 def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:

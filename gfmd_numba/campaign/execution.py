@@ -12,6 +12,7 @@ from gfmd_numba.campaign.block_work import Task, perform
 from gfmd_numba.campaign.cases import Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.cluster_file import Cluster, load_cluster
+from gfmd_numba.campaign.queue_state import QueueTold
 from gfmd_numba.campaign.submission import Submission, Told
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
@@ -28,8 +29,9 @@ class Workers:
     """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
 
     The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
-    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them. Workers `at_home` were
-    started here, and store their blocks in the output directory themselves; others hand them back.
+    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them, of whose state in the queue
+    `queue_told` is told. Workers `at_home` were started here, and store their blocks in the output directory
+    themselves; others hand them back.
     """
 
     count: int = 2
@@ -37,6 +39,7 @@ class Workers:
     insecure: bool = False
     client: Any = None
     cluster: Cluster | None = None
+    queue_told: QueueTold | None = None
     at_home: bool = False
 
     @property
@@ -88,7 +91,7 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
     elif workers.cluster is not None:
         from gfmd_numba.campaign.job_queue import jobs
 
-        with jobs(workers.cluster, directory.resolve()) as client:
+        with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
             yield replace(workers, client=client)
     elif workers.address is not None:
         with connected(workers.address, None, workers.insecure) as client:
@@ -136,5 +139,5 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
     }
     for problem in kinds.values():
         surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
-        tiny = replace(problem, surface=surface, path=problem.path[:1])
+        tiny = replace(problem, surface=surface, path=problem.path[:1], rough=None)
         measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))

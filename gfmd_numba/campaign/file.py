@@ -24,7 +24,7 @@ from gfmd_numba.scene.checks import (
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_per_realisation
+from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
 from gfmd_numba.scene.source import Source, document_of, existing_file
@@ -155,7 +155,7 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        if self.scene.length is not None or not isinstance(self.scene.roughness, Measured):  # whose file may tell it
+        if not self.scene.awaits_period:
             check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
             check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
         for i, step in enumerate(self.path):
@@ -198,7 +198,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     check_keys(document)
     document = _with_a_file(document)
     campaign = validate(document, Campaign)
-    if not isinstance(campaign.scene.roughness, Measured):  # only its file tells the dimension
+    if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
     _check_files(document, campaign)
@@ -210,14 +210,14 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         )
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
-    arrays = arrays_per_realisation(campaign.scene.dimension, campaign.scene.interface.laws)
+    dimension = campaign.scene.dimension
+    arrays = arrays_per_realisation(dimension, campaign.scene.interface.laws)
+    if campaign.scene.follows_topography:
+        arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
         check_points(document, ("grid", "points", i), value, campaign.scene.dimension, arrays)
-    assert campaign.scene.roughness is not None  # the combinations' promise
-    if isinstance(campaign.scene.roughness, Measured):
-        return campaign, document
     for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
@@ -253,17 +253,20 @@ def _with_a_file(document: Document) -> Document:
 
 def _check_files(document: Document, campaign: Campaign) -> None:
     """Raise InputError for a measured surface whose files do not all exist, or that has none."""
-    place, surface = ("scene", "roughness"), campaign.scene.roughness
-    if not isinstance(surface, Measured):
-        return
-    if surface.file is None:
-        allowed = "a file in a campaign: save the array as .npy, and name it"
-        raise document.error((*place, "heights"), surface.shown, allowed)
     varied = values_of(campaign.grid, "file")
-    if varied is None:
-        existing_file(document, (*place, "file"), surface.file, ())
+    for place, surface in _measured(campaign.scene).items():
+        if surface.file is None:
+            allowed = "a file in a campaign: save the array as .npy, and name it"
+            raise document.error(("scene", *place, "heights"), surface.shown, allowed)
+        if varied is None or place != ("roughness",):
+            existing_file(document, ("scene", *place, "file"), surface.file, ())
     for i, name in enumerate(varied or ()):
         existing_file(document, ("grid", "file", i), name, ())
+
+
+def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
+    """Measured surfaces of a scene, by their places."""
+    return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:

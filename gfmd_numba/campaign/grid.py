@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, Place, with_values
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
+from gfmd_numba.campaign.axis import Axis, Place
 from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule
@@ -99,8 +100,7 @@ def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place,
 def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
     """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
     surface = with_values(scene, values).roughness
-    assert surface is not None  # the combinations' promise
-    return _fault(surface) or surface.misfit(scene.length or 1.0)
+    return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
 
 
 def _fault(record: BaseModel) -> tuple[str, str] | None:

@@ -15,6 +15,7 @@ import psutil
 from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
 from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.job_supply import JobSupply
+from gfmd_numba.campaign.queue_state import QueueTold
 from gfmd_numba.scene import InputError
 from gfmd_numba.text.input_error import brief
 
@@ -74,8 +75,10 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
 
 
 @contextmanager
-def jobs(cluster: Cluster, directory: Path) -> Iterator[Any]:
+def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> Iterator[Any]:
     """Client of the workers in jobs of a cluster, which print into an output directory.
+
+    `told` learns how many jobs wait and run, whenever that changes.
 
     Scheduler and workers speak TLS, and accept only who has the key of this run. Raises ConnectionError where jobs end
     again and again before their workers come.
@@ -108,6 +111,7 @@ def jobs(cluster: Cluster, directory: Path) -> Iterator[Any]:
             client=client,
             job_name=name,
             cores=cluster.cores,
+            told=told,
         )
         try:
             yield client

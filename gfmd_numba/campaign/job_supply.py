@@ -9,7 +9,10 @@ from distributed import Future
 from distributed.deploy.adaptive import Adaptive
 from distributed.diagnostics.plugin import SchedulerPlugin
 
+from gfmd_numba.campaign.queue_state import FORMAT, QueueState, QueueTold, columns_of
+
 _SECONDS_BETWEEN_LOOKS = 10.0  # at the queue, whose controller others ask, too
+_SECONDS_TO_FIRST_LOOK = 3.0
 _MOST_IN_VAIN = 5  # jobs that end before a worker comes
 _TO_DO = {"queued", "no-worker", "waiting", "processing"}
 
@@ -29,16 +32,19 @@ class JobSupply(Adaptive):
     """Dask's adaptive scaling with demand counted in blocks, which ends idle jobs only and forgets jobs that ended.
 
     Where jobs end again and again before a worker of theirs comes, it sets `fault` and cancels
-    the tasks of its client.
+    the tasks of its client. Whenever other numbers of jobs wait and run than before, `told` is told.
     """
 
-    def __init__(self, cluster: Any, client: Any, job_name: str, cores: int, **options: Any) -> None:
+    def __init__(
+        self, cluster: Any, client: Any, job_name: str, cores: int, told: QueueTold | None, **options: Any
+    ) -> None:
         super().__init__(cluster, **options)
         self.fault = ""
         self._queue: Any = cluster
         self._client = client
         self._job_name, self._cores = job_name, cores
-        self._looked = monotonic()
+        self._looked = monotonic() + _SECONDS_TO_FIRST_LOOK - _SECONDS_BETWEEN_LOOKS
+        self._told, self._last = told, QueueState()
         self._arrivals, self._arrived = _Arrivals(), 0
         self._in_vain = 0
         self._queue.scheduler.add_plugin(self._arrivals)
@@ -91,9 +97,16 @@ class JobSupply(Adaptive):
 
     async def _queued(self) -> set[str] | None:
         """Numbers of this run's jobs that wait or run, None if the queue does not say."""
-        command = ("squeue", "--noheader", "--format=%A", f"--name={self._job_name}")
+        command = ("squeue", "--noheader", f"--format={FORMAT}", f"--name={self._job_name}")
         process = await asyncio.create_subprocess_exec(
             *command, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL
         )
         printed, _ = await process.communicate()
-        return set(printed.decode().split()) if process.returncode == 0 else None
+        if process.returncode != 0:
+            return None
+        jobs = columns_of(printed.decode())
+        state = QueueState.of(jobs)
+        if state != self._last and self._told is not None:
+            self._told(state)
+        self._last = state
+        return {number for number, *_ in jobs}

@@ -9,7 +9,8 @@ from gfmd_numba.campaign.axes import with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.campaign.grid import surfaces_of_grid
 from gfmd_numba.contact.contact_input import with_measured
-from gfmd_numba.contact.problem import GivenSurface, given_surface
+from gfmd_numba.contact.problem import given_surface
+from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface

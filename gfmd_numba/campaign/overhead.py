@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -23,6 +23,7 @@ _START = "start of a process"  # key of its run time
 # of the start of a process, which tells how fast a machine runs Python:
 _KERNELS, _WORKER, _RESULTS, _CASE, _PICTURE = 0.16, 1.6, 0.1, 7e-4, 0.4  # loading them, what one of the others takes
 _REHEARSED = 6  # groups
+_REALISATIONS = 20_000  # of a rehearsal at most: the time of a fit of more is proportional to them
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,12 @@ def _start() -> float:
 
 
 def _rehearsed(planned: Plan) -> float:
-    """Seconds of the fit, from that of some groups of made-up results."""
+    """Return the seconds of the fit, from that of some groups of made-up results."""
     members = groups(planned.cases)
-    results = _made_up([case for group in members[:_REHEARSED] for case in group], planned.campaign)
+    cases = [case for group in members[:_REHEARSED] for case in group]
+    asked = max(case.realisations for case in cases)
+    fewer = [replace(case, realisations=min(case.realisations, _REALISATIONS)) for case in cases]
+    results = _made_up(fewer, planned.campaign)
     options = json.loads(planned.campaign.fit.model_dump_json(exclude_none=True))
     seconds: list[float] = []
     try:
@@ -76,7 +80,7 @@ def _rehearsed(planned: Plan) -> float:
             seconds.append(time.thread_time() - begun)
     except UnusableDataError:
         return 0.0
-    return seconds[1] * len(members) / min(len(members), _REHEARSED)
+    return seconds[1] * len(members) / min(len(members), _REHEARSED) * asked / min(asked, _REALISATIONS)
 
 
 def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:

@@ -17,11 +17,14 @@ from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
+from gfmd_numba.campaign.measured_bodies import of_bodies, with_measured_bodies
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
+from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.source import Source
 
@@ -39,6 +42,7 @@ class Plan:
     cases: list[Case]
     problems: list[Problem]
     punches: Punches = field(default_factory=dict)
+    measured: MeasuredSurfaces = field(default_factory=dict)
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -72,12 +76,13 @@ class Plan:
     @property
     def validity(self) -> str:
         """Reasons to doubt the results: an implausible surface, or laws that a grid does not resolve."""
-        return "\n".join(filter(None, (*said_of(self.punches, "doubts"), unresolved(self.cases))))
+        implausible = (*said_of(self.punches, "doubts"), *of_bodies(self.measured, "doubts"))
+        return "\n".join(filter(None, (*implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:
         """What was done to measured surfaces."""
-        return "\n".join(said_of(self.punches, "done"))
+        return "\n".join((*said_of(self.punches, "done"), *of_bodies(self.measured, "done")))
 
     @property
     def file_bytes(self) -> int:
@@ -126,13 +131,16 @@ class Plan:
 def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
-    punches = measured_punches(campaign, document)
+    measured: MeasuredSurfaces = {}
+    if campaign.scene.follows_topography:
+        campaign, measured = with_measured_bodies(campaign, document)
+    punches = {} if campaign.scene.follows_topography else measured_punches(campaign, document)
     scenes = {(punch.dimension, punch.period): punch.under(campaign.scene) for punch in punches.values()}
     if len(scenes) == 1:
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
-    cases = expand(campaign, punches)
+    cases = expand(campaign, punches, measured, document)
     check_resolved(document, campaign, cases)
-    return Plan(campaign, document, cases, distinct(cases), punches)
+    return Plan(campaign, document, cases, distinct(cases), punches, measured)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import GivenSurface, Problem
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.roughness.generators import RandomSurface
 
 SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
 _CALLS = 4e4  # what is done once for each contact, in units of n log2(n)
@@ -93,8 +93,13 @@ def features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
     return found
 
 
-def _spectrum(surface: RandomSurface | GivenSurface) -> tuple[float, float, float, float]:
-    """Wave indices between which the spectrum falls, Hurst exponent and anisotropy; those of a guess if unknown."""
+def _spectrum(surface: Surface) -> tuple[float, float, float, float]:
+    """Wave indices between which the spectrum falls, Hurst exponent and anisotropy; those of a guess if unknown.
+
+    Of a sum those of the steepest surface.
+    """
+    if isinstance(surface, SummedSurface):
+        surface = max(surface.parts, key=lambda part: part.rms_gradient).surface
     if isinstance(surface, GivenSurface):
         return 1.0, surface.nx / 8, 0.5, 1.0
     generator = surface.generator
@@ -110,4 +115,5 @@ def _kind(problem: Problem) -> str:
     if problem.interface.hardness is not None:
         laws += "+hardness"
     path = " path" if problem.path else ""
-    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}{path}"
+    rough = f" rough {problem.rough.order}" if problem.rough is not None else ""
+    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}{path}{rough}"

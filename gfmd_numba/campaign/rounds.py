@@ -130,7 +130,7 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
     """
     update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
     campaign = planned.campaign.model_copy(update=update)
-    cases = expand(campaign, planned.punches)
+    cases = expand(campaign, planned.punches, planned.measured, planned.document)
     piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
     largest = max(map(len, groups(piloted.cases)))
     number = max(PILOT, min(largest + _SPARE, _MOST_OF_A_PILOT))

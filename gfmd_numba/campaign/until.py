@@ -154,6 +154,11 @@ class _Run:
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
+    if planned.campaign.path:
+        raise InputError(
+            "until: given for a path; allowed: a campaign without one, as numbers of realisations are planned for "
+            "contacts under one load (not built yet)"
+        )
     fitted = planned.campaign.fit.variable
     if goal.variable != fitted:
         raise InputError(

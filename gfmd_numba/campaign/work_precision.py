@@ -69,7 +69,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     Without `realisations` a study has 16, fewer on a large grid but 4 at least. Raises InputError for a campaign of
     measured surfaces, or along a path.
     """
-    check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.path)
+    check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.numerics, planned.campaign.path)
     case = next(case for case in planned.cases if case.limit == "reference")
     exact = replace(case.problem.numerics, precision="double")
     case = replace(case, problem=replace(case.problem, numerics=exact))

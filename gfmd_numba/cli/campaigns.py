@@ -11,6 +11,7 @@ import click
 
 from gfmd_numba.cli.arguments import (
     LIMITS,
+    OF_PATHS,
     conditions_option,
     file_argument,
     processor_time_option,
@@ -20,7 +21,7 @@ from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, pict
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.path_table import show_paths
-from gfmd_numba.cli.progress import progress_bar, waiting
+from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings, show_fit, show_means
 from gfmd_numba.text.printable import printable
@@ -86,7 +87,8 @@ def run(
     check_options(until, budget, only, limit)
     _check_workers_options()
     choice = Choice(dict(only), limit, retry_failed, fail_fast)
-    who = Workers(workers, scheduler, insecure, cluster=None if cluster is None else load_cluster(cluster))
+    jobs = None if cluster is None else load_cluster(cluster)
+    who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
     try:
         if until is not None:
             reached = run_rounds(file, output, who, choice, until, budget, show_results)
@@ -166,8 +168,15 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
     """Fit the results to their limit, print and draw it; False if the disk refuses the picture."""
     import gfmd_numba
 
+    options = fit_options(dataset, (), None, None)
     with waiting("fitting"):
-        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset, (), None, None))
+        fitted = gfmd_numba.fit_tfc(dataset, **options)
+    if "step" in dataset.dims:
+        show_paths(dataset)
+        for variable in (name for name in OF_PATHS if name in dataset):
+            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": variable}))
+        if not (fitted["fit_status"] == "ok").any():  # kappa under tension
+            fitted = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
     show_fit(fitted)
     show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)

@@ -36,7 +36,7 @@ def solve(file: Path, output: Path) -> None:
     with 3.
     """
     with without_collections():
-        from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.scene import SceneFile, input_files, load_scene
         from gfmd_numba.simulate import solve as solve_file
         from gfmd_numba.storage.atomic_file import write_dataset
 
@@ -54,9 +54,11 @@ def solve(file: Path, output: Path) -> None:
         _show_one(dataset)
     for doubt in dataset.attrs.get("validity", "").splitlines():
         say("gfmd:", doubt, width=6, err=True)
-    failed = [f"{_ending(steps.isel(step=i))} in step {i}" for i, status in enumerate(steps["status"]) if int(status)]
-    if failed:
-        say("gfmd:", f"the run is {', '.join(failed)}: do not use these numbers", width=6, err=True)
+    last = steps.isel(step=-1)  # a path ends at its first step that is not ok
+    if int(last["status"]):
+        number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
+        where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
+        say("gfmd:", f"the run is {_ending(last)}{where}: do not use its numbers", width=6, err=True)
         for _, sentence in endings(steps["status"]):
             say("gfmd:", sentence, width=6, err=True)
         sys.exit(SOME_FAILED)
@@ -111,6 +113,8 @@ def _ending(step: xr.Dataset) -> str:
     """How a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
+    if meaning == "not_converged":
+        return f"{ending} at a residual of {float(step['residual']):.1e}"
     return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 
 
@@ -118,27 +122,36 @@ def _ending(step: xr.Dataset) -> str:
 @file_argument
 @output_option
 @click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
-def fields(file: Path, output: Path, body: str) -> None:
+@click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
+@click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
+@click.option("--plane", metavar="Z", multiple=True, help="Below a map: the horizontal plane at this z, like -5um")
+def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, plane: tuple[str, ...]) -> None:
     """Compute displacement, strain and stress inside a body.
 
     FILE is a contact that `gfmd solve` wrote. Beside the netCDF file, the command writes a picture (.png) of the same
-    name.
+    name. Below a map, the fields are on a vertical section, or on horizontal planes.
     """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.cli.fits import naming
+    from gfmd_numba.cli.places import largest_stress, place
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
     check_output(output, file)
+    contact = read_results(file)
+    at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
+    planes = [place(contact, "plane", given) for given in plane] or None
     with waiting("computing the fields"):
-        dataset = gfmd_numba.body_fields(read_results(file), body=body)
+        dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write_dataset(output, dataset)
     click.echo(f"fields   {printable(output)}")
     with naming(file), waiting("drawing"):
         write_picture(picture, plot_body(dataset), dpi=150)
     click.echo(f"picture  {printable(picture)}")
+    if "peak_von_mises" in dataset:
+        say("largest", largest_stress(dataset), width=9)
 
 
 @main.command()

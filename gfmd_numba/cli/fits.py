@@ -136,10 +136,11 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
     from gfmd_numba.storage.atomic_file import write_picture
 
     with waiting("drawing"):
-        if fitted is not None:
+        drawing = picture_of(dataset)
+        if drawing is None and fitted is not None:
             figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
         else:
-            figure = (picture_of(dataset) or plot_campaign)(dataset)
+            figure = (drawing or plot_campaign)(dataset)
         write_picture(path, figure, dpi=150)
     click.echo(f"picture  {printable(path)}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +35,7 @@ def check(file: Path) -> None:
     keys = document.data.keys() if isinstance(document.data, dict) else set()
     if {"name", "realisations", "reference", "limits", "grid"} & keys:
         kind, doubt = _check_campaign(document)
-    elif {"jobs", "walltime"} & keys:
+    elif _describes_jobs(keys):
         kind, doubt = _check_cluster(document)
     elif "surface" in keys:
         kind, doubt = _check_surface(document)
@@ -45,12 +46,23 @@ def check(file: Path) -> None:
         say("gfmd:", sentence, width=6, err=True)
 
 
+def _describes_jobs(keys: Set[object]) -> bool:
+    """Whether the keys of a file are those of a cluster, of which one may be `interface`, as in a scene."""
+    from gfmd_numba.campaign.cluster_file import Cluster
+    from gfmd_numba.scene import Scene, SceneFile
+
+    of_scenes = SceneFile.model_fields.keys() | Scene.model_fields.keys()
+    return bool(keys & (Cluster.model_fields.keys() - of_scenes)) and not keys & (of_scenes - {"interface"})
+
+
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import load_campaign
     from gfmd_numba.scene import Measured
 
     campaign, validity = load_campaign(document)[0], ""
-    if campaign.scene.interface.reaches_across or isinstance(campaign.scene.roughness, Measured):
+    scene = campaign.scene
+    is_measured = isinstance(scene.roughness, Measured)
+    if scene.interface.reaches_across or is_measured or scene.follows_topography:
         from gfmd_numba.campaign.plan import plan
 
         planned = plan(document)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan
 from typing import TYPE_CHECKING
 
+from gfmd_numba.cli.arguments import LIMITS
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters
@@ -16,9 +17,14 @@ _SHOWN = ("pull_off_pressure", "hysteresis", "mean_tangential_traction", "stick_
 
 
 def show_paths(dataset: xr.Dataset) -> None:
-    """Print the means of every case: what its path lost and pulled, and what of the contact its last step left."""
+    """Print the means of every case: what its path lost and pulled, and what of the contact its last step left.
+
+    Of a campaign with limits only the references are shown.
+    """
     from gfmd_numba.analysis import ensemble_mean
 
+    if LIMITS.keys() & set(dataset["limit"].values):
+        dataset = dataset.isel(case=dataset["is_reference"].values)
     shown = dataset.isel(case=slice(MOST_ROWS), step=-1)
     means = {}
     for name in _SHOWN:

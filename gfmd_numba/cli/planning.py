@@ -123,7 +123,10 @@ def _check_target(planned: Plan, name: str) -> None:
 
     if planned.campaign.path:
         option = "--target" if name else "--budget"
-        raise InputError(f"{option}: given for a path; allowed: a campaign without one, as a limit is of one load")
+        raise InputError(
+            f"{option}: given for a path; allowed: a campaign without one, as numbers of realisations are "
+            "planned for contacts under one load"
+        )
     fitted = planned.campaign.fit.variable
     if name not in ("", fitted):
         raise InputError(

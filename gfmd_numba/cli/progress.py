@@ -7,8 +7,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from threading import Timer
+from typing import TYPE_CHECKING
 
 import click
+
+from gfmd_numba.text.printable import printable
+
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.queue_state import QueueState
 
 _PATIENCE = 1.0  # s
 _WRITING = ", writing the results"
@@ -112,6 +118,13 @@ def progress_bar(
         yield watch
         for task in bars.tasks:
             bars.update(task.id, description=task.description.removesuffix(_WRITING))
+
+
+def show_queue(state: QueueState) -> None:
+    """Print how many jobs of a run wait in a queue, and how many run."""
+    why = f" ({printable(state.reason)})" if state.reason else ""
+    with suppress(OSError, ValueError):  # nobody reads it
+        click.echo(f"jobs     {state.waiting} waiting{why}, {state.running} running", err=True)
 
 
 def _state(what: str, finished: int, total: int) -> str:

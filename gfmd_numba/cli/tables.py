@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import floor, inf, isnan, log10
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
@@ -13,6 +13,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
+_IN_UNIT_OF_VARIABLE = [
+    "reference",
+    "reference_error",
+    "kappa_tfc",
+    "kappa_tfc_error",
+    "correction",
+    "correction_error",
+]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _LONGEST_NAME = 40
@@ -20,13 +28,15 @@ _LONGEST_NAME = 40
 
 def show_fit(fitted: xr.Dataset) -> None:
     """Print kappa at the reference and in the limit, and what separates the two."""
-    title = f"{fitted.attrs['variable']} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    factor, unit = _readable_unit(fitted["reference"])
+    title = f"{fitted.attrs['variable']}{unit} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    shown = fitted[_IN_UNIT_OF_VARIABLE] / factor
     values = {
-        "reference": _with_errors(fitted["reference"], fitted["reference_error"]),
-        "limit": _with_errors(fitted["kappa_tfc"], fitted["kappa_tfc_error"]),
+        "reference": _with_errors(shown["reference"], shown["reference_error"]),
+        "limit": _with_errors(shown["kappa_tfc"], shown["kappa_tfc_error"]),
     }
     for limit, kind in LIMITS.items():
-        values[kind] = _with_errors(*(fitted[name].sel(limit=limit) for name in ("correction", "correction_error")))
+        values[kind] = _with_errors(*(shown[name].sel(limit=limit) for name in ("correction", "correction_error")))
     print_table(title, _cells(fitted, _shown_parameters(fitted)), values)
     for limit, kind in LIMITS.items():
         if fitted["alpha"].sel(limit=limit).notnull().any():
@@ -38,6 +48,15 @@ def show_fit(fitted: xr.Dataset) -> None:
         having = [i for i, lines in enumerate(messages) if line in lines]
         whose = "" if len(having) == len(messages) else _whose(fitted, having)
         say("note", f"{whose}{line}")
+
+
+def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
+    """Power of ten that values are shown in, 1 for those from 0.1 to 1e4, and how it is written with their unit."""
+    largest = float(abs(values).max())
+    exponent = floor(log10(largest)) if 0.0 < largest < inf else 0
+    power = "" if -1 <= exponent <= 3 else f"1e{exponent:+03d}"
+    unit = " ".join(filter(None, (power, values.attrs.get("units", "1").removeprefix("1"))))
+    return float(power or 1.0), f" ({unit})" if unit else ""
 
 
 def show_target(fitted: xr.Dataset, target: float) -> None:

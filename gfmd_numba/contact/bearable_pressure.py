@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from gfmd_numba.contact.bodies import contact_modulus
+from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
 from gfmd_numba.scene import Document, Random, Scene
 from gfmd_numba.scene.document import Location
 
@@ -19,7 +19,7 @@ def check_bearable(document: Document, scene: Scene, grid: Mapping[str, Sequence
     if not gradients or not hardnesses:
         return
     stiffest = max(contact_modulus(each) for each in _bodies(scene, grid.get("poissons_ratio", ())))
-    most = min(hardnesses) * scene.body.stiffness_scale / (max(gradients) * stiffest)
+    most = min(hardnesses) * stiffness_scale(scene) / (max(gradients) * stiffest)
     for location, pressure in _pressures(scene, grid):
         if pressure >= most:
             raise document.error(

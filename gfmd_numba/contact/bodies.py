@@ -47,3 +47,11 @@ def contact_modulus(scene: Scene | LoadedBody) -> float:
     if isinstance(scene, LoadedBody) or scene.counter_body is None:
         return effective_modulus(scene.body)
     return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
+
+
+def stiffness_scale(scene: Scene | LoadedBody) -> float:
+    """Factor by which all that deforms is stiffer than its moduli say."""
+    if isinstance(scene, LoadedBody) or scene.counter_body is None:
+        return scene.body.stiffness_scale
+    softness = sum(body.stiffness_scale / effective_modulus(body) for body in scene.deformable)
+    return contact_modulus(scene) * softness

@@ -27,41 +27,34 @@ class Refusal:
         return f"{self.allowed} (not built yet)" if self.because == "not built yet" else self.allowed
 
 
-_DRAGS = (
-    "no friction and no cohesive law where a deformable body is rough or both deform, as only normal tractions "
-    "are followed there; map the roughness to a rigid punch"
-)
+_AT_ORDER_0 = {
+    "friction on maps": "friction on a map",
+    "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
+    "friction by dynamics": "friction with coefficient .inf, beside a law of the gap, or by solver verlet",
+    **{name: f"a {name} law" for name, law in LAWS.items() if law.tangential and name != "friction"},
+    "hardness": "a hardness",
+    "prescribed tractions": "a boundary",
+    "layers": "layers",
+}
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
-_RANDOM = "a rough surface in a campaign, like method 'psd'"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
 def _laws_beside_each_other() -> Iterator[Refusal]:
-    """At most one law of the gap acts, and a law of gap and slip acts alone; a hard wall goes with all."""
+    """At most one law of the gap acts; a law of gap and slip acts alone, as it is both; a hard wall goes with all."""
     for first, second in combinations(_BEYOND_HARD_WALL, 2):
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:
             other = second if whole == first else first
-            allowed = f"one law of normal and tangential tractions, not {other} beside {whole}"
-            yield Refusal(whole, other, allowed, "not built yet")
+            allowed = f"one law of normal and tangential tractions, not {other} beside {whole}, which does both itself"
+            yield Refusal(whole, other, allowed, "physics")
         elif LAWS[first].ability == LAWS[second].ability:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
 
 REFUSALS = (
-    *(
-        Refusal("dimension 2", law, f"nothing with dimension 2; {law} needs dimension 1", "not built yet")
-        for law in LAWS
-        if LAWS[law].tangential and law != "friction"
-    ),
-    Refusal(
-        "dimension 2",
-        "prescribed tractions",
-        "nothing with dimension 2; a boundary needs dimension 1",
-        "not built yet",
-    ),
     Refusal(
         "dimension 2",
         "plane stress",
@@ -72,6 +65,7 @@ REFUSALS = (
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
+    Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
     *(
@@ -85,7 +79,6 @@ REFUSALS = (
         "nothing beside a hardness, as plastic nodes keep their dents when they are unloaded",
         "not built yet",
     ),
-    Refusal("topography", "hardness", "null where a deformable body is rough or both deform", "not built yet"),
     Refusal(
         "displacement",
         "half-space",
@@ -120,19 +113,10 @@ REFUSALS = (
         "no boundary beside a cohesive law, as its slip counts from the unloaded body",
         "not built yet",
     ),
-    Refusal("topography", "stiffness_scale", "1 where a deformable body is rough or both deform", "not built yet"),
-    *(Refusal("topography", law, _DRAGS, "not built yet") for law in LAWS if LAWS[law].tangential),
     Refusal(
         "topography",
-        "prescribed tractions",
-        "nothing where a deformable body is rough or both deform",
-        "not built yet",
-    ),
-    Refusal(
-        "topography",
-        "layers",
-        "one material where a deformable body is rough or both deform: two-step GFMD knows no interfaces below a rough "
-        "surface; layers need a smooth body under a rigid punch",
+        "varied measured punch",
+        "nothing where a deformable body is rough or both deform; there a punch has one measured surface",
         "not built yet",
     ),
     Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
@@ -140,27 +124,22 @@ REFUSALS = (
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")
     ),
-    Refusal("campaign", "flat punch", _RANDOM, "not built yet"),
-    *(
-        Refusal("campaign", feature, _ELSEWHERE, "not built yet")
-        for feature in ("rough body", "counter_body", "prescribed tractions")
-    ),
+    Refusal("campaign", "prescribed tractions", _ELSEWHERE, "not built yet"),
     Refusal(
         "path",
-        "fit",
-        "nothing beside a path, as a limit is that of contacts under one load; to see how a path depends on the "
-        "grid, vary an eps in `grid`",
+        "target",
+        "nothing beside a path, as numbers of realisations are planned for contacts under one load; write them into "
+        "`realisations`",
         "not built yet",
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
-    Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
-    Refusal("fields inside", "dimension 2", "a contact of dimension 1, over x alone", "not built yet"),
     Refusal(
-        "fields inside",
-        "prescribed tractions",
-        "a contact without a boundary, or a loaded body",
+        "accuracy",
+        "topography",
+        "a rigid punch on a smooth body for `gfmd accuracy`",
         "not built yet",
     ),
+    Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -168,9 +147,18 @@ REFUSALS = (
         "without effect",
     ),
     Refusal(
-        "dimension 2",
-        "higher topography_order",
-        "0 with dimension 2, or nothing: higher orders in the slope need dimension 1",
+        "fields inside",
+        "higher topography_order of a map",
+        "0, as the fields below a map are those of order 0",
         "not built yet",
+    ),
+    *(
+        Refusal(
+            feature,
+            "higher topography_order",
+            f"0, or nothing, beside {named}",
+            "not built yet",
+        )
+        for feature, named in _AT_ORDER_0.items()
     ),
 )

@@ -6,17 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Document, Scene, SceneFile
+from gfmd_numba.scene import COMPONENTS, Document, Scene, SceneFile
 from gfmd_numba.scene.document import Location
 
 
@@ -95,21 +96,20 @@ def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document)
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
     """Raise InputError for a mean traction that nothing holds, or that the loading decides already."""
-    scene, nx = file.scene, surfaces.surface.nx
+    scene, shape = file.scene, surfaces.surface.shape
     if scene.boundary is None:
         return None
-    arrays = read_boundary(document, scene.boundary, nx)
+    arrays = read_boundary(document, scene.boundary, scene.dimension, shape)
+    *tangential, normal = (component.key("traction") for component in COMPONENTS[scene.dimension])
     if scene.loading.displacement is None:
         control = scene.loading.control
-        arrays = balanced(document, arrays, "normal", f"as loading.{control} prescribes the mean pressure")
+        arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
     if scene.body.is_half_space:
-        arrays = balanced(document, arrays, "tangential", f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = surfaces.rms_gradient * effective_modulus(scene.body)
-    tangential, normal = (
-        np.nan_to_num(arrays.get(f"{component}_traction", np.zeros(nx)), nan=0.0) / scale
-        for component in ("tangential", "normal")
-    )
-    return tractions(tangential, normal)
+        for name in tangential:
+            arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
+    scale = surfaces.rms_gradient * contact_modulus(scene)
+    found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
+    return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
 
 
 def check_room(
@@ -120,13 +120,17 @@ def check_room(
     `displacements` of the punch, in m or L_x, stand at their places in the document.
     """
     scene = file.scene
-    rigid_mean = scene.body.is_incompressible and not scene.body.is_half_space
-    if scene.loading.displacement is None or not rigid_mean or surfaces.bodies is not None:
+    rigid_mean = all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
+    # at higher orders a body that is pressed moves what its topography takes up, too
+    is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
+    if scene.loading.displacement is None or not rigid_mean or not is_known:
         return
-    surface = surfaces.surface
-    one = range(file.realisation, file.realisation + 1)
-    heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
-    room = float(heights.max() - heights.mean()) * surfaces.rms_gradient * (scene.length or 1.0)
+    surface, gradient, one = surfaces.surface, surfaces.rms_gradient, range(file.realisation, file.realisation + 1)
+    if isinstance(surface, SummedSurface):
+        heights, gradient = np.sum(surface.drawn(file.realisation), axis=0), 1.0
+    else:
+        heights = surface.heights(one)[0] if isinstance(surface, RandomSurface) else surface.heights
+    room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
             allowed = f"at most {room:.6g}, as an incompressible body has no room for more of this punch"

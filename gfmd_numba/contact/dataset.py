@@ -8,13 +8,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.bodies import contact_modulus, elastic_body, stiffness_scale
 from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.scene import LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -41,7 +41,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
     height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
     return {
         "1": 1.0,
-        "E*/stiffness": 1.0 / scene.body.stiffness_scale,
+        "E*/stiffness": 1.0 / stiffness_scale(scene),
         "gradient": rms_gradient,
         "height": height,
         "pressure": pressure,
@@ -69,10 +69,12 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
 
 def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
-    if scene.body.layers is None:
+    bodies = (scene.body,) if isinstance(scene, LoadedBody) else scene.deformable
+    if all(body.layers is None for body in bodies):
         return {}
-    modulus = effective_modulus(scene.body) / scene.body.stiffness_scale
-    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of the topmost layer"}
+    modulus = contact_modulus(scene) / stiffness_scale(scene)
+    whose = "the topmost layer" if len(bodies) == 1 else "both bodies together, of layers the topmost"
+    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of {whose}"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -130,6 +132,11 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
+    if problem.tractions is not None:
+        sideways = np.reshape(problem.tractions.tangential, (-1, *contact.heights.shape[1:]))
+        for component, values in zip(COMPONENTS[scene.dimension], (*sideways, problem.tractions.normal), strict=True):
+            long_name = f"prescribed traction on the body, {component.way}"
+            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
     dataset = xr.Dataset()
@@ -139,10 +146,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     for name, (kind, long_name, values) in fields.items():
         dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
-    values = measure(contact)
+    measures = measure(contact)
     for name, row in recorded(problem.interface.hardness is not None).items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)
-        dataset[name] = ((), scaled(values[name][0], scale[row.unit]), attributes)
+        dataset[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
         dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)

@@ -9,16 +9,7 @@ from gfmd_numba.contact.prescribed_load import Sliding, reduced_sliding, steps_o
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.contact.two_step import Pressed, RoughBody
-
-
-@dataclass(frozen=True)
-class RoughBodies:
-    """Rough elastic bodies, the rms gradient g that their problem is in units of, and the order in the slope."""
-
-    bodies: tuple[RoughBody, ...]
-    rms_gradient: float
-    order: int
+from gfmd_numba.contact.two_step import Pressed
 
 
 @dataclass(frozen=True)
@@ -32,7 +23,6 @@ class LoadPath:
     sliding: tuple[Sliding, ...]
     realisation: int
     effects: tuple[Effect, ...]
-    rough: RoughBodies | None = None
 
 
 def load_path(given: ContactInput) -> LoadPath:
@@ -40,36 +30,32 @@ def load_path(given: ContactInput) -> LoadPath:
     file, surfaces = given.file, given.surfaces
     steps = list(steps_of(file.scene, file.path))
     reduced = [
-        reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions) for scene, _ in steps
+        reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions, surfaces.rough)
+        for scene, _ in steps
     ]
-    rough = None
-    if surfaces.bodies is not None:
-        rough = RoughBodies(surfaces.bodies, surfaces.rms_gradient, file.numerics.slope_order(file.scene.dimension))
     problems = tuple(problem for problem, _ in reduced)
     sliding = tuple(reduced_sliding(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
-    return LoadPath(problems, sliding, file.realisation, reduced[-1][1], rough)
+    return LoadPath(problems, sliding, file.realisation, reduced[-1][1])
 
 
 def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
     """Equilibrium of each step, begun where the last one ended."""
-    if path.rough is None:
-        yield from solve_steps(path.problems, path.sliding, path.realisation)
-        return
-    before = None
-    for problem in path.problems:
-        pressed = two_step.solve(problem, path.rough.bodies, path.rough.rms_gradient, path.rough.order, before)
-        yield pressed
-        before = pressed.contact.equilibrium
+    yield from solve_steps(path.problems, path.sliding, path.realisation)
 
 
-def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Contact]:
+def solve_steps(
+    problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int
+) -> Iterator[Contact | Pressed]:
     """Equilibrium at each of several loads of a realisation, begun where the last one ended."""
+    if problems[0].rough is not None:
+        yield from two_step.solve_steps(problems, sliding, realisation)
+        return
     one = range(realisation, realisation + 1)
-    last: tuple[Problem, Contact] | None = None
+    last: tuple[Problem, Contact, Sliding] | None = None
     for problem, slid in zip(problems, sliding, strict=True):
         if len(problems) > 1 and branch.is_followed(problem):
-            contact = branch.follow(problem, one, last)
+            contact = branch.follow(problem, one, last, slid)
         else:
             contact = solution.solve(problem, one, None if last is None else last[1].equilibrium, slid)
-        last = problem, contact
+        last = problem, contact, slid
         yield contact

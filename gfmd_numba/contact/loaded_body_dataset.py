@@ -19,24 +19,27 @@ from gfmd_numba.solvers.boundary_value_problem import Deformed
 
 
 def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, deformed: Deformed) -> xr.Dataset:
-    """Displacements and tractions of both components over `x`, and how they were reached, in SI units."""
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units."""
     scene = file.scene
     scale, unit = scales(scene, 1.0), units(scene)
-    nx = deformed.traction.shape[1]
-    dataset = xr.Dataset(coords={"x": np.arange(nx) / nx * (scene.length or 1.0)})
-    dataset["x"].attrs = cf_attributes("position along the surface", unit["height"]) | {POINTS: nx}
+    dims = ("x",) if scene.dimension == 1 else ("y", "x")
+    along = {"x": "along the surface"} if scene.dimension == 1 else {"y": "along y", "x": "along x"}
+    dataset = xr.Dataset()
+    for dim, nodes in zip(dims, deformed.traction.shape[1:], strict=True):
+        attributes = cf_attributes(f"position {along[dim]}", unit["height"]) | {POINTS: nodes}
+        dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
     for kind, quantity, values in (
         ("height", "displacement", deformed.displacement),
         ("pressure", "traction", deformed.traction),
     ):
-        for component, direction, row in zip(COMPONENTS[::-1], ("along x", "out of it"), values, strict=True):
-            attributes = cf_attributes(f"{component} {quantity} of the body, {direction}", unit[kind])
-            dataset[f"{component}_{quantity}"] = ("x", row * scale[kind], attributes)
+        for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
+            attributes = cf_attributes(f"{component.name} {quantity} of the body, {component.way}", unit[kind])
+            dataset[component.key(quantity)] = (dims, of_nodes * scale[kind], attributes)
     for name, long_name, kind, value in (
         ("status", "how the run ended", "1", np.int8(deformed.status)),
         ("residual", "largest unbalanced traction over the largest traction", "1", deformed.residual),
         ("n_iterations", "solver iterations", "1", deformed.n_iterations),
-        ("n_transforms", "fast Fourier transforms of length nx", "1", deformed.n_transforms),
+        ("n_transforms", "fast Fourier transforms of the surface", "1", deformed.n_transforms),
         ("wall_time", "time spent in the solver", "s", deformed.wall_time),
     ):
         dataset[name] = ((), value, measure_attributes(name, kind, long_name))

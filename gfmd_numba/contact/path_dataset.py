@@ -32,17 +32,21 @@ from gfmd_numba.solvers.status import Status
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
+    attribute `validity` holds the reasons to doubt the result, one sentence a line.
     """
     file = given.file
     record, steps = PathRecord(), []
-    for problem, each in zip(path.problems, solved, strict=True):
+    for problem, each in zip(path.problems, solved, strict=False):
         contact = each if isinstance(each, Contact) else each.contact
         steps.append(step_dataset(given, problem, each))
+        is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(problem, contact, bool(steps[-1]["status"] == Status.ok))
+            record.add(problem, contact, is_ok)
         if contact.followed is not None:
             _add_followed(steps[-1], given, problem, contact, contact.followed)
+        if not is_ok:
+            break
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
     if file.path:
         _add_record(dataset, given, record)
@@ -65,25 +69,24 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Presse
     contact = solved if isinstance(solved, Contact) else solved.contact
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
-        rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, solved)
+        rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)
     return step
 
 
 def _add_followed(
     step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
 ) -> None:
-    """Add how stable the end of a step of a path is, and the load at its largest jump."""
+    """Add the load at the largest jump of a step of a path, and how stable its end is."""
     scene = given.file.scene
     scale, unit = scales(scene, given.surfaces.rms_gradient), units(scene)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
-    found = {
-        "stability": (
-            "1",
-            "smallest curvature of the energy over that of the bodies alone",
-            branch.stability(problem, contact),
-        ),
-        f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at),
-    }
+    found = {f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at)}
+    if scene.interface.couples:
+        sliding = "tangential displacement of the punch at the largest jump since the last step"
+        found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
+    curvature = branch.stability(problem, contact)
+    if curvature is not None:
+        found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
     for key, (of, long_name, value) in found.items():
         step[key] = ((), value * scale[of], cf_attributes(long_name, unit[of]))
 
@@ -92,7 +95,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
     """Add what is recorded along a path to its dataset."""
     scene = given.file.scene
     scale, unit, of_path = scales(scene, given.surfaces.rms_gradient), units(scene), record.of_path()
-    for name, row in recorded_along(scene).items():
+    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
         attributes = cf_attributes(row.long_name, unit[row.unit])
         if row.of == "path":
             dataset[name] = ((), of_path[name] * scale[row.unit], attributes)
@@ -102,7 +105,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene.dimension)
+    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
@@ -135,7 +138,8 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
-    return dataset.assign_coords({name: ("step", values, attributes[name]) for name, values in found.items()})
+    n = dataset.sizes["step"]
+    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
 def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:

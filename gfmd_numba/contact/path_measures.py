@@ -7,63 +7,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.evaluation import elastic_energy, mean_pressure, measure
+from gfmd_numba.contact.energy_balance import Balance, components
+from gfmd_numba.contact.evaluation import mean_pressure, measure
 from gfmd_numba.contact.load_path import solve_steps
-from gfmd_numba.contact.observables import recorded
+from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body_observables import recorded_of_rough_bodies
 from gfmd_numba.contact.solution import Contact, solve
+from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
 
 Measures = dict[str, npt.NDArray[Any]]
-
-
-@dataclass(frozen=True)
-class Balance:
-    """What the balance of energy takes of one contact, per nominal area, in g L_x and g E*.
-
-    `force` is what the load is conjugate to, the mean pressure or minus the mean displacement. `sliding` and the mean
-    tangential `traction` are `[component]`. `potential` is the stored energy, less the work of a prescribed pressure.
-    """
-
-    load: float
-    force: float
-    sliding: Reals
-    traction: Reals
-    potential: float
-
-    @classmethod
-    def of(cls, problem: Problem, contact: Contact) -> "Balance":
-        """Balance of a rigid punch on a smooth body without prescribed tractions."""
-        found, laws = contact.equilibrium, problem.interface
-        u, pressure = found.displacement[0], found.pressure[0]
-        gap, slip = contact.punch[0] - u, np.zeros(u.shape)
-        sliding = traction = np.zeros(u.ndim)
-        potential = float(elastic_energy(contact)[0])  # of all waves but the mean
-        if found.tangential is not None:
-            sliding, traction = (
-                np.ravel(found.tangential.sliding),
-                _components(found.tangential.traction, u).mean(axis=1),
-            )
-            sideways = _components(found.tangential.displacement, u)
-            potential += 0.5 * float(traction @ sideways.mean(axis=1))
-            slip = (sliding[:, np.newaxis] - sideways)[0].reshape(u.shape)  # laws of the slip are those of profiles
-        if laws.normal_law is not None:
-            potential += float(laws.normal_law.energy(gap).mean())
-        if laws.cohesive is not None:
-            potential += float(laws.cohesive.energy(gap, slip).mean())
-        load, mean = problem.load, float(u.mean())
-        if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean)
-        force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean)
-
-    def lost(self, before: "Balance") -> float:
-        """Work since an earlier contact, forces linear between the two, less what the potential has gained."""
-        work = 0.5 * (before.force + self.force) * (self.load - before.load)
-        work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
-        return work - (self.potential - before.potential)
 
 
 @dataclass
@@ -128,14 +84,9 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     if law is not None:
         wall = wall + law.traction(contact.punch[0] - found.displacement[0])
     slack = float(found.residual[0]) * float(wall.max())
-    rubbing = np.linalg.norm(_components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
+    rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
     sticks = rubbing < friction * wall - slack
     return float((sticks & touching).sum() / touching.sum())
-
-
-def _components(sideways: Reals, field: Reals) -> Reals:
-    """Tangential components `[component, node]` of the first realisation, beside a field `[(y,) x]`."""
-    return np.asarray(sideways[0].reshape(-1, field.size))
 
 
 def measured(problem: Problem, realisations: range) -> Measures:
@@ -144,10 +95,29 @@ def measured(problem: Problem, realisations: range) -> Measures:
     Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
     largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
     """
-    if not problem.path:
+    if problem.path:
+        rows = [_along(problem, realisation) for realisation in realisations]
+        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    if problem.rough is None:
         return measure(solve(problem, realisations))
-    rows = [_along(problem, realisation) for realisation in realisations]
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    found = [_measure(problem, next(solve_steps([problem], [()], realisation))) for realisation in realisations]
+    return {name: np.concatenate([each[name] for each in found]) for name in found[0]}
+
+
+def recorded_of(problem: Problem) -> dict[str, Observable]:
+    """What is recorded of each contact of a problem."""
+    rows = recorded(problem.interface.hardness is not None)
+    return rows if problem.rough is None else recorded_of_rough_bodies(rows)
+
+
+def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
+    """Measures `[realisation]` of one contact."""
+    if isinstance(solved, Contact):
+        return measure(solved)
+    assert isinstance(problem.surface, SummedSurface)  # of rough bodies
+    values = measure(solved.contact)
+    error = solved.expected_error / problem.surface.rms_gradient
+    return values | {"expected_error": np.where(values["status"] == Status.ok, error, nan)}
 
 
 def _along(problem: Problem, realisation: int) -> Measures:
@@ -155,13 +125,13 @@ def _along(problem: Problem, realisation: int) -> Measures:
     problems = loads_of(problem)
     sliding = ((0.0,) * len(problem.surface.shape), *(step.sliding for step in problem.path))
     record, found = PathRecord(), []
-    for one, contact in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
-        found.append(measure(contact))
+    for one, solved in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
+        found.append(_measure(one, solved))
         is_ok = bool(found[-1]["status"][0] == Status.ok)
-        record.add(one, contact, is_ok)
+        record.add(one, solved if isinstance(solved, Contact) else solved.contact, is_ok)
         if not is_ok:
             break
-    rows = recorded(hardness=False)
+    rows = recorded_of(problem)
     values = {name: np.concatenate([each[name] for each in found]) for name in rows}
     joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
     joined |= {name: _filled(values[name], problem.n_loads) for name, row in rows.items() if row.of == "contact"}

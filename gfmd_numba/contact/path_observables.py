@@ -43,18 +43,19 @@ _NEEDS: dict[str, Literal["drag", "drag of maps", "friction", "loss", "tension"]
 }
 
 
-def recorded_along(scene: Scene) -> dict[str, Observable]:
-    """The rows for a path of a scene: those of effects that it has.
+def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
+    """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
 
-    The energy is known where a rigid punch meets a smooth body and no tractions are prescribed.
+    The energy is known where no tractions are prescribed, of rough or two elastic bodies where order 0 is all there is.
     """
     interface = scene.interface
+    higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
     has = {
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": (interface.couples or attracts) and scene.boundary is None and not scene.follows_topography,
+        "loss": (interface.couples or attracts) and scene.boundary is None and not higher_orders,
         "tension": attracts and scene.loading.displacement is not None,
     }
     return {name: row for name, row in PATH_OBSERVABLES.items() if has[_NEEDS[name]]}

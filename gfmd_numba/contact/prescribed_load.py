@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from gfmd_numba.contact.bodies import stiffness_scale
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
@@ -21,7 +22,7 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     loading = scene.loading
     if loading.displacement is not None:
         return None
-    true_modulus = contact_modulus / scene.body.stiffness_scale
+    true_modulus = contact_modulus / stiffness_scale(scene)
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
     found = load / unit
@@ -42,7 +43,7 @@ def reduced_load(scene: Scene, rms_gradient: float, contact_modulus: float) -> f
         return reduced_length(scene.loading.displacement, scene, rms_gradient)
     pressure = reduced_pressure(scene, rms_gradient, contact_modulus)
     assert pressure is not None  # a load is prescribed
-    return pressure / scene.body.stiffness_scale
+    return pressure / stiffness_scale(scene)
 
 
 def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:

@@ -14,6 +14,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.results_version import results_version, rows_without_prose
+from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -25,30 +27,33 @@ from gfmd_numba.solvers.options import Options
 
 
 @dataclass(frozen=True)
-class GivenSurface:
-    """The user's own heights `[(ny,) nx]`, or the sum of several surfaces, in g L_x."""
-
-    nx: int
-    digest: str
-    heights: Reals = field(repr=False, compare=False)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the surface."""
-        return self.heights.shape
-
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return self.heights.size
-
-
-@dataclass(frozen=True)
 class CounterBody:
     """A second deformable body in place of the rigid punch; `share` is its part of the compliance 1/E*, E*/E_2*."""
 
     body: ElasticBody
     share: float
+
+
+@dataclass(frozen=True)
+class DeformableBody:
+    """One of the bodies between which topographies are followed, in its own E*.
+
+    `share` is its part E*/E_i* of the compliance 1/E*, `part` counts the summed surface that is its own, None: flat.
+    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
+    """
+
+    elastic: ElasticBody
+    share: float
+    part: int | None
+    side: int
+
+
+@dataclass(frozen=True)
+class RoughBodies:
+    """Deformable bodies whose topographies are followed to an `order` in the slope."""
+
+    bodies: tuple[DeformableBody, ...]
+    order: int
 
 
 @dataclass(frozen=True)
@@ -71,10 +76,11 @@ class LoadStep(NamedTuple):
 class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None.
 
-    `path` is what follows that load, each step begun where the last one ended.
+    `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
+    has the bodies, and the surface is the sum of theirs.
     """
 
-    surface: RandomSurface | GivenSurface
+    surface: Surface
     body: ElasticBody
     interface: Interactions
     mean_pressure: float | None
@@ -83,6 +89,7 @@ class Problem:
     tractions: Tractions | None = None
     counter: CounterBody | None = None
     path: tuple[LoadStep, ...] = ()
+    rough: RoughBodies | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -126,6 +133,9 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.path:
             content["path"] = self.path, rows_without_prose(PATH_OBSERVABLES)
+        if self.rough is not None:
+            bodies = [(_body_content(each.elastic), each.share, each.part) for each in self.rough.bodies]
+            content["rough"] = bodies, self.rough.order, rows_without_prose(ROUGH_BODY_OBSERVABLES)
         return hashlib.sha256(_JSON.encode(content).encode()).hexdigest()[:24]
 
 
@@ -137,8 +147,10 @@ def _fields(record: Any) -> dict[str, Any]:
     return {name: getattr(record, name) for name in record.__dataclass_fields__}
 
 
-def _surface_content(surface: RandomSurface | GivenSurface) -> dict[str, Any]:
+def _surface_content(surface: Surface) -> dict[str, Any]:
     content = _fields(surface)
+    if isinstance(surface, SummedSurface):
+        content["parts"] = [_fields(part) | {"surface": _surface_content(part.surface)} for part in surface.parts]
     content.pop("heights", None)
     if isinstance(surface, RandomSurface):
         # its text names the classes: models with equal numbers differ in nothing else

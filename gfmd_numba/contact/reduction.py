@@ -10,15 +10,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body, stiffness_scale
 from gfmd_numba.contact.prescribed_load import reduced_load
-from gfmd_numba.contact.problem import CounterBody, Effect, GivenSurface, Problem
+from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.reduced_units import in_reduced_units
 from gfmd_numba.solvers.options import Options
@@ -29,12 +29,15 @@ _ROUNDING = float(np.finfo(float).eps) / 2
 
 def reduce(
     scene: Scene,
-    surface: RandomSurface | GivenSurface,
+    surface: Surface,
     rms_gradient: float,
     numerics: Numerics,
     tractions: Tractions | None = None,
+    rough: RoughBodies | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
     """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+
+    `rough` are its bodies where their topographies are followed, whose sum the surface is.
 
     Raises ValueError for a load that is beyond all measure beside the rms gradient and the moduli, or that the hardness
     cannot carry.
@@ -44,18 +47,24 @@ def reduce(
     load = reduced_load(scene, rms_gradient, modulus)
     displacement, pressure = (None, load) if loading.displacement is None else (load, None)
     given = elastic_body(scene.body, scene.length)
-    interface, interactions = _interface(scene.interface, given, period, modulus, rms_gradient)
+    facing = None
+    if scene.counter_body is not None:
+        share = modulus / effective_modulus(scene.counter_body)
+        facing = CounterBody(elastic_body(scene.counter_body, scene.length), share)
+    is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
+    interface, interactions = _interface(scene.interface, given, facing, is_tilted, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
+    if rough is not None:  # what the flat bodies do without, their topographies may need
+        elasticity = tuple(effect for effect in elasticity if effect.state != "dropped")
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None
-    if scene.counter_body is not None:
-        counter_body = elastic_body(scene.counter_body, scene.length)
-        other = _body(counter_body, interface, displacement is not None, False, tolerance)[0]
-        counter = CounterBody(other, modulus / effective_modulus(scene.counter_body))
-    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter)
-    return problem, _all_effects(elasticity, interactions, tractions is not None, scene.body.stiffness_scale)
+    if facing is not None:
+        other = _body(facing.body, interface, displacement is not None, False, tolerance)[0]
+        counter = CounterBody(other, facing.share)
+    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter, rough=rough)
+    return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
 
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share
@@ -131,19 +140,36 @@ def _below(effect: float, tolerance: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _interface(
-    asked: Interface, body: ElasticBody, period: float, modulus: float, rms_gradient: float
+    asked: Interface,
+    body: ElasticBody,
+    counter: CounterBody | None,
+    is_tilted: bool,
+    period: float,
+    modulus: float,
+    rms_gradient: float,
 ) -> tuple[Interactions, tuple[Effect, ...]]:
     laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
     interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
-    incompressible = body.aspect_ratio is None and body.poissons_ratio == 0.5
-    if interactions.friction is not None and incompressible:
+    reason = "" if interactions.friction is None or is_tilted else _why_nothing_slips(body, counter)
+    if reason:
         interactions = replace(interactions, friction=None)
-        reason = "an incompressible half-space has no tangential displacement under normal load"
         effects["friction"] = Effect("friction", "dropped", reason)
     if interactions.hardness is not None:
         effects["hardness"] = Effect("hardness", "on", f"the pressure is at most {interactions.hardness:.4g} g E*")
     return interactions, tuple(effects.values())
+
+
+def _why_nothing_slips(body: ElasticBody, counter: CounterBody | None) -> str:
+    """Return why no load makes the surfaces slip; nothing if one may."""
+    bodies = (body,) if counter is None else (body, counter.body)
+    if any(each.aspect_ratio is not None or each.poissons_ratio is None for each in bodies):
+        return ""
+    if counter is None:
+        return "an incompressible half-space has no tangential displacement under normal load" if body.nu == 0.5 else ""
+    if abs(moduli.dundurs_beta(body.nu, counter.body.nu, counter.share)) > 4.0 * _ROUNDING:
+        return ""
+    return "two half-spaces whose Dundurs' beta is 0 give way alike along the surface under normal load"
 
 
 def _as_asked(name: str, record: object) -> Effect:

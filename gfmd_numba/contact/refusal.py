@@ -6,7 +6,7 @@ from math import isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import REFUSALS, Refusal
-from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene import COMPONENTS, Body, Boundary, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surfaces import Random
@@ -16,6 +16,9 @@ from gfmd_numba.text.input_error import brief
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
 Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file
+# axes of a grid that vary a body
+_ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
+_POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
 Where = Literal["campaign", "accuracy", "fields inside"]
 
 
@@ -41,16 +44,18 @@ def check_combination(
         check_bearable(document, scene, grid or {})
 
 
-def check_where(document: Document, scene: Scene | LoadedBody, where: Where, path: Sequence[Step] = ()) -> None:
+def check_where(
+    document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics, path: Sequence[Step] = ()
+) -> None:
     """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or for fields inside."""
-    _raise(document, _table_refusals(_features(scene, Numerics(), path, None) | {where: [()]}))
+    _raise(document, _table_refusals(_features(scene, numerics, path, None) | {where: [()]}))
 
 
 def check_keys(document: Document) -> None:
     """Raise InputError for keys of a campaign file that do not go together."""
     if isinstance(document.data, dict) and document.data.get("path"):
-        fitted: list[Location] = [(key,) for key in ("limits", "fit", "target") if key in document.data]
-        _raise(document, _table_refusals({"path": [("path",)], "fit": fitted}))
+        target: list[Location] = [("target",)] if "target" in document.data else []
+        _raise(document, _table_refusals({"path": [("path",)], "target": target}))
 
 
 def refusals(
@@ -79,20 +84,25 @@ def _features(
     scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
 ) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
-    parts = [_of_numerics(numerics)]
-    parts += [_of_loaded_body(scene)] if isinstance(scene, LoadedBody) else [_of_contact(scene, path, grid or {})]
+    parts = [_of_numerics(numerics, 1 if isinstance(scene, LoadedBody) else scene.dimension)]
+    if isinstance(scene, LoadedBody):
+        parts.append(_of_loaded_body(scene))
+    else:
+        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics)]
     for feature, location in chain(*parts, [("campaign", ())] if grid is not None else []):
         found.setdefault(feature, []).append(location)
     return found
 
 
-def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
+def _of_numerics(numerics: Numerics, dimension: int) -> Iterator[tuple[str, Location]]:
     if numerics.precision == "single":
         yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:
             yield "higher topography_order", ("numerics", "topography_order")
+        if numerics.topography_order > 0 and dimension == 2:
+            yield "higher topography_order of a map", ("numerics", "topography_order")
 
 
 def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
@@ -100,6 +110,16 @@ def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
         yield feature, ("scene", "boundary")
     if scene.body.roughness is not None:
         yield "rough body", ("scene", "body", "roughness")
+    yield f"dimension {scene.dimension}", ("scene", "dimension")
+    if scene.body.state == "plane_stress":
+        yield "plane stress", ("scene", "body", "state")
+    yield from _along_y(scene.boundary)
+
+
+def _along_y(boundary: Boundary) -> Iterator[tuple[str, Location]]:
+    """What a boundary prescribes along y."""
+    given = [name for name, value in boundary if value is not None and name.endswith("_y")]
+    yield from (("boundary along y", ("scene", "boundary", name)) for name in given)
 
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -125,6 +145,20 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_rough_friction(scene: Scene, numerics: Numerics) -> Iterator[tuple[str, Location]]:
+    """Friction of rough deformable bodies, where it is known at order 0 in their slope alone."""
+    friction = scene.interface.friction
+    if friction is None or not scene.follows_topography:
+        return
+    if scene.dimension == 2:
+        yield "friction on maps", ("scene", "interface", "friction")
+    elif scene.roughness is not None or scene.counter_body is not None:
+        yield "friction on inclined surfaces", ("scene", "interface", "friction")
+    laws = [law for law in scene.interface.laws.values() if law.ability == "normal law"]
+    if laws or isinf(friction.coefficient) or numerics.solver == "verlet":
+        yield "friction by dynamics", ("scene", "interface", "friction")
 
 
 def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:
@@ -159,22 +193,22 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:
         yield "prescribed tractions", ("scene", "boundary")
-        names = [f"{component}_displacement" for component in COMPONENTS]
+        yield from _along_y(scene.boundary)
+        names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
         given = [name for name in names if getattr(scene.boundary, name) is not None]
         yield from (("prescribed displacement", ("scene", "boundary", name)) for name in given[:1])
 
 
 def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the bodies and their surfaces are."""
-    if scene.roughness is None or isinstance(scene.roughness, Measured):
-        yield "flat punch" if scene.roughness is None else "measured punch", ("scene", "roughness", "method")
+    if isinstance(scene.roughness, Measured):
+        yield "measured punch", ("scene", "roughness", "method")
+        yield from (("varied measured punch", ("grid", name)) for name in grid if name in Measured.model_fields)
     if getattr(scene.roughness, "anisotropy", None) is not None:
         yield "anisotropy", ("scene", "roughness", "anisotropy")
     for place, surface in scene.surfaces.items():
         if isinstance(surface, Random) and surface.of_maps:
             yield "model of maps", ("scene", *place, surface.named_by)
-    if scene.counter_body is not None:
-        yield "counter_body", ("scene", "counter_body")
     if scene.body.roughness is not None:
         yield "rough body", ("scene", "body", "roughness")
     if scene.body.state == "plane_stress":
@@ -189,27 +223,32 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
         if body.layers is not None:
             yield "layers", ("scene", name, "layers")
-        if body.is_half_space and not (name == "body" and "aspect_ratio" in grid):
+        if body.is_half_space and _ASPECT_RATIO[name] not in grid:
             whole = body.layers is None
             yield (
                 "half-space" if whole else "layers on a half-space",
                 ("scene", name, "aspect_ratio" if whole else "base"),
             )
-    for i, value in enumerate(grid.get("aspect_ratio", ())):
-        if isinf(value):
-            yield "half-space", ("grid", "aspect_ratio", i)
+    for axis in _ASPECT_RATIO.values():
+        for i, value in enumerate(grid.get(axis, ())):
+            if isinf(value):
+                yield "half-space", ("grid", axis, i)
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:
     """Where the file says that no body changes its volume."""
-    if "poissons_ratio" not in grid:
-        if all(body.is_incompressible for body in scene.deformable):
-            place = () if scene.body.layers is None else ("layers", 0)
-            yield ("scene", "body", *place, "poissons_ratio")
-        return
-    for i, value in enumerate(grid["poissons_ratio"]):
-        if scene.body.model_copy(update={"poissons_ratio": value}).is_incompressible:
-            yield ("grid", "poissons_ratio", i)
+    found: list[list[Location]] = []  # of each body
+    for name, body in zip(_POISSONS_RATIO, scene.deformable, strict=False):
+        axis = _POISSONS_RATIO[name]
+        if axis in grid:
+            copies = (body.model_copy(update={"poissons_ratio": value}) for value in grid[axis])
+            found.append([("grid", axis, i) for i, copy in enumerate(copies) if copy.is_incompressible])
+        else:
+            layer = () if body.layers is None else ("layers", 0)
+            found.append([("scene", name, *layer, "poissons_ratio")] if body.is_incompressible else [])
+    if all(found):
+        varied = [location for of_body in found for location in of_body if location[0] == "grid"]
+        yield from varied or found[0]
 
 
 def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Location, Refusal]]:

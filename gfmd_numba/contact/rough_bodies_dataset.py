@@ -1,6 +1,6 @@
 """What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,66 +8,87 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body_observables import OF_PUNCH, OF_SUM, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.rough_surfaces import BODIES
-from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness
+from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness, tractions_on
 from gfmd_numba.elasticity import fields, map_topography, topography
+from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Scene
 
+_ERROR = "expected_error"
 _OUT = "normal displacement of the {}, out of it"
+_SIDEWAYS = "tangential displacement of the {}"
 
 
 def add_bodies(
-    found: xr.Dataset, scene: Scene, bodies: tuple[RoughBody, ...], rms_gradient: float, pressed: Pressed
+    found: xr.Dataset,
+    scene: Scene,
+    bodies: tuple[RoughBody, ...],
+    rms_gradient: float,
+    problem: Problem,
+    pressed: Pressed,
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the expected error."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
     for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
         attributes = found[name].attrs
-        attributes["long_name"] = attributes["long_name"].replace("of the punch", "of the sum of the heights")
+        attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     length, unit = scene.length or 1.0, units(scene)
-    pressure = pressed.contact.equilibrium.pressure[0] * rms_gradient
-    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+    responses: tuple[Response | MapResponse, ...] = pressed.responses
+    for name, body, response in zip(BODIES, bodies, responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         stress = contact_modulus(scene) / body.share
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        own = _of_profile(body, response, pressure) if isinstance(response, Response) else _of_map(body, pressure)
+        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient)
+        own = (
+            _of_profile(body, response, along, pressure)
+            if isinstance(response, Response)
+            else _of_map(body, response, along, pressure)
+        )
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
-    attributes = cf_attributes("expected error of displacements, what the next order adds", unit["height"])
-    found["expected_error"] = ((), pressed.expected_error * length, attributes)
+    attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_ERROR].long_name, unit["height"])
+    found[_ERROR] = ((), pressed.expected_error * length, attributes)
     refuse_nonfinite(found)
 
 
-def _of_profile(body: RoughBody, response: Response, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
+def _of_profile(
+    body: RoughBody, response: Response, along: Reals | None, pressure: Reals
+) -> Iterator[tuple[str, str, str, Reals]]:
     nx = len(pressure)
-    flat = fields.surface_under_tractions(np.zeros(nx), -body.share * pressure, body.elastic)
+    flat = fields.surface_under_tractions(np.zeros(nx) if along is None else along, -pressure, body.elastic)
     forming = topography.formed_surface(body.heights, body.elastic)
-    along, normal = fields.surface_tractions(forming, nx, body.elastic)
+    tangential, normal = fields.surface_tractions(forming, nx, body.elastic)
     yield "displacement", "height", _OUT, grid.signal(flat.u3, nx) + response.u3
-    yield (
-        "tangential_displacement",
-        "height",
-        "tangential displacement of the {}",
-        grid.signal(flat.u1, nx) + response.u1,
-    )
+    yield "tangential_displacement", "height", _SIDEWAYS, grid.signal(flat.u1, nx) + response.u1
     forms = "traction that forms the topography of the {} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
-    yield "tangential_forming_traction", "pressure", f"tangential {forms}", along
+    yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
 
 
-def _of_map(body: RoughBody, pressure: Reals) -> Iterator[tuple[str, str, str, Reals]]:
-    yield "displacement", "height", _OUT, map_topography.flat_displacement(-body.share * pressure, body.elastic)
+def _of_map(
+    body: RoughBody, response: MapResponse, along: Reals | None, pressure: Reals
+) -> Iterator[tuple[str, str, str, Reals]]:
+    if along is None:
+        flat = map_topography.flat_displacement(-pressure, body.elastic)
+        yield "displacement", "height", _OUT, flat + response.u3
+        return
+    (u1, u2), u3 = body.elastic.coupled_stiffness_of_map(pressure.shape).deflection(along, -pressure)
+    yield "displacement", "height", _OUT, u3 + response.u3
+    yield "tangential_displacement", "height", f"{_SIDEWAYS} along x", u1
+    yield "tangential_displacement_y", "height", f"{_SIDEWAYS} along y", u2
 
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
-    return "\n".join(filter(None, (_of_slopes(bodies, found), _of_films(bodies) if order == 0 else "")))
+    return "\n".join(filter(None, (_of_slopes(bodies, found), too_thin(bodies) if order == 0 else "")))
 
 
 def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
@@ -83,12 +104,13 @@ def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
     )
 
 
-def _of_films(bodies: tuple[RoughBody, ...]) -> str:
-    change = max(map(change_of_thickness, bodies))
+def too_thin(bodies: Sequence[RoughBody]) -> str:
+    """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
+    change = max(map(change_of_thickness, bodies), default=0.0)
     if change < THICKNESS:
         return ""
-    remedy = "; take a numerics.topography_order of 1 or 2" if bodies[0].heights.ndim == 1 else ""
     return (
         f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
-        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2{remedy}"
+        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; "
+        "take a numerics.topography_order of 1 or 2"
     )

@@ -1,5 +1,6 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, prod
@@ -9,13 +10,14 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
 from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
-from gfmd_numba.contact.problem import GivenSurface
-from gfmd_numba.contact.two_step import RoughBody
+from gfmd_numba.contact.problem import DeformableBody, RoughBodies
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
+from gfmd_numba.contact.two_step import RoughBody, rough_body
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Body, Document, InputError, Measured, Random, Scene, SceneFile
+from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, SceneFile
 
 Place = tuple[str, ...]  # of a roughness in the scene
 MeasuredSurfaces = Mapping[Place, MeasuredSurface]
@@ -27,11 +29,15 @@ _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is roun
 
 @dataclass(frozen=True)
 class PressedSurfaces:
-    """What is pressed together, in units of its rms gradient g; `bodies` are rough elastic ones it is the sum of."""
+    """What is pressed together, in units of its rms gradient g.
 
-    surface: RandomSurface | GivenSurface
+    `rough` are the elastic bodies that rough surfaces belong to, and `bodies` what one realisation of them is.
+    """
+
+    surface: Surface
     rms_gradient: float
     bodies: tuple[RoughBody, ...] | None = None
+    rough: RoughBodies | None = None
 
 
 def measured_surfaces(
@@ -76,45 +82,92 @@ def _of_the_punch(
 
 
 def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
-    """A random body faces a random punch or counter body with the next seed."""
-    scene, seed = file.scene, file.seed
-    heights: dict[Place, Reals] = {}
+    order = file.numerics.slope_order(file.scene)
+    summed, rough = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
+    bodies = check_drawn(file.scene, summed, rough, file.realisation, document)
+    return PressedSurfaces(summed, summed.rms_gradient, bodies, rough)
+
+
+def ensemble_of_rough_bodies(
+    scene: Scene,
+    discretisation: Discretisation | None,
+    seed: int,
+    order: int,
+    measured: MeasuredSurfaces,
+    document: Document,
+) -> tuple[SummedSurface, RoughBodies]:
+    """All surfaces of a scene whose topographies are followed, and its bodies; raises InputError for unusable ones.
+
+    A random body faces a random punch or counter body with the next seed.
+    """
+    parts: dict[Place, Topography] = {}
     asked: dict[Place, float] = {}
-    for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured):
-            given = measured[place].in_periods
+    for place, record in scene.surfaces.items():
+        centred = place != ("roughness",)
+        if isinstance(record, Measured):
+            parts[place] = Topography(_as_it_is(measured[place].in_periods), 1.0, centred)
         else:
-            given, asked[place] = _random(surface, file, seed, document, ("scene", *place))
+            surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
+            parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
-        heights[place] = given if place == ("roughness",) else given - given.mean()
-    shape = next(iter(heights.values())).shape
-    for place, given in heights.items():
-        if given.shape != shape:
+    shape = next(iter(parts.values())).surface.shape
+    for place, part in parts.items():
+        if part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
-            raise InputError(document.line(("scene", *place), f"{_points(given.shape)} heights", allowed))
+            raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
+    places = list(parts)
     bodies = tuple(
-        _body(scene, body, heights.get((name, "roughness"), np.zeros(shape)), document, name)
+        DeformableBody(
+            elastic_body(body, scene.length),
+            contact_modulus(scene) / effective_modulus(body),
+            places.index((name, "roughness")) if (name, "roughness") in parts else None,
+            1 if name == "body" else -1,
+        )
         for name, body in zip(BODIES, scene.deformable, strict=False)
     )
-    together = np.sum(list(heights.values()), axis=0)
-    if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in heights.values()):
+    summed = SummedSurface(tuple(parts.values()), _asked_for(asked, parts))
+    return summed, RoughBodies(bodies, order)
+
+
+def check_drawn(
+    scene: Scene, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
+) -> tuple[RoughBody, ...]:
+    """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
+    places = list(scene.surfaces)
+    drawn = []
+    for place, part in zip(places, summed.parts, strict=True):
+        try:
+            drawn.append(part.drawn(realisation))
+        except ValueError as error:
+            raise _unusable(document, ("scene", *place), error) from None
+    bodies = []
+    for name, each in zip(BODIES, rough.bodies, strict=False):
+        try:
+            bodies.append(rough_body(each, drawn))
+        except ValueError:
+            heights = drawn[each.part or 0]
+            given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
+            allowed = f"one within the height of the body, {each.elastic.aspect_ratio:g} L_x, of its mean plane"
+            raise InputError(document.line(("scene", name, "roughness"), given, allowed)) from None
+    together = np.sum(drawn, axis=0)
+    if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in drawn):
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
         raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
     try:
-        pressed, rms_gradient = problem.given_surface(together, _asked_for(asked, heights))
+        problem.given_surface(together, summed.rms_gradient)
     except ValueError as error:
         allowed = "surfaces whose roughness is finite and not 0"
         raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
-    return PressedSurfaces(pressed, rms_gradient, bodies)
+    return tuple(bodies)
 
 
-def _asked_for(asked: Mapping[Place, float], heights: Mapping[Place, Reals]) -> float:
+def _asked_for(asked: Mapping[Place, float], parts: Mapping[Place, Topography]) -> float:
     """Rms gradient that a scene asks for, of what it presses together: the same wherever the roughness lies.
 
     Random surfaces are independent of all others, so that mean squares add up in the mean over them; measured ones are
     what they are, so that their heights do.
     """
-    measured = [given for place, given in heights.items() if place not in asked]
+    measured = [part.drawn(0) for place, part in parts.items() if place not in asked]
     own = [prod(problem.scaled_gradient(np.sum(measured, axis=0)))] if measured else []
     return hypot(*asked.values(), *own)
 
@@ -123,13 +176,19 @@ def _points(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape))
 
 
-def _random(surface: Random, file: SceneFile, seed: int, document: Document, place: Place) -> tuple[Reals, float]:
-    """Heights `[(y,) x]` in L_x, and the rms gradient asked of them."""
-    period = file.scene.length or 1.0
+def _as_it_is(heights: Reals) -> GivenSurface:
+    """Surface of heights in L_x, in units of L_x."""
+    return GivenSurface(heights.shape[-1], hashlib.sha256(heights.tobytes()).hexdigest(), heights)
+
+
+def _random(
+    record: Random, scene: Scene, discretisation: Discretisation | None, seed: int, document: Document, place: Place
+) -> tuple[RandomSurface, float]:
+    """Ensemble of a record, and the rms gradient asked of it."""
+    period = scene.length or 1.0
     try:
-        ensemble = recipe.random_surface(surface, file.discretisation, period, file.scene.dimension, seed)
-        gradient = recipe.rms_gradient(surface, ensemble, period)
-        return np.asarray(gradient * ensemble.heights(range(file.realisation, file.realisation + 1))[0]), gradient
+        surface = recipe.random_surface(record, discretisation, period, scene.dimension, seed)
+        return surface, recipe.rms_gradient(record, surface, period)
     except ValueError as error:
         raise _unusable(document, place, error) from None
 
@@ -150,22 +209,19 @@ def _measured(
         found = periodic_surface(field, length, dimension, scene.has_moduli, told_by)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
-    if len(set(found.heights.shape)) > 1 or max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL):
+    unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
+    if len(set(found.heights.shape)) > 1 or unequal:
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
         unit = "L_x" if found.unit == "1" else "m"
         given = f"{record.shown} ({points} points over {sizes} {unit})"
-        allowed = "a map of as many points, and the same size, both ways"
+        remedy = (
+            "crop: square cuts one out"
+            if unequal
+            else f"points: {max(found.heights.shape)} resamples it to as many points both ways"
+        )
+        allowed = f"a map of as many points, and the same size, both ways; {remedy}"
         raise InputError(document.line((*place, record.key), given, allowed))
     return found
-
-
-def _body(scene: Scene, body: Body, heights: Reals, document: Document, name: str) -> RoughBody:
-    lowest = -float(heights.min())
-    if lowest >= body.aspect_ratio or float(heights.max()) >= body.aspect_ratio:
-        given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
-        allowed = f"one within the height of the body, aspect_ratio = {body.aspect_ratio:g}, of its mean plane"
-        raise InputError(document.line(("scene", name, "roughness"), given, allowed))
-    return RoughBody(elastic_body(body, scene.length), heights, contact_modulus(scene) / effective_modulus(body))
 
 
 def _unusable(document: Document, place: Place, error: ValueError) -> InputError:

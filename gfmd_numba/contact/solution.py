@@ -1,17 +1,18 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import GivenSurface, Problem
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
-from gfmd_numba.solvers.iteration import Stiffness
+from gfmd_numba.solvers.iteration import Start, Stiffness
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,14 @@ class Followed:
     """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*).
+    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
+    displacement of the punch along x at the jump (g L_x).
     """
 
     lost: float
     jump_at: float
     least_pressure: float = np.nan
+    jump_sliding: float = np.nan
 
 
 NOTHING_LOST = Followed(0.0, np.nan)
@@ -36,8 +39,9 @@ class Contact:
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) `[x]` that these have made before the punch comes. `followed` tells of the
-    step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
+    `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `followed`
+    tells of the step of a path that led here, None where steps are not divided. `found` is what observables have found
+    of it.
     """
 
     heights: Reals
@@ -54,13 +58,16 @@ def solve(
     before: Equilibrium | None = None,
     sliding: Sequence[float] | None = None,
     raised: Reals | float = 0.0,
+    shifted: Reals | None = None,
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
     `sliding` is the tangential displacement of the punch along x, on maps also along y, `raised` what the surface has
-    moved towards it on its own.
+    moved towards it on its own, and `shifted` `[1, x]` what it has moved along x on its own since the equilibrium
+    `before`.
     """
     surface = problem.surface
+    assert not isinstance(surface, SummedSurface)  # `two_step` draws it
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     body = _stiffness(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
@@ -69,25 +76,33 @@ def solve(
     punch -= raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
-        coupled = problem.body.coupled_stiffness(problem.surface.nx)
-        deflected = coupled.deflection(problem.tractions.tangential, problem.tractions.normal)
+        coupled = problem.body.stiffness_of_all(problem.surface.shape)
+        share = 1.0 if problem.counter is None else 1.0 - problem.counter.share  # of E* in that of the body
+        deflected = coupled.deflection(share * problem.tractions.tangential, share * problem.tractions.normal)
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
     ways = sliding or (0.0,) * (heights.ndim - 1)
     drag = ways[0] if len(ways) == 1 else np.reshape(ways, (2, 1, 1))
     start = None if before is None else following(before, punch, drag)
+    if shifted is not None:
+        start = start or Start.at_rest(punch)
+        start = replace(start, anchor=start.anchor - shifted, dragged=start.dragged - shifted)
     equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, drag)
     return Contact(heights, punch, equilibrium, deflected)
 
 
 def _stiffness(problem: Problem) -> Stiffness:
     """Of all that deforms: of the normal displacement alone, or of all."""
-    if problem.interface.couples and len(problem.surface.shape) == 2:
-        return problem.body.coupled_stiffness_of_map(problem.surface.shape)
-    if problem.interface.couples:
-        return problem.body.coupled_stiffness(problem.surface.nx)
-    return condensed_stiffness(problem, grid.magnitudes(problem.surface.shape))
+    shape, counter = problem.surface.shape, problem.counter
+    if not problem.interface.couples:
+        return condensed_stiffness(problem, grid.magnitudes(shape))
+    if counter is None:
+        return problem.body.stiffness_of_all(shape)
+    if len(shape) == 2:
+        of_map = problem.body.coupled_stiffness_of_map(shape)
+        return of_map.in_series(counter.body.coupled_stiffness_of_map(shape), counter.share)
+    return problem.body.coupled_stiffness(shape[0]).in_series(counter.body.coupled_stiffness(shape[0]), counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.surface_files import read_column
+from gfmd_numba.roughness.surface_files import read_column, read_map
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError
 from gfmd_numba.scene.quantities import LARGEST
 
@@ -17,7 +17,7 @@ _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a f
 
 @dataclass(frozen=True)
 class Tractions:
-    """Tractions `[nx]` on the body, along x and out of it, in g E*."""
+    """Tractions on the body out of it `[(ny,) nx]`, and along x, or along x and y `[2, ny, nx]`, in g E*."""
 
     digest: str
     tangential: Reals = field(repr=False, compare=False)
@@ -25,44 +25,45 @@ class Tractions:
 
 
 def tractions(tangential: Reals, normal: Reals) -> Tractions:
-    """Tractions `[nx]` with what tells them from others."""
+    """Tractions, shaped as `Tractions` says, with what tells them from others."""
     digest = hashlib.sha256(tangential.tobytes() + normal.tobytes()).hexdigest()
     return Tractions(digest, tangential, normal)
 
 
-def read_boundary(document: Document, boundary: Boundary, nx: int | None) -> dict[str, Reals]:
-    """Whatever is prescribed, by name `[nx]` in the file's units, not-a-number where it is not.
+def read_boundary(
+    document: Document, boundary: Boundary, dimension: int, shape: tuple[int, ...] | None
+) -> dict[str, Reals]:
+    """Whatever is prescribed, by name `[(ny,) nx]` in the file's units, not-a-number where it is not.
 
-    Raises InputError for files that do not fit the grid (of `nx` nodes, None: that of the first file) or one another.
+    Raises InputError for files that do not fit the grid of that shape (None: that of the first file) or one another.
     """
     found: dict[str, Reals] = {}
     given = {name: value for name, value in boundary if value is not None}
     for name, value in given.items():
         if isinstance(value, str):
-            found[name] = _read(document, name, Path(value), nx)
-            nx = len(found[name])
-    assert nx is not None  # the records' promise
-    arrays = {name: found[name] if name in found else np.full(nx, float(value)) for name, value in given.items()}
-    unset = np.full(nx, np.nan)
-    for component in COMPONENTS:
-        traction, displacement = (f"{component}_{kind}" for kind in ("traction", "displacement"))
+            found[name] = _read(document, name, Path(value), dimension, shape)
+            shape = found[name].shape
+    assert shape is not None  # the records' promise
+    arrays = {name: found[name] if name in found else np.full(shape, float(value)) for name, value in given.items()}
+    unset = np.full(shape, np.nan)
+    for component in COMPONENTS[dimension][::-1]:
+        traction, displacement = (component.key(quantity) for quantity in ("traction", "displacement"))
         both = np.flatnonzero(np.isfinite(arrays.get(traction, unset) + arrays.get(displacement, unset)))
         if both.size:
             raise _refused(
                 document,
                 traction,
-                f"{arrays[traction][both[0]]:g} at node {both[0]}",
+                f"{arrays[traction].flat[both[0]]:g} at node {_place(both[0], shape)}",
                 f"a file with not-a-number at the nodes whose {displacement} is prescribed, of which this is one",
             )
     return arrays
 
 
-def balanced(document: Document, arrays: Mapping[str, Reals], component: str, remedy: str) -> dict[str, Reals]:
-    """The same with a mean traction of exactly 0 in one component; raises InputError, naming the remedy, if it is not.
+def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy: str) -> dict[str, Reals]:
+    """The same with a mean of exactly 0 of the traction of that name; raises InputError, naming the remedy, if not.
 
     A mean below 1e-6 of the largest traction is rounding, as of a text file, and subtracted.
     """
-    name = f"{component}_traction"
     if name not in arrays:
         return dict(arrays)
     given = arrays[name]
@@ -73,20 +74,28 @@ def balanced(document: Document, arrays: Mapping[str, Reals], component: str, re
     return {**arrays, name: values - mean}
 
 
-def _read(document: Document, name: str, path: Path, nx: int | None) -> Reals:
+def _read(document: Document, name: str, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
     try:
-        values = read_column(path)
+        values = read_column(path) if dimension == 1 else read_map(path)
     except ValueError as error:
-        raise _refused(document, name, f"{path.name} ({error})", "one column of numbers") from None
+        allowed = "one column of numbers" if dimension == 1 else "rows of numbers, one for each y"
+        raise _refused(document, name, f"{path.name} ({error})", allowed) from None
     if (abs(values) > LARGEST).any():
         where = int(np.argmax(abs(values) > LARGEST))
+        at = f"{values.flat[where]} at index {_place(where, values.shape)}"
         allowed = f"finite numbers of at most {LARGEST:g}, and not-a-number where nothing is prescribed"
-        raise _refused(document, name, f"{path.name} ({values[where]} at index {where})", allowed)
+        raise _refused(document, name, f"{path.name} ({at})", allowed)
     if not np.isfinite(values).any():
         raise _refused(document, name, f"{path.name} (no number)", "a number for at least one node")
-    if nx is not None and len(values) != nx:
-        raise _refused(document, name, f"{path.name} ({len(values)} values)", f"one value for each of the {nx} nodes")
+    if shape is not None and values.shape != shape:
+        given, allowed = (" x ".join(map(str, each)) for each in (values.shape, shape))
+        raise _refused(document, name, f"{path.name} ({given} values)", f"one value for each of the {allowed} nodes")
     return values
+
+
+def _place(node: int, shape: tuple[int, ...]) -> str:
+    """Index of a node of an array in that shape, as a file's reader counts it: of maps the row, then the column."""
+    return ", ".join(str(int(index)) for index in np.unravel_index(node, shape))
 
 
 def _refused(document: Document, name: str, given: str, allowed: str) -> InputError:

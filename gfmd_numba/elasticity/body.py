@@ -107,6 +107,10 @@ class ElasticBody:
             element[1:] = q[1:] * over_q
         return MapStiffness.on_grid(shape, *elements[:, places.reshape(shape[0], -1)])
 
+    def stiffness_of_all(self, shape: tuple[int, ...]) -> CoupledStiffness | MapStiffness:
+        """Stiffness of all displacements of a surface of (ny,) nx nodes, in E*/L_x."""
+        return self.coupled_stiffness(shape[0]) if len(shape) == 1 else self.coupled_stiffness_of_map(shape)
+
     def compliance(self, nx: int) -> Compliance:
         """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""
         return self.compliance_along(grid.wavenumbers(nx))
@@ -128,6 +132,19 @@ class ElasticBody:
         if self.aspect_ratio is None:
             return transfer.half_space_transfer(q * depth, self.nu)
         return transfer.slab_transfer(depth, q, self.aspect_ratio, self.nu)
+
+    def compliance_across(self, q: Reals) -> Reals:
+        """Compliance of waves q > 0 of shear, whose displacement is across q and along the surface, in L_x/E*."""
+        return np.asarray(1.0 / (q * self._across(q)))
+
+    def transfer_across(self, depth: float, q: Reals) -> tuple[Reals, Reals]:
+        """Displacement of such waves and its slope in z over q at a depth, over the displacement of the surface."""
+        if self.stack is not None:
+            return self.stack.transfer_across(depth, q)
+        if self.aspect_ratio is None:
+            decay = np.exp(-q * depth)
+            return decay, decay
+        return transfer.across_transfer(depth, q, self.aspect_ratio, 0.0)
 
     def _elements(self, q: Reals) -> tuple[Reals, Reals, Reals]:
         if self.stack is not None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.compliance import Compliance
+from gfmd_numba.elasticity.stiffness import in_series
 from gfmd_numba.fourier import grid
 
 
@@ -59,6 +60,24 @@ class CoupledStiffness:
         for u, t, k in ((u1, t1, self.k11), (u3, t3, self.k33)):
             u[0] = t[0] / k[0] if k[0] > 0.0 else 0.0
         return grid.signal(u1, len(tangential)), grid.signal(u3, len(normal))
+
+    def in_series(self, other: "CoupledStiffness", share: float) -> "CoupledStiffness":
+        """Stiffness of two bodies that face each other, for how far they approach and slide past each other.
+
+        Compliances add up wave by wave, but S13 subtracts: one pressure moves both surfaces along x the same way. What
+        is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the result is in that
+        of both together; `share` is the other's part of 1/E*.
+        """
+        own, facing = self.compliance(), other.compliance()
+        s11 = (1.0 - share) * own.s11 + share * facing.s11
+        s13 = (1.0 - share) * own.s13 - share * facing.s13
+        s33 = (1.0 - share) * own.s33 + share * facing.s33
+        k11, k13, k33 = np.zeros((3, len(s11)))
+        determinant = s11[1:] * s33[1:] - s13[1:] ** 2
+        k11[1:], k13[1:], k33[1:] = s33[1:] / determinant, s13[1:] / determinant, s11[1:] / determinant
+        k11[0] = in_series(self.k11[:1], other.k11[:1], share)[0]
+        k33[0] = in_series(self.k33[:1], other.k33[:1], share)[0]
+        return CoupledStiffness(k11, k13, k33)
 
     def with_free_mean(self) -> "CoupledStiffness":
         """The same without the restoring force of the mean normal displacement, which then follows the load."""

@@ -49,10 +49,12 @@ def stacked(waves: Fields[Complexes]) -> Complexes:
     return np.array(list(vars(waves).values()))
 
 
-def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, stress5: Reals) -> Reals:
-    """Equivalent stress of the three normal stresses and the one shear stress of a plane problem."""
-    differences = (stress1 - stress2) ** 2 + (stress2 - stress3) ** 2 + (stress3 - stress1) ** 2
-    return np.asarray(np.sqrt(0.5 * differences + 3.0 * stress5**2))
+def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> Reals:
+    """Equivalent stress of the three normal stresses and the shear stresses: one in a plane problem, else three."""
+    squares = 0.5 * ((stress1 - stress2) ** 2 + (stress2 - stress3) ** 2 + (stress3 - stress1) ** 2)
+    for each in shear:
+        squares += 3.0 * each**2
+    return np.asarray(np.sqrt(squares))
 
 
 def surface_under_tractions(tangential: Reals, normal: Reals, body: ElasticBody) -> DeformedSurface:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.stiffness import in_series
 from gfmd_numba.fourier import grid
 
 _X, _Y = [1, 3], [1, 4]  # elements that change sign with q_x, and with q_y
@@ -74,6 +75,32 @@ class MapStiffness:
             k = self.elements[element, 0, 0]
             found[element, 0, 0] = 1.0 / k if k > 0.0 else 0.0
         return found
+
+    def deflection(self, tangential: Reals, normal: Reals) -> tuple[Reals, Reals]:
+        """Displacements `[2, ny, nx]` and `[ny, nx]` under tractions in E*; 0 in a mean that nothing restores."""
+        x, y = grid.coefficients(tangential, 2)
+        z = grid.coefficients(normal, 2)
+        xx, xy, yy, xz, yz, zz = self.compliance()
+        along = np.stack((xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z))
+        out = zz * z - 1j * (xz * x + yz * y)
+        return grid.signal(along, *normal.shape), grid.signal(out, *normal.shape)
+
+    def in_series(self, other: "MapStiffness", share: float) -> "MapStiffness":
+        """Stiffness of two bodies that face each other, for how far they approach and slide past each other.
+
+        As for profiles (`CoupledStiffness.in_series`) compliances add up, and their couplings xz and yz subtract. Each
+        body is given in its own E*, the result is in that of both; `share` is the other's part of 1/E*.
+        """
+        facing = other.compliance()
+        facing[[3, 4]] *= -1.0
+        compliance = (1.0 - share) * self.compliance() + share * facing
+        compliance[:, 0, 0] = 1.0, 0.0, 1.0, 0.0, 0.0, 1.0
+        found = _inverse(compliance)
+        found[:, 0, 0] = 0.0
+        for element in (0, 2, 5):
+            mean = in_series(self.elements[element, 0, :1], other.elements[element, 0, :1], share)
+            found[element, 0, 0] = mean[0]
+        return MapStiffness(found)
 
     def with_free_mean(self) -> "MapStiffness":
         """The same without the restoring force of the mean normal displacement, which then follows the load."""

@@ -1,15 +1,18 @@
-"""A body whose stress-free surface is a map that is not flat: order 0 in its slope, and how much order 1 would add.
+"""A body whose stress-free surface is a map that is not flat: its response to a pressure, order by order in heights.
 
-`topography.py` has the method for profiles. On maps a traction on the plane z = 0 obeys, to first order in the heights,
+`topography.py` has the method for profiles; here are its terms along x and y. With s the traction on the plane z = 0,
+on which the flat body is known, the traction t on the surface z = h(x, y), per area of the plane, is
 
-    s_b = sum_a d/dx_a (h sigma_ab),    a, b = x, y,
+    t_i = s_i - sum_a d/dx_a integral from 0 to h of sigma_ia dz,    a = x, y,
 
-under a pressure on the true surface z = h. The tangential displacement under a pressure lies along the wave vector, and
-of the traction s only the part along the wave vector moves the surface up, so that the compliance of a profile of the
-wave number |q| is all that is needed. Lengths in L_x, stresses in E*.
+and that and the displacement at z = h are Taylor series about z = 0 of the state (u, sigma_13, sigma_23, sigma_33),
+which obeys a linear equation in z with derivatives along x and y only. The Nyquist waves stay at order 0.
+Lengths in L_x, stresses in E*.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import factorial
 
 import numpy as np
 
@@ -18,6 +21,8 @@ from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.compliance import Compliance
 from gfmd_numba.fourier import grid
+
+_OUT = 2  # component of a state
 
 
 @dataclass(frozen=True)
@@ -31,17 +36,106 @@ class MapResponse:
     highest_order: float
 
 
-def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> MapResponse:
-    """Response to a pressure `[y, x]` of a body with topography `[y, x]` of zero mean, to order 0 or 1."""
+def respond(
+    pressure: Reals, heights: Reals, body: ElasticBody, order: int, tangential: Reals | None = None
+) -> MapResponse:
+    """Response of a body with topography `[y, x]` of zero mean to a pressure `[y, x]`, to an order of 0 or more.
+
+    `tangential` is a traction `[component, y, x]` beside it. Of a layered body only the topmost material is known.
+    """
     if order == 0 or not heights.any():
         return MapResponse(np.zeros_like(heights), 0.0)
-    added = _first_order(pressure, heights, body)
-    return MapResponse(added, float(abs(added).max()))
+    planes = _Planes.of(heights.shape, body)
+    fine = tuple(-(-(order + 2) * n // 2) for n in heights.shape)  # products are free of aliasing there
+    topography = _on_finer_grid(_band(heights, heights.shape), fine)
+    powers = [topography**m / factorial(m) for m in range(order + 1)]
+    along = np.zeros((2, *heights.shape)) if tangential is None else tangential
+    traction = np.stack([_band(each, heights.shape) for each in (*along, -pressure)])
+    derivatives: list[list[Complexes]] = []  # states of each order, those in z
+    for n in range(order + 1):
+        if n > 0:
+            traction = planes.divergence(_carried(planes, derivatives, powers, n, fine))
+        state = np.concatenate((planes.displacements(traction), traction))
+        derivatives.append(list(planes.derivatives_in_z(state, order - n)))
+    added = np.zeros_like(heights)
+    for total in range(1, order + 1):
+        lifted = (powers[m] * _on_finer_grid(derivatives[total - m][m][_OUT], fine) for m in range(total + 1))
+        of_order = grid.signal(_band(sum(lifted, np.zeros(fine)), heights.shape), *heights.shape)
+        added += of_order
+    return MapResponse(added, float(abs(of_order).max()))
 
 
 def flat_displacement(normal: Reals, body: ElasticBody) -> Reals:
-    """Normal displacement `[y, x]` of a flat body under a traction out of it; zero mean on a half-space."""
+    """Normal displacement `[y, x]` of a flat body under a traction out of it alone; zero mean on a half-space."""
     return grid.signal(_compliance(normal.shape, body).s33 * grid.coefficients(normal, 2), *normal.shape)
+
+
+def _carried(
+    planes: "_Planes", derivatives: list[list[Complexes]], powers: list[Reals], n: int, fine: tuple[int, ...]
+) -> Complexes:
+    """Forces of order n along x and y, per length, of the material between z = 0 and the surface, by stresses."""
+    orders = [(powers[m], planes.stresses(derivatives[n - m][m - 1])) for m in range(1, n + 1)]
+    found = []
+    for i in range(5):  # one by one: the finer grid takes most of the memory
+        of_stress = sum((power * _on_finer_grid(stresses[i], fine) for power, stresses in orders), np.zeros(fine))
+        found.append(_band(of_stress, planes.shape))
+    return np.stack(found)
+
+
+@dataclass(frozen=True)
+class _Planes:
+    """States on planes of constant z `[component, k_y, k_x]`: u_1, u_2, u_3, sigma_13, sigma_23 and sigma_33."""
+
+    shape: tuple[int, ...]
+    nu: float
+    q: Reals
+    qy: Reals
+    qx: Reals
+    compliance: Compliance
+    across: Reals
+
+    @classmethod
+    def of(cls, shape: tuple[int, ...], body: ElasticBody) -> "_Planes":
+        q = grid.magnitudes(shape)
+        qy, qx = grid.wavevectors(shape, (1.0, 1.0))
+        across = np.zeros_like(q)
+        across[q > 0.0] = body.compliance_across(q[q > 0.0])
+        return cls(shape, body.material(0.0).poissons_ratio, q, qy, qx, _compliance(shape, body), across)
+
+    def displacements(self, traction: Complexes) -> Complexes:
+        """Displacements `[component, k_y, k_x]` of the flat body under tractions on z = 0; waves across q shear it."""
+        t1, t2, t3 = traction
+        c, s = (np.divide(each, self.q, out=np.zeros_like(self.q), where=self.q > 0.0) for each in (self.qx, self.qy))
+        along, out = self.compliance.displacements(c * t1 + s * t2, t3)
+        sideways = self.across * (c * t2 - s * t1)
+        return np.stack([c * along - s * sideways, s * along + c * sideways, out])
+
+    def stresses(self, state: Complexes) -> tuple[Complexes, ...]:
+        """Stresses 11, 12, 22, 13 and 23 of a state."""
+        u1, u2, _, s5, s4, s3 = state
+        stretch1, stretch2 = 1j * self.qx * u1, 1j * self.qy * u2
+        equal = self.nu / (1.0 - self.nu) * s3 + self.nu * (stretch1 + stretch2)
+        shear = float(moduli.c44(self.nu))
+        twist = shear * 1j * (self.qy * u1 + self.qx * u2)
+        return equal + 2.0 * shear * stretch1, twist, equal + 2.0 * shear * stretch2, s5, s4
+
+    def divergence(self, stresses: Complexes | tuple[Complexes, ...]) -> Complexes:
+        """Divergence along x and y of stresses 11, 12, 22, 13 and 23: forces along x, y and z."""
+        s1, s6, s2, s5, s4 = stresses
+        pairs = ((s1, s6), (s6, s2), (s5, s4))
+        return np.stack([1j * (self.qx * along_x + self.qy * along_y) for along_x, along_y in pairs])
+
+    def derivatives_in_z(self, state: Complexes, highest: int) -> Iterator[Complexes]:
+        """A state and its derivatives in z up to the highest, by strains and equilibrium."""
+        yield state
+        for _ in range(highest):
+            u1, u2, u3, s5, s4, s3 = state
+            strain = 1j * (self.qx * u1 + self.qy * u2)
+            shear = float(moduli.c44(self.nu))
+            rise = s3 / moduli.c11(self.nu) - self.nu / (1.0 - self.nu) * strain
+            moved = (s5 / shear - 1j * self.qx * u3, s4 / shear - 1j * self.qy * u3, rise)
+            state = np.stack([*moved, *-self.divergence(self.stresses(state))])
+            yield state
 
 
 def _compliance(shape: tuple[int, ...], body: ElasticBody) -> Compliance:
@@ -50,30 +144,9 @@ def _compliance(shape: tuple[int, ...], body: ElasticBody) -> Compliance:
     return Compliance(found.s11.reshape(q.shape), found.s13.reshape(q.shape), found.s33.reshape(q.shape))
 
 
-def _first_order(pressure: Reals, heights: Reals, body: ElasticBody) -> Reals:
-    shape, nu = heights.shape, body.nu
-    q, components = grid.magnitudes(shape), grid.wavevectors(shape, (1.0, 1.0))
-    compliance = _compliance(shape, body)
-    h = _on_finer_grid(_band(heights, shape), shape)
-    stress3 = -_band(pressure, shape)
-    along = compliance.displacements(np.zeros_like(stress3), stress3)[0]
-    strain = 1j * q * along  # strain_ab is q_a q_b / q^2 of it, and their trace this
-    directions = [np.divide(each, q, out=np.zeros_like(q), where=q > 0.0) for each in components]
-    equal = nu / (1.0 - nu) * stress3 + nu * strain  # part of both normal stresses along the surface
-    pulled = np.zeros_like(strain)
-    for a, across in enumerate(directions):
-        for b, other in enumerate(directions):
-            stress = (equal if a == b else 0.0) + (1.0 - nu) * across * other * strain
-            carried = _band(h * _on_finer_grid(stress, shape), shape)
-            pulled += other * 1j * components[a] * carried
-    squeezed = stress3 / moduli.c11(nu) - nu / (1.0 - nu) * strain  # strain_33
-    up = compliance.displacements(pulled, np.zeros_like(pulled))[1]
-    return grid.signal(up + _band(h * _on_finer_grid(squeezed, shape), shape), *shape)
-
-
-def _on_finer_grid(waves: Complexes, shape: tuple[int, ...]) -> Reals:
-    """Samples on a grid half as fine again, on which products of two factors are free of aliasing."""
-    finer = tuple(-(-3 * n // 2) for n in shape)
+def _on_finer_grid(waves: Complexes, finer: tuple[int, ...]) -> Reals:
+    """Samples on a finer grid of waves without the Nyquist ones."""
+    shape = waves.shape[0], 2 * waves.shape[1] - 2
     padded = np.zeros((finer[0], finer[1] // 2 + 1), dtype=np.complex128)
     padded[grid.wave_indices(shape)] = waves
     return grid.signal(padded, *finer)

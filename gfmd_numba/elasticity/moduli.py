@@ -31,3 +31,12 @@ def c11(poissons_ratio: Reals | float, height: float = 1.0) -> Reals:
 def c44(poissons_ratio: Reals | float) -> Reals:
     """Shear modulus C44 in E* (6.48)."""
     return 0.5 * (1.0 - np.asarray(poissons_ratio, dtype=np.float64))
+
+
+def dundurs_beta(poissons_ratio: float, other: float, share: float) -> float:
+    """Dundurs' second constant of two bodies in plane strain; `share` is the other's part of 1/E* (Johnson 1985, 5.1).
+
+    On half-spaces it couples pressure and relative tangential displacement. It is 0 for two equal bodies.
+    """
+    own, facing = ((1.0 - 2.0 * nu) / (1.0 - nu) for nu in (poissons_ratio, other))
+    return 0.5 * ((1.0 - share) * own - share * facing)

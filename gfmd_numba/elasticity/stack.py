@@ -13,7 +13,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.layer import Layer, Material, half_space, half_space_state, inverse
-from gfmd_numba.elasticity.transfer import Transfer
+from gfmd_numba.elasticity.transfer import Transfer, across_transfer
 
 _FADED = 40.0  # q depth below which nothing is felt at the surface: exp(-2 q depth) (q depth)^2 < 1e-31
 _CHUNK = 2**14  # waves taken at once, whose matrices stay in the cache
@@ -70,11 +70,23 @@ class Stack:
 
     def compliance_across(self, q: Reals) -> Reals:
         """Compliance times q of waves q > 0 of shear across q, in 1/E*: displacement along the surface, u'' = q^2 u."""
-        found = np.full_like(q, 0.0 if self.base is None else 1.0 / self.base.shear)
-        for height, material in reversed(list(zip(self.heights, self.materials, strict=True))):
-            decay = np.tanh(q * height)
-            found = (found + decay / material.shear) / (1.0 + material.shear * decay * found)
-        return found
+        return self._compliances_across(q)[0]
+
+    def transfer_across(self, depth: float, q: Reals) -> tuple[Reals, Reals]:
+        """Displacement and its slope over q of waves q > 0 of shear across q at a depth, over that of the surface."""
+        compliances = self._compliances_across(q)
+        reached, above = np.ones_like(q), 0.0
+        for height, material, below in zip(self.heights, self.materials, compliances[1:], strict=True):
+            inside = depth <= (above + height) * (1.0 + 1e-12)
+            deep = min(depth - above, height) if inside else height
+            found, slope = across_transfer(deep, q, height, material.shear * below)
+            if inside:
+                return reached * found, reached * slope
+            reached, above = reached * found, above + height
+        if self.base is None:
+            raise ValueError("depth below the rigid base")
+        reached = reached * np.exp(-q * (depth - above))
+        return reached, reached
 
     def transfer(self, depth: float, q: Reals) -> Transfer:
         """Transfer of waves q > 0 from the surface to a depth."""
@@ -100,6 +112,14 @@ class Stack:
         # sigma_33 = G q (2 U_1 + (kolosov + 1) P) and sigma_13 = G q (2 U_3 + (kolosov + 1) W)
         p, w = (t3 - 2.0 * u1) / over, (t1 - 2.0 * u3) / over
         return Transfer(*((each[0], each[1]) for each in (u1, u3, p, w)))
+
+    def _compliances_across(self, q: Reals) -> list[Reals]:
+        """Compliance times q of waves of shear across q, from each layer's top downwards, the base's last, in 1/E*."""
+        found = [np.full_like(q, 0.0 if self.base is None else 1.0 / self.base.shear)]
+        for height, material in reversed(list(zip(self.heights, self.materials, strict=True))):
+            decay, below = np.tanh(q * height), found[-1]
+            found.append((below + decay / material.shear) / (1.0 + material.shear * decay * below))
+        return found[::-1]
 
     def _compliances(self, q: Reals) -> list[Reals]:
         """Compliance times q `[2, 2, wave]` of all from each layer's top downwards, the base's last, in 1/E*."""

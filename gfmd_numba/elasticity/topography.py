@@ -63,14 +63,19 @@ def formed_surface(heights: Reals, body: ElasticBody) -> DeformedSurface:
     return fields.surface_with_displacements(np.zeros_like(heights), heights, body)
 
 
-def respond(pressure: Reals, heights: Reals, body: ElasticBody, order: int) -> Response:
-    """Response to a pressure `[nx]` of a body with topography `[nx]` of zero mean, to an order of 0 or more."""
+def respond(
+    pressure: Reals, heights: Reals, body: ElasticBody, order: int, tangential: Reals | None = None
+) -> Response:
+    """Response of a body with topography `[nx]` of zero mean to a pressure `[nx]`, to an order of 0 or more.
+
+    `tangential` is a traction `[nx]` along x beside it. Of a layered body only the topmost material is known.
+    """
     nx = len(heights)
     fine = _fine(nx, order)
     topography = _band(heights, nx)
     powers = [grid.signal(topography, fine) ** m / factorial(m) for m in range(order + 1)]
     compliance = body.compliance(nx)
-    traction = _band(np.array([np.zeros(nx), -pressure]), nx)
+    traction = _band(np.array([np.zeros(nx) if tangential is None else tangential, -pressure]), nx)
     derivatives: list[list[PlaneState]] = []  # of each order, those in z
     for n in range(order + 1):
         if n > 0:
@@ -151,12 +156,13 @@ def _derivatives_in_z(state: PlaneState, highest: int, body: ElasticBody) -> Ite
 
 
 def _stress1(state: PlaneState, body: ElasticBody) -> Complexes:
-    return body.nu / (1.0 - body.nu) * state.stress3 + grid.derivative(state.u1)
+    nu = body.material(0.0).poissons_ratio
+    return nu / (1.0 - nu) * state.stress3 + grid.derivative(state.u1)
 
 
 def _fields_of(state: PlaneState, body: ElasticBody) -> Fields[Complexes]:
     """All fields in plane strain of a state on the same plane."""
-    nu, strain1, stress1 = body.nu, grid.derivative(state.u1), _stress1(state, body)
+    nu, strain1, stress1 = body.material(0.0).poissons_ratio, grid.derivative(state.u1), _stress1(state, body)
     return Fields(
         u1=state.u1,
         u3=state.u3,

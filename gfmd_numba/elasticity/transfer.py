@@ -88,3 +88,14 @@ def _thin(y: Reals, k: Reals, d: Reals, kolosov: float) -> list[Reals]:
 def _bend(x: Reals) -> Reals:
     """Return x cosh x - sinh x for 0 <= x < 1."""
     return np.asarray(2.0 * x * np.sinh(0.5 * x) ** 2 - scaled_sinh_minus_x(x) * np.exp(x))
+
+
+def across_transfer(depth: float, q: Reals, height: float, below: Reals | float) -> tuple[Reals, Reals]:
+    """Transfer of waves of shear, u'' = q^2 u, from the top of a layer to a depth in it (L_x), for q > 0 `[wave]`.
+
+    Return the displacement at the depth and its slope in z over q, both over the displacement on top. `below` is q
+    times the compliance of what lies below the layer, times the layer's shear modulus: 0 if rigid, 1 if the same.
+    """
+    less, less_on_top = -np.expm1(-2.0 * q * (height - depth)), -np.expm1(-2.0 * q * height)
+    scale = np.exp(-q * depth) / (less_on_top + below * (2.0 - less_on_top))
+    return scale * (less + below * (2.0 - less)), scale * (2.0 - less + below * less)

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Exponential
 from gfmd_numba.scene.reduced_units import rounded
-
-Rows = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -74,6 +71,6 @@ class ExponentialLaw:
         strongest = min(pressure, -self.strength) if hard_wall else pressure
         return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
 
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Rows, n: int) -> None:
+    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
         """Take the traction of the law off the restoring traction `ku` in the active rows."""
         kernels.exponential_pull(u, ku, punch, active, n, self.strength, self.length)

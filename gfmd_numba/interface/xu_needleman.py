@@ -5,15 +5,12 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import lambertw
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Cohesive
 from gfmd_numba.scene.reduced_units import rounded
-
-Rows = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -77,9 +74,9 @@ class XuNeedlemanLaw:
         g, closer, along = gap / self.normal, closing / self.normal, dragged / self.tangential
         along *= 2.0 * slip / self.tangential - along
         overlapping = np.where(g < 0.0, np.maximum(closer, g), np.maximum(closer - g, 0.0))  # what closes below zero
-        opens = _envelope_change(np.maximum(g, 0.0), closer - overlapping, along)
-        overlaps = _envelope_change(np.minimum(g, 0.0), overlapping, 0.0)
-        return np.asarray(-self.work * (np.exp(-((slip / self.tangential) ** 2)) * opens + overlaps))
+        opens = _envelope_change(np.maximum(g, 0.0), (slip / self.tangential) ** 2, closer - overlapping, along)
+        overlaps = _envelope_change(np.minimum(g, 0.0), 0.0, overlapping, 0.0)
+        return np.asarray(-self.work * (opens + overlaps))
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Bound of the stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
@@ -90,16 +87,25 @@ class XuNeedlemanLaw:
         return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
 
     def pull(
-        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: float, active: Rows, n: int
+        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: float, active: Indices, n: int
     ) -> None:
         """Take the tractions of the law off the restoring tractions of both displacements in the active rows."""
         kernels.xu_needleman_pull(u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential)
+
+    def pull_on_map(
+        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Indices, n: int
+    ) -> None:
+        """The same of a map, dragged along x and y; tangential rows are the x components, then the y components."""
+        x, y = (float(way) for way in sliding.flat)
+        kernels.xu_needleman_map_pull(u1, k1, u3, k3, punch, x, y, active, n, self.work, self.normal, self.tangential)
 
     def _decay(self, g: Reals, slip: Reals) -> Reals:
         return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))
 
 
-def _envelope_change(g: Reals, closing: Reals, more: Reals | float) -> Reals:
-    """Change of (1 + g) exp(-g) as g decreases by `closing` and a factor exp(more) comes."""
-    growth = np.expm1(closing + more)
-    return np.asarray(np.exp(-g) * ((g - closing) * growth + (growth - closing)))
+def _envelope_change(g: Reals, slipped: Reals | float, closing: Reals, back: Reals | float) -> Reals:
+    """Change of (1 + g) exp(-g - slipped) as g decreases by `closing` and what has slipped by `back`."""
+    before, more = np.exp(-g - slipped), closing + back
+    small = before * np.expm1(np.minimum(more, 1.0))
+    growth = np.where(more > 1.0, np.exp(more - g - slipped) - before, small)  # `before` may be less than any number
+    return np.asarray((g - closing) * growth + growth - closing * before)

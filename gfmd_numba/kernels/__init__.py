@@ -25,7 +25,7 @@ from gfmd_numba.kernels.energy_descent import (
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
-from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_map_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
 from gfmd_numba.kernels.map_friction import couple_map, coupled_map_step, map_friction_violation
 from gfmd_numba.kernels.maps import (
@@ -41,6 +41,7 @@ from gfmd_numba.kernels.maps import (
     take_tiles,
 )
 from gfmd_numba.kernels.near_field import near_field_pressure
+from gfmd_numba.kernels.parallel_stiffness import parallel_solve
 from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
 from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
 from gfmd_numba.kernels.tile_newton import (
@@ -110,6 +111,7 @@ __all__ = [
     "open_gap",
     "open_map",
     "pack_rows",
+    "parallel_solve",
     "power",
     "prescribed_step",
     "prescribed_violation",
@@ -135,5 +137,6 @@ __all__ = [
     "verlet_step",
     "wall_pressure",
     "wrong_gaps",
+    "xu_needleman_map_pull",
     "xu_needleman_pull",
 ]

@@ -87,6 +87,7 @@ def decay_contact(
     tolerance = _LOOSE
     final = -1.0
     settled = False
+    nothing = np.empty(0)
     rounds = 0
     for _ in range(_STEPS):
         touching = 0
@@ -112,6 +113,7 @@ def decay_contact(
                 lower,
                 diagonal,
                 carried,
+                nothing,
             )
             if free_mean:
                 without_mean(r, touching)

@@ -41,7 +41,8 @@ def far_powers(powers: Reals, near: Reals, distances: Indices, count: int, first
 
 
 @jit
-def _eight(values: Reals, row: int, s: int) -> Eight:
+def eight(values: Reals, row: int, s: int) -> Eight:
+    """Eight values of a row from s on."""
     return (
         values[row, s], values[row, s + 1], values[row, s + 2], values[row, s + 3],
         values[row, s + 4], values[row, s + 5], values[row, s + 6], values[row, s + 7],
@@ -49,7 +50,7 @@ def _eight(values: Reals, row: int, s: int) -> Eight:
 
 
 @jit
-def _faded(state: Eight, source: float, factors: Eight) -> Eight:
+def faded(state: Eight, source: float, factors: Eight) -> Eight:
     """States at the next node after one that adds the same to each."""
     a, b, c, d, e, f, g, h = state
     p, q, r, s, t, u, v, w = factors
@@ -60,7 +61,7 @@ def _faded(state: Eight, source: float, factors: Eight) -> Eight:
 
 
 @jit
-def _raised(state: Eight, source: float, factors: Eight) -> Eight:
+def raised(state: Eight, source: float, factors: Eight) -> Eight:
     """States with a source added that has faded by these factors."""
     a, b, c, d, e, f, g, h = state
     p, q, r, s, t, u, v, w = factors
@@ -71,7 +72,8 @@ def _raised(state: Eight, source: float, factors: Eight) -> Eight:
 
 
 @jit
-def _summed(state: Eight, weights: Eight) -> float:
+def summed(state: Eight, weights: Eight) -> float:
+    """Weighted sum of states."""
     a, b, c, d, e, f, g, h = state
     p, q, r, s, t, u, v, w = weights
     return ((a * p + e * t) + (c * r + g * v)) + ((b * q + f * u) + (d * s + h * w))
@@ -101,26 +103,26 @@ def decay_product(
         product[i] = white * source[i] + mean * total
     none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for s in range(0, weights.shape[1], DECAYS_AT_ONCE):
-        w = _eight(weights, 0, s)
+        w = eight(weights, 0, s)
         forward = none
         backward = none
         if abs(powers[rows[0], s]) > _FELT:
-            across = _faded(none, 1.0, _eight(powers, rows[0], s))
+            across = faded(none, 1.0, eight(powers, rows[0], s))
             reach = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-            backward = _raised(backward, source[0], reach)
+            backward = raised(backward, source[0], reach)
             for i in range(1, count):
-                factors = _eight(powers, rows[i], s)
-                forward = _faded(forward, source[i - 1], factors)
-                reach = _faded(reach, 0.0, factors)
-                backward = _raised(backward, source[i], reach)
-            images = _faded(_eight(weights, 1, s), 0.0, across)
-            forward = _faded(forward, source[count - 1], images)
-            backward = _faded(backward, 0.0, images)
-        product[0] += _summed(forward, w)
+                factors = eight(powers, rows[i], s)
+                forward = faded(forward, source[i - 1], factors)
+                reach = faded(reach, 0.0, factors)
+                backward = raised(backward, source[i], reach)
+            images = faded(eight(weights, 1, s), 0.0, across)
+            forward = faded(forward, source[count - 1], images)
+            backward = faded(backward, 0.0, images)
+        product[0] += summed(forward, w)
         for i in range(1, count):
-            forward = _faded(forward, source[i - 1], _eight(powers, rows[i], s))
-            product[i] += _summed(forward, w)
-        product[count - 1] += _summed(backward, w)
+            forward = faded(forward, source[i - 1], eight(powers, rows[i], s))
+            product[i] += summed(forward, w)
+        product[count - 1] += summed(backward, w)
         for i in range(count - 1, 0, -1):
-            backward = _faded(backward, source[i], _eight(powers, rows[i], s))
-            product[i - 1] += _summed(backward, w)
+            backward = faded(backward, source[i], eight(powers, rows[i], s))
+            product[i - 1] += summed(backward, w)

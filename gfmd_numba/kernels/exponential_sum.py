@@ -24,10 +24,12 @@ def exponential_sum_factor(
     lower: Reals,
     diagonal: Reals,
     carried: Reals,
+    own: Reals,
 ) -> None:
     """Factor the sum on the first `count` of the nodes, which follow each other around a period of n.
 
-    `near` `[distance, rate]` are decays over short distances. `decay` and `lower` are `[node, rate]`, `carried` `[rate,
+    `near` `[distance, rate]` are decays over short distances. `own` `[node]` is what each node adds to the diagonal; it
+    may be empty. `decay` and `lower` are `[node, rate]`, `carried` `[rate,
     rate]` is scratch. Pivots below `floor` are lifted to it: the factors then are those of some positive definite
     matrix, whatever the weights.
     """
@@ -46,7 +48,7 @@ def exponential_sum_factor(
                     decay[i, s] = np.exp(-rates[s] * distance)
         for s in range(terms):
             lower[i, s] = 1.0
-        pivot = white
+        pivot = white + (own[i] if own.size > 0 else 0.0)
         for s in range(terms if i > 0 else 0):  # the lower triangle tells the upper one
             added = last * lower[i - 1, s]
             known = 0.0

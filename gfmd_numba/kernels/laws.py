@@ -40,3 +40,34 @@ def xu_needleman_pull(
             decay = work * np.exp(-gap - slip * slip)
             k1[i, j] -= 2.0 * slip / tangential * (1.0 + gap) * decay
             k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)
+
+
+@jit
+def xu_needleman_map_pull(
+    u1: Reals,
+    k1: Reals,
+    u3: Reals,
+    k3: Reals,
+    punch: Reals,
+    sliding_x: float,
+    sliding_y: float,
+    active: Indices,
+    n: int,
+    work: float,
+    normal: float,
+    tangential: float,
+) -> None:
+    """The same on maps, where the rows of u1 and k1 are the x components of all realisations, then the y components."""
+    rows = punch.shape[0]
+    for i in active:
+        for j in range(n):
+            gap = (punch[i, j] - u3[i, j]) / normal
+            x = (sliding_x - u1[i, j]) / tangential
+            y = (sliding_y - u1[rows + i, j]) / tangential
+            overlap = min(gap, 0.0)
+            gap = max(gap, 0.0)
+            decay = work * np.exp(-gap - x * x - y * y)
+            drag = 2.0 / tangential * (1.0 + gap) * decay
+            k1[i, j] -= x * drag
+            k1[rows + i, j] -= y * drag
+            k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)

@@ -12,18 +12,18 @@ _VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: o
 
 
 def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
-    """Unit of each column, of a table with one or two, or the one of a map; None where the header states none.
+    """Unit of each column, of a table with up to three, or the one of a map; None where the header states none.
 
     The last line that states units decides. What stands in brackets in the last line of all, and is no unit of length,
     is returned as it is.
     """
-    wanted = columns if columns < 3 else 1
+    wanted = columns if columns <= 3 else 1
     for line in reversed(header):
         found = _found(line, line is header[-1])
         heights = [unit for label, unit in found if _HEIGHT.search(label)]
         if found and len(found) == wanted:
             return tuple(unit for _, unit in found)
-        if len(found) == 1:  # of two columns
+        if len(found) == 1 and wanted == 2:
             return _of_one(line, *found[0])
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)

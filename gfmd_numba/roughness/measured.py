@@ -14,6 +14,7 @@ from gfmd_numba.roughness import plausibility
 from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
+from gfmd_numba.roughness.square import largest_square
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.units import WithUnit
@@ -65,6 +66,8 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     found = measurement(_content(record, read), units, resample=record.points is not None)
+    if record.crop == "square":
+        found = largest_square(found)
     return Field(record, found, 2.0 if record.periodic == "mirror" else 1.0)
 
 
@@ -96,6 +99,7 @@ def periodic_surface(
     doubts = plausibility.of_field(heights, share)
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
     doubts += plausibility.of_surface(made.heights, made.lengths)
+    doubts += plausibility.of_period(made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
 

@@ -15,6 +15,7 @@ from gfmd_numba.roughness.processing import polynomial
 SEAM = 5.0  # rms steps: one Gaussian step in two million is larger
 SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have one of them at its seam
 TILT = 0.9  # of the mean square height: a sine over the whole period has 6/pi^2 = 0.61, a sawtooth 1
+LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
 GRADIENT = 0.3  # sin(x), tan(x) and x differ by 3 to 5 per cent: the elasticity is linear in slopes
 SPIKE = 10.0  # rms heights of all others, above the neighbours: white noise of 10^9 heights reaches 7
 FILLED = 0.05  # of all heights: as much of the contact may lie where nothing was measured
@@ -28,6 +29,11 @@ def of_field(heights: Reals, filled: float = 0.0) -> tuple[str, ...]:
 def of_surface(heights: Reals, lengths: tuple[float, ...]) -> tuple[str, ...]:
     """Sentences about a periodic surface."""
     return tuple(filter(None, (*_seams(heights), _gradient(heights, lengths), _range(heights, lengths))))
+
+
+def of_period(length: float) -> tuple[str, ...]:
+    """Sentences about a period L_x in m."""
+    return (f"a period of {length:.3g} m: check the units of positions and sizes",) if length > LONGEST else ()
 
 
 def _filled(share: float) -> str:

@@ -44,7 +44,7 @@ def made_periodic(
     """Heights of a field of these sizes made periodic: mirrored or windowed, then filtered, then resampled.
 
     `cutoff` is the shortest wavelength kept, in the unit of `lengths`. `points` counts grid points along the last axis;
-    the others keep their spacing's ratio. Raises ValueError for a cutoff that leaves all waves or none, and if
+    the others have the same spacing. Raises ValueError for a cutoff that leaves all waves or none, and if
     resampling would leave fewer than 4 points in a direction.
     """
     done = []
@@ -57,8 +57,8 @@ def made_periodic(
     if cutoff is not None:
         heights = filtered(heights, lengths, cutoff)
         done.append(f"left out all waves shorter than {cutoff:g} of its Fourier series")
-    if points is not None and points != heights.shape[-1]:
-        shape = tuple(round(n * points / heights.shape[-1]) for n in heights.shape)
+    shape = heights.shape if points is None else tuple(round(length / lengths[-1] * points) for length in lengths)
+    if shape != heights.shape:
         if min(shape) < 4:
             raise ValueError(f"{_times(shape)} points after resampling, not at least 4")
         if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays_per_realisation(len(shape), ())):

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.map_axes import split_axes
+from gfmd_numba.roughness.map_points import on_a_grid
 from gfmd_numba.roughness.surface_text import read_table
 from gfmd_numba.scene.heights import AXES, Heights
 from gfmd_numba.scene.length_units import PERIOD, length_unit
@@ -38,8 +39,9 @@ class Content:
 def read_content(path: Path) -> Content:
     """Content of a .npy, .nc or text file, or of any format of SurfaceTopography if that is installed.
 
-    Text (.csv, .txt, .dat) holds heights in one column, positions and heights in two, or a map in four or more, perhaps
-    with positions in its first row and column. Raises ValueError, saying what is wrong and where, for anything else.
+    Text (.csv, .txt, .dat) holds heights in one column, positions and heights in two, positions along x and y and
+    heights in three, or a map in four or more, perhaps with positions in its first row and column. Raises ValueError,
+    saying what is wrong and where, for anything else.
     """
     return _READERS.get(path.suffix.lower(), _read_instrument)(path)
 
@@ -63,6 +65,20 @@ def read_column(path: Path) -> Reals:
         raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
     if len(values) < 4:
         raise ValueError(f"{len(values)} values, not at least 4")
+    return _in_double_precision(values)
+
+
+def read_map(path: Path) -> Reals:
+    """Values `[ny, nx]` of a .npy or text file of rows, of which any may be not-a-number; raises ValueError."""
+    values = read_npy(path) if path.suffix == ".npy" else read_table(path).values
+    if values.ndim != 2 or values.dtype.kind not in "fiu":
+        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not rows of numbers")
+    if min(values.shape) < 4:
+        raise ValueError(f"{values.shape[0]} x {values.shape[1]} values, not at least 4 x 4")
+    return _in_double_precision(values)
+
+
+def _in_double_precision(values: npt.NDArray[Any]) -> Reals:
     with np.errstate(over="ignore"):  # of more than double precision
         return np.asarray(values, dtype=np.float64)
 
@@ -105,7 +121,10 @@ def _read_text(path: Path) -> Content:
             units = _stated(x=table.units[0], z=table.units[1])
             return Content(heights, {"x": x}, units=units, done=table.done)
         case 3:
-            raise ValueError("3 columns, not one of heights, two of positions and heights, or a map of 4 or more")
+            heights, positions = on_a_grid(*table.values.T)
+            stated = _stated(**dict(zip("xyz", table.units, strict=True)))
+            units = {axis: unit for axis, unit in stated.items() if axis == "z" or axis in positions}
+            return Content(heights, positions, units=units, done=table.done)
     heights, positions = split_axes(table.values, table.line)
     if not positions:
         return Content(heights, units=_stated(z=table.units[0]), done=table.done)

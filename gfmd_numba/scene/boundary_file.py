@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field, model_validator
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.layer_records import check_layers
-from gfmd_numba.scene.quantities import RECORD, Length, broken_rule, check_scales
+from gfmd_numba.scene.quantities import RECORD, Dimension, Length, broken_rule, check_scales
 from gfmd_numba.scene.records import Numerics
 
 
@@ -18,6 +18,7 @@ class LoadedBody(BaseModel):
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
     length: Length | None = Field(None, description="Period L_x in m; None: lengths are in units of L_x")
+    dimension: Dimension = Field(1, description="1: a surface over x, in plane strain; 2: over x and y, of period L_x")
 
     @model_validator(mode="after")
     def _units_have_scales(self) -> Self:
@@ -37,7 +38,9 @@ class BoundaryFile(BaseModel):
     model_config = RECORD
     scene: LoadedBody = Field(description="What is loaded")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
-    points: int | None = Field(None, ge=4, le=2**22, description="Nodes over the period; None: as many as in the files")
+    points: int | None = Field(
+        None, ge=4, le=2**22, description="Nodes over the period, of maps both ways; None: as many as in the files"
+    )
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:

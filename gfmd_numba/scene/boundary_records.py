@@ -1,14 +1,29 @@
 """Records of prescribed tractions and displacements, on a surface without a punch or beside one."""
 
 from collections.abc import Callable
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.quantities import LARGEST, RECORD, broken_rule
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
 
-COMPONENTS = ("normal", "tangential")
+
+class Component(NamedTuple):
+    """A component of displacements and tractions: how its keys begin and end, and which way it is positive."""
+
+    name: str
+    end: str
+    way: str
+
+    def key(self, quantity: str) -> str:
+        """Key of the traction or the displacement of this component."""
+        return f"{self.name}_{quantity}{self.end}"
+
+
+_ALONG_X, _ALONG_Y = Component("tangential", "", "along x"), Component("tangential", "_y", "along y")
+_NORMAL = Component("normal", "", "out of it")
+COMPONENTS = {1: (_ALONG_X, _NORMAL), 2: (_ALONG_X, _ALONG_Y, _NORMAL)}  # by the dimension of the surface
 FILES = (".npy", ".csv")
 
 
@@ -42,7 +57,7 @@ Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _
 
 
 class Boundary(BaseModel):
-    """What is prescribed on the surface of the body, positive out of it and along x; nothing is a traction of 0.
+    """What is prescribed on the surface of the body, positive out of it, along x and y; nothing is a traction of 0.
 
     A value, or a file with not-a-number for each node where that is not prescribed.
     """
@@ -52,6 +67,8 @@ class Boundary(BaseModel):
     tangential_traction: Traction | None = Field(None, description="Pull along x in Pa (E* without moduli)")
     normal_displacement: Displacement | None = Field(None, description="Out of the body, in m (L_x without a length)")
     tangential_displacement: Displacement | None = Field(None, description="Along x, in m (L_x without a length)")
+    tangential_traction_y: Traction | None = Field(None, description="Pull along y, on maps")
+    tangential_displacement_y: Displacement | None = Field(None, description="Along y, on maps")
 
     @model_validator(mode="after")
     def _prescribes(self) -> Self:

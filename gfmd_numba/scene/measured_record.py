@@ -62,6 +62,9 @@ class Measured(BaseModel):
     units: FileUnits | None = Field(
         None, description="Units that the file does not state; None: the file states them all"
     )
+    crop: Literal["none", "square"] = Field(
+        "none", description="What is cut out of a map before all else: the largest square about its centre"
+    )
     fill: Literal["refuse", "interpolate"] = Field("refuse", description="Treatment of missing heights")
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted first")
     periodic: Literal["none", "mirror", "window"] = Field(

@@ -8,16 +8,25 @@ _ARRAYS_OF_LAWS = {
     (1, "friction"): 180,
     (2, "friction"): 256,
     (2, "exponential"): 32,
+    (2, "cohesive"): 96,
+    (2, "boundary"): 32,
 }
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, 48  # at order 0 in the slope, and more for each order
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
+ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
 _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
 
 
 def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
-    """Return how many arrays of its size solving a realisation takes; `laws` are named as in scene files."""
+    """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes."""
     return max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+
+
+def arrays_of_topography(dimension: int, order: int) -> int:
+    """Return how many arrays of its size a contact of rough bodies takes, at an order in the slope."""
+    return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:

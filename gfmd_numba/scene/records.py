@@ -69,6 +69,13 @@ class Scene(BaseModel):
         return self.counter_body is not None or self.body.roughness is not None
 
     @property
+    def knows_lowest_order_only(self) -> bool:
+        """Whether what acts on rough deformable surfaces is known at order 0 in their slope alone."""
+        layered = any(body.layers is not None for body in self.deformable)
+        beside = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
+        return self.dimension == 2 or layered or beside
+
+    @property
     def awaits_period(self) -> bool:
         """Whether the file of a measured surface may tell the period: what depends on it is checked by then."""
         return self.length is None and any(isinstance(surface, Measured) for surface in self.surfaces.values())
@@ -162,7 +169,7 @@ class Numerics(BaseModel):
         ge=0,
         le=3,
         description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2, "
-        "and 0 for maps",
+        "and 0 for maps, and beside friction, a cohesive law, a hardness, a boundary or layers",
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
@@ -177,10 +184,10 @@ class Numerics(BaseModel):
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
-    def slope_order(self, dimension: int) -> int:
-        """Order in the slope to which topographies of profiles, or maps, are followed."""
+    def slope_order(self, scene: Scene) -> int:
+        """Order in the slope to which the topographies of a scene are followed."""
         if self.topography_order is None:
-            return 2 if dimension == 1 else 0
+            return 0 if scene.knows_lowest_order_only else 2
         return self.topography_order
 
     @model_validator(mode="after")

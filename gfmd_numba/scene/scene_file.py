@@ -72,14 +72,14 @@ def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | 
     """The same, whose files exist and have absolute paths."""
     if isinstance(file, SceneFile):
         _check_grid(file, document)
-        return file.model_copy(update={"scene": _located(document, file.scene)})
+        return file.model_copy(update={"scene": with_located_files(document, file.scene)})
     boundary = _located_boundary(document, file.scene.boundary)
     return file.model_copy(update={"scene": file.scene.model_copy(update={"boundary": boundary})})
 
 
 def _check_grid(file: SceneFile, document: Document) -> None:
     scene = file.scene
-    laws = scene.interface.laws
+    laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
     arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
@@ -90,7 +90,8 @@ def _check_grid(file: SceneFile, document: Document) -> None:
     check_surfaces(document, scene, arrays)
 
 
-def _located(document: Document, scene: Scene) -> Scene:
+def with_located_files(document: Document, scene: Scene) -> Scene:
+    """Scene whose files have absolute paths; raises InputError for one that does not exist."""
     located: dict[str, object] = {"roughness": _located_surface(document, ("scene", "roughness"), scene.roughness)}
     for name in ("body", "counter_body"):
         body: Body | None = getattr(scene, name)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
+from functools import cache
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -24,10 +25,16 @@ def validate(document: Document, model: type[Record]) -> Record:
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        schema = model.model_json_schema()
+        schema = _schema(model)
         faults = error.errors(include_url=False)
         said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
         raise InputError(*said, more=len(faults[MOST_LINES:])) from None
+
+
+@cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the JSON Schema of a record, which takes longer to make than all else that refuses a document."""
+    return model.model_json_schema()
 
 
 def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> str:

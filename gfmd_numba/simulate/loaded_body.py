@@ -8,7 +8,7 @@ from gfmd_numba.scene import BoundaryFile, Document
 
 
 def solve_loaded_body(file: BoundaryFile, document: Document) -> xr.Dataset:
-    """Displacements and tractions of both components over `x`, and how they were reached, in SI units.
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Raises InputError for a boundary that is over-determined or out of balance; a run that fails says so in `status`.
     """

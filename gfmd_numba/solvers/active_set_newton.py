@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.iteration import Batch
@@ -16,8 +16,6 @@ from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.preconditioners.far_field import FarField
 from gfmd_numba.solvers.preconditioners.restricted_stiffness import RestrictedStiffness
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
-
-Rows = npt.NDArray[np.int64]
 
 # tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
 _COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of the grid its contact is guessed on
@@ -77,7 +75,7 @@ class ActiveSetNewton(PressureIterate):
         """Transforms made so far by preconditioners."""
         return self._inverse.transforms + (0.0 if self._spare is None else self._spare.transforms)
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Solve for the pressure on the contact of each active row, and revise its contact."""
         n = self.field.n
         for row in active.reshape(-1, 1):
@@ -95,17 +93,17 @@ class ActiveSetNewton(PressureIterate):
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions; costs two transforms a row."""
         return self.violation(active)
 
-    def _open_gap(self, row: Rows) -> None:
+    def _open_gap(self, row: Indices) -> None:
         """Gap under the pressure, up to the approach."""
         i = row[0]
         self.field.apply(self.compliance, row, source=0)
         kernels.open_gap(self.field.result[i], self.wall[i], self.field.n, self.gap[i])
 
-    def _revise(self, row: Rows, count: int) -> int:
+    def _revise(self, row: Indices, count: int) -> int:
         """Revise the contact of a row; returns how many nodes changed sides."""
         i = row[0]
         changed = kernels.revise_contact(
@@ -114,7 +112,7 @@ class ActiveSetNewton(PressureIterate):
         )  # fmt: skip
         return int(changed)
 
-    def _close_gap(self, row: Rows, count: int) -> None:
+    def _close_gap(self, row: Indices, count: int) -> None:
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
         field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
         p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
@@ -137,7 +135,7 @@ class ActiveSetNewton(PressureIterate):
             field.apply(self.compliance, row, source=1)
             kernels.newton_update(p, gap, t, field.result[i], energy, nodes, count, n, r, self.free_mean)
 
-    def _factored(self, nodes: Rows, count: int) -> ExponentialSum | RestrictedStiffness | FarField:
+    def _factored(self, nodes: Indices, count: int) -> ExponentialSum | RestrictedStiffness | FarField:
         """Preconditioner that can be used on the first `count` of the nodes, prepared for them."""
         decays = self._inverse
         decays.factor(nodes, count)

@@ -1,17 +1,17 @@
-"""Damped dynamics of both displacements where tractions are prescribed at some nodes, displacements at the others.
+"""Damped dynamics of all displacements where tractions are prescribed at some nodes, displacements at the others.
 
 Without a punch this is a linear boundary-value problem: no node may be touched or let go.
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.solvers.iteration import Coupled
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory.damping import critical_damping, stability_limit
@@ -21,7 +21,7 @@ _CHECK_EVERY = 10  # iterations between two looks at the residual
 
 @dataclass(frozen=True)
 class Deformed:
-    """Displacements and tractions `[component, x]`, tangential then normal (L_x, E*), and how they were reached.
+    """Displacements and tractions `[component, (y,) x]`, tangential, then normal (L_x, E*), and how they were reached.
 
     `residual` is the largest unbalanced traction of a free node over the largest traction of any, or over that of
     the softest wave with the amplitude of the prescribed displacement if that is more.
@@ -36,8 +36,8 @@ class Deformed:
     wall_time: float
 
 
-def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, options: Options) -> Deformed:
-    """Displace and load the surface of a body node by node `[component, x]`, tangential then normal (L_x, E*).
+def deform(stiffness: Coupled, traction: Reals, displacement: Reals, options: Options) -> Deformed:
+    """Displace and load the surface of a body node by node `[component, (y,) x]`, tangential, then normal (L_x, E*).
 
     `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
     component without any prescribed displacement must be 0 if its mean stiffness is 0; that of an incompressible
@@ -53,10 +53,10 @@ def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, op
         iterations += steps
         residual = problem.residual()
     status = Status.ok if residual <= options.residual else Status.not_converged
-    field, n = problem.field, displacement.shape[1]
+    field, n = problem.field, problem.field.n
     return Deformed(
-        displacement=problem.displacement[:, :n].copy(),
-        traction=field.result[:, :n] + problem.excess[:, np.newaxis],
+        displacement=problem.displacement[:, :n].reshape(displacement.shape).copy(),
+        traction=(field.result[:, :n] + problem.excess[:, np.newaxis]).reshape(displacement.shape),
         status=status if np.isfinite(residual) else Status.nonfinite,
         residual=residual,
         n_iterations=iterations,
@@ -66,17 +66,20 @@ def deform(stiffness: CoupledStiffness, traction: Reals, displacement: Reals, op
 
 
 class _BoundaryValueProblem:
-    """Both displacements and the tractions that restore them; two transform pairs a step.
+    """All displacements and the tractions that restore them; a transform pair of each a step.
 
     `excess` is the uniform pressure of an incompressible slab: the multiplier of its mean normal displacement, 0.
     """
 
-    def __init__(self, stiffness: CoupledStiffness, traction: Reals, displacement: Reals, options: Options) -> None:
+    def __init__(self, stiffness: Coupled, traction: Reals, displacement: Reals, options: Options) -> None:
+        components, *shape = displacement.shape
+        start = np.where(np.isnan(displacement), traction, 0.0)
+        displacement = displacement.reshape(components, -1)
         n = displacement.shape[1]
         self._free = np.isnan(displacement)
-        self._traction = np.where(self._free, traction, 0.0)
-        self._rigid = bool(np.isinf(stiffness.k33[0]))
-        elastic = replace(stiffness, k33=np.concatenate(([0.0], stiffness.k33[1:]))) if self._rigid else stiffness
+        self._traction = start.reshape(components, n)
+        self._rigid = bool(np.isinf(stiffness.k33.flat[0]))
+        elastic = stiffness.with_free_mean() if self._rigid else stiffness
         smaller, larger = elastic.principal()
         softest, stiffest = float(smaller[smaller > 0.0].min()), float(larger.max())
         self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
@@ -84,13 +87,14 @@ class _BoundaryValueProblem:
         dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
-        self.field = Convolution(2, n)
-        self._symbols = [self.field.symbol(k) for k in (elastic.k11, elastic.k13, elastic.k33)]
+        self.field = Convolution(components, *shape)
+        self._couple = kernels.couple if components == 2 else kernels.couple_map
+        self._symbols = [self.field.symbol(k) for k in elastic.elements]
         (self.displacement,) = self.field.sources
-        self.displacement[:, :n] = self._start(elastic, displacement)
+        self.displacement[:, :n] = self._start(elastic, start, displacement)
         self._last = self.displacement.copy()
-        self.excess = np.zeros(2)
-        self._rows = np.arange(2)
+        self.excess = np.zeros(components)
+        self._rows = np.arange(components)
         self._restore()
 
     def advance(self) -> None:
@@ -111,21 +115,23 @@ class _BoundaryValueProblem:
         peak = max(peak, self._least_peak)
         return float(worst / peak) if peak > 0.0 else np.inf
 
-    def _start(self, elastic: CoupledStiffness, displacement: Reals) -> Reals:
-        """The response to the tractions alone, moved to where the displacement is prescribed."""
-        start = np.stack(elastic.deflection(*self._traction))
+    def _start(self, elastic: Coupled, traction: Reals, displacement: Reals) -> Reals:
+        """The response to the tractions alone `[component, node]`, moved to where the displacement is prescribed."""
+        tangential, normal = elastic.deflection(traction[0] if len(traction) == 2 else traction[:2], traction[-1])
+        start = np.concatenate((tangential.reshape(-1, normal.size), normal.reshape(1, -1)))
         for u, given, free in zip(start, displacement, self._free, strict=True):
             if not free.all():
                 u += (given - u)[~free].mean()
                 u[~free] = given[~free]
         if self._rigid:
-            start[1, self._free[1]] -= start[1].sum() / self._free[1].sum()
+            start[-1, self._free[-1]] -= start[-1].sum() / self._free[-1].sum()
         return start
 
     def _restore(self) -> None:
         rows = self._rows
         self.field.forward(rows)
-        kernels.couple(self.field.spectrum, *self._symbols, rows[:1], 1)
+        self._couple(self.field.spectrum, *self._symbols, rows[:1], 1)
         self.field.inverse(rows)
         if self._rigid:
-            self.excess[1] = kernels.free_mean(self.field.result, self._traction, self._free, 1, self.field.n)
+            normal = rows.size - 1
+            self.excess[normal] = kernels.free_mean(self.field.result, self._traction, self._free, normal, self.field.n)

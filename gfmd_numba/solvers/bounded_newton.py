@@ -1,9 +1,9 @@
 """Active-set Newton method for a hard wall that yields: pressures have two bounds, 0 and the hardness."""
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.decay_model import decay_model
 from gfmd_numba.solvers.decay_newton import DecayNewton
@@ -12,8 +12,6 @@ from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.split_compliance import fits
-
-Rows = npt.NDArray[np.int64]
 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
@@ -46,7 +44,7 @@ class BoundedNewton(ActiveSetNewton):
         self._last = LastPressure(self.pressure)
         self._careful = np.zeros(len(self.pressure), dtype=np.bool_)
 
-    def _open_gap(self, row: Rows) -> None:
+    def _open_gap(self, row: Indices) -> None:
         super()._open_gap(row)
         i = row[0]
         p, gap = self.pressure[i], self.gap[i]
@@ -59,7 +57,7 @@ class BoundedNewton(ActiveSetNewton):
         if uphill:
             self._contact[i] = (p > 0.0) & (p < self.hardness)
 
-    def _revise(self, row: Rows, count: int) -> int:
+    def _revise(self, row: Indices, count: int) -> int:
         i, n, t = row[0], self.field.n, self.direction[row[0]]
         if self._careful[i]:
             self._careful[i] = False

@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
-
-Rows = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class RigidMean:
         mean = punch.reshape(len(punch), -1).mean(axis=1)
         return cls(float(stiffness[np.isfinite(stiffness)].max()), mean < 0.0)
 
-    def violation(self, u: Reals, active: Rows, n: int) -> Reals:
+    def violation(self, u: Reals, active: Indices, n: int) -> Reals:
         """Return the violation `[active]` by the mean of the displacements, as a traction in E*."""
         return np.asarray(self.stiffest * np.abs(u[active, :n].mean(axis=1)))
 
@@ -49,18 +46,18 @@ class Certificate:
         self.hardness, self.rigid_mean = hardness, rigid_mean
         self.worst, self.peak, self.imbalance = np.zeros((3, rows))
 
-    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
+    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
         kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
         if self.rigid_mean is not None:
             self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
 
-    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int, p: Reals) -> None:
+    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
         kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
 
-    def residual(self, load: Reals, active: Rows, strongest: Reals | float = 0.0) -> Reals:
+    def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or imbalance over the load if that is larger `[active]`.
 
         Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere

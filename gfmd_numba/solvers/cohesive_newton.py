@@ -9,10 +9,9 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.parallel_law import ParallelLaw
 from gfmd_numba.solvers.truncated_newton import TruncatedNewton, let_go
 
-_GRIP = 0.1  # curvature of the law over its largest from which on it holds a node rather than the body does
-_PAYS = 20.0  # that largest over the stiffness of the softest wave below which one preconditioner does for all nodes
 _REACH = 4.0  # lengths of the law across which it acts
 _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
 
@@ -21,7 +20,8 @@ class CohesiveNewton(TruncatedNewton):
     """Both displacements of a batch under a law of gap and slip, with or without the hard wall.
 
     Rows of the field are the tangential and the normal displacement of one realisation after those of the other, so
-    that the unknowns of a realisation are one row twice as long. The wall bounds normal displacements alone.
+    that the unknowns of a realisation are one row twice as long. The wall bounds normal displacements alone. The
+    preconditioner has body and law in parallel for each component alone; with a sum of decays it takes no transforms.
     """
 
     def __init__(self, batch: Batch, options: Options) -> None:
@@ -39,8 +39,6 @@ class CohesiveNewton(TruncatedNewton):
                 s[0] = 1.0 / k[1:].min()
         self._stiffness_elements = [self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33)]
         self._compliance_elements = [self.field.symbol(s) for s in (compliance.s11, -compliance.s13, compliance.s33)]
-        self._k11, self._k33, self._any_gripped = stiffness.k11, stiffness.k33, False
-        self._softest = float(max(compliance.s11[1:].max(), compliance.s33[1:].max()))
         share = grid.multiplicity(n) / n
         self._node_compliance = float(0.5 * ((compliance.s11 + compliance.s33) * share).sum())
         self._stiffest = float(stiffness.principal()[1].max()) + batch.law_stiffness()
@@ -48,8 +46,9 @@ class CohesiveNewton(TruncatedNewton):
         self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._sideways, self._together = slice(0, n), np.zeros(n)
         self._u = np.zeros_like(self._source)
-        self._u[:, :n] = batch.start.tangential
+        self._u[:, :n] = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
         self._u[:, length : length + n] = let_go(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
+        self._parallel = ParallelLaw((compliance.s11, compliance.s33), n, length)
         self._nowhere = np.broadcast_to(np.nan, (rows, n))
         self._begin(batch, options, slice(length, length + n), cohesive.normal)
 
@@ -67,36 +66,17 @@ class CohesiveNewton(TruncatedNewton):
         self._multiply(row, self._stiffness_elements)
 
     def _split(self, i: int) -> None:
-        """Tell apart the nodes that the law holds: there the compliance is that of law and body in parallel."""
-        stiffest = float(self._curvature.max())
-        self._gripped = (self._curvature > _GRIP * stiffest) & (self._weight > 0.0)
-        self._any_gripped = stiffest * self._softest > _PAYS and bool(self._gripped.any())
-        if not self._any_gripped:
+        if not self._parallel.is_safe:
             return
-        where = self._gripped
-        self._weight[where] = 1.0 / np.sqrt(self._curvature[where])
-        self._source[i, where] = self._weight[where] * self._unbalanced[where]
-        zero = np.zeros_like(self._k11)
-        elements = [zero, zero, zero]
-        for k, (part, stiffness) in {0: (self._sideways, self._k11), 2: (self._normal, self._k33)}.items():
-            curvature = self._curvature[part][where[part]]
-            if curvature.size:
-                mean = np.exp(np.log(curvature).mean())
-                elements[k] = self.field.symbol(mean / (mean + stiffness))
-        self._gripped_elements = elements
+        np.greater(self._weight, 0.0, out=self._weight)
+        self._source[i] = self._unbalanced
+        self._parallel.factor(self._curvature, self._weight)
 
     def _comply(self, row: Indices) -> None:
-        if not self._any_gripped:
+        if self._parallel.is_safe:
+            self._parallel.solve(self._source[row[0]], self._result[row[0]])
+        else:
             self._multiply(row, self._compliance_elements)
-            return
-        source, result, where = self._source[row[0]], self._result[row[0]], self._gripped
-        whole = source.copy()
-        source[where] = 0.0
-        self._multiply(row, self._compliance_elements)
-        others = result.copy()
-        source[:] = np.where(where, whole, 0.0)
-        self._multiply(row, self._gripped_elements)
-        result[~where] = others[~where]
 
     def _multiply(self, row: Indices, elements: list[Reals]) -> None:
         both = np.array([2 * row[0], 2 * row[0] + 1])

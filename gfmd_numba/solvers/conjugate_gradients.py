@@ -1,16 +1,13 @@
 """Constrained conjugate gradients on the pressure (Polonsky & Keer, Wear 231:206, 1999)."""
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
-
-Rows = npt.NDArray[np.int64]
 
 
 def conjugate_gradients(batch: Batch, options: Options) -> "ConjugateGradients":
@@ -32,7 +29,7 @@ class ConjugateGradients(PressureIterate):
         self._is_open = False  # whether the gap is that of the pressure
         kernels.cg_free(self.pressure, self.direction, *self._free, np.arange(rows), self.field.n, self.hardness)
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one iteration in the active rows."""
         field, n = self.field, self.field.n
         if not self._is_open:
@@ -47,13 +44,13 @@ class ConjugateGradients(PressureIterate):
         )  # fmt: skip
         self._is_open = False
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions; costs four transforms a row, two for the next step."""
         self._open_gap(active)
         self._is_open = True
         return self.violation(active)
 
-    def _open_gap(self, active: Rows) -> None:
+    def _open_gap(self, active: Indices) -> None:
         field = self.field
         field.apply(self.compliance, active, source=0)
         kernels.cg_gap(field.result, self.wall, self.gap, *self._free, active, field.n, self.free_mean)
@@ -70,7 +67,7 @@ class BoundedConjugateGradients(ConjugateGradients):
         super().__init__(batch, options)
         self._last = LastPressure(self.pressure)
 
-    def _open_gap(self, active: Rows) -> None:
+    def _open_gap(self, active: Indices) -> None:
         field, n = self.field, self.field.n
         field.apply(self.compliance, active, source=0)
         for i in active:

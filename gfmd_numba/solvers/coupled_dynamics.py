@@ -4,14 +4,14 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.truncated_newton import let_go
 from gfmd_numba.theory.damping import critical_damping, stability_limit
-
-Rows = npt.NDArray[np.int64]
 
 
 class CoupledDynamics:
@@ -32,8 +32,7 @@ class CoupledDynamics:
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
-        # of the cohesive law, which knows profiles alone
-        self._sliding = 0.0 if isinstance(batch.sliding, np.ndarray) else batch.sliding
+        self._sliding = batch.sliding if self._of_profile else np.broadcast_to(batch.sliding, (2, 1, 1))
         self.certificate = Certificate(rows)
         self.load = batch.loads
         self.field = Convolution(self._components * rows, *shape)
@@ -44,7 +43,7 @@ class CoupledDynamics:
         (both,) = self.field.sources
         self._tangential, self.displacement = both[:-rows], both[-rows:]
         self._tangential[:, :n] = by_component(start.tangential, n)
-        self.displacement[:, :n] = np.minimum(start.displacement, punch).reshape(rows, n)
+        self.displacement[:, :n] = self._without_overlap(batch).reshape(rows, n)
         self._last = both.copy()
         self._anchor = np.full_like(self._tangential, np.nan)
         self._anchor[:, :n] = by_component(start.anchor, n)
@@ -69,7 +68,7 @@ class CoupledDynamics:
         """Transforms made so far for each realisation."""
         return np.asarray(self.field.n_transforms.reshape(self._components, self._rows).sum(axis=0))
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
         last_tangential, last_normal = self._last[: -self._rows], self._last[-self._rows :]
         step = kernels.coupled_step if self._of_profile else kernels.coupled_map_step
@@ -79,7 +78,7 @@ class CoupledDynamics:
         )  # fmt: skip
         self._restore(active)
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
@@ -90,7 +89,7 @@ class CoupledDynamics:
         )  # fmt: skip
         return certificate.residual(self.load, active, self._strongest(active))
 
-    def _strongest(self, active: Rows) -> Reals:
+    def _strongest(self, active: Indices) -> Reals:
         """Largest traction of a law on each active row."""
         n = self.field.n
         gap, strongest = self._punch[active, :n] - self.displacement[active, :n], np.zeros(active.size)
@@ -98,13 +97,28 @@ class CoupledDynamics:
         if self._law is not None:
             tractions.append(self._law.traction(gap))
         if self._cohesion is not None:
-            slip = self._sliding - self._tangential[active, :n]
+            slip = self._slip(active)
             tractions += [self._cohesion.normal_traction(gap, slip), self._cohesion.tangential_traction(gap, slip)]
         for traction in tractions:
             strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
         return strongest
 
-    def _restore(self, active: Rows) -> None:
+    def _without_overlap(self, batch: Batch) -> Reals:
+        """Normal displacement to begin with: not beyond a wall, nor where the law repels by more than any pressure."""
+        if batch.interface.hard_wall or self._cohesion is None:
+            return np.minimum(batch.start.displacement, batch.punch)
+        law, none = self._cohesion, np.zeros(batch.punch[0].size)
+        return let_go(batch, lambda gap: law.normal_traction(gap, none))
+
+    def _slip(self, active: Indices) -> Reals:
+        """Slip of the punch over each node of the active rows, on maps its length."""
+        n = self.field.n
+        if isinstance(self._sliding, np.ndarray):
+            tangential = self._tangential[:, :n].reshape(2, self._rows, n)
+            return vector_slip.length(self._sliding - tangential[:, active])
+        return np.asarray(self._sliding - self._tangential[active, :n])
+
+    def _restore(self, active: Indices) -> None:
         every = np.concatenate([active + i * self._rows for i in range(self._components)])
         self.field.forward(every)
         couple = kernels.couple if self._of_profile else kernels.couple_map
@@ -113,7 +127,9 @@ class CoupledDynamics:
         if self._law is not None:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:
-            self._cohesion.pull(
-                self._tangential, self._tangential_restoring, self.displacement, self.restoring, self._punch,
-                self._sliding, active, self.field.n,
-            )  # fmt: skip
+            sideways, normal = (self._tangential, self._tangential_restoring), (self.displacement, self.restoring)
+            where = active, self.field.n
+            if isinstance(self._sliding, np.ndarray):
+                self._cohesion.pull_on_map(*sideways, *normal, self._punch, self._sliding, *where)
+            else:
+                self._cohesion.pull(*sideways, *normal, self._punch, self._sliding, *where)

@@ -6,14 +6,12 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.integrators import Fire, gronbech_jensen, position_verlet
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-
-Rows = npt.NDArray[np.int64]
 
 
 def verlet_dynamics(batch: Batch, options: Options) -> "DampedDynamics":
@@ -43,7 +41,7 @@ def _extremes(batch: Batch) -> tuple[float, float]:
 class Integrator(Protocol):
     """One step of the displacement u under the force load - ku, clipped at the wall."""
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None: ...  # noqa: D102
+    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None: ...  # noqa: D102
 
 
 class DampedDynamics:
@@ -79,13 +77,13 @@ class DampedDynamics:
         """Transforms made so far for each realisation."""
         return self.field.n_transforms
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
         field = self.field
         self._integrator.step(self.displacement, field.result, self.wall, self.load, active, field.n)
         self._restore(active)
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform."""
         field, strongest = self.field, np.zeros(active.size)
         self.certificate.look(self.displacement, field.result, self.wall, self.load, active, field.n)
@@ -94,7 +92,7 @@ class DampedDynamics:
             strongest = np.abs(self._law.traction(gap)).max(axis=1)
         return self.certificate.residual(self.load, active, strongest)
 
-    def _restore(self, active: Rows) -> None:
+    def _restore(self, active: Indices) -> None:
         field = self.field
         field.apply(self._stiffness, active)
         if self._law is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.fourier.row_transform import RowTransform
 from gfmd_numba.kernels.decay_sums import POWERS
@@ -20,8 +20,6 @@ from gfmd_numba.solvers.decay_model import DecayModel
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS
-
-Rows = npt.NDArray[np.int64]
 
 _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
@@ -83,7 +81,7 @@ class DecayNewton:
             transforms[list(self._dense)] += self._by_transforms.n_transforms
         return transforms
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Correct the contact and pressure of each active row by one pair of transforms."""
         for i in active:
             if self._by_transforms is not None and i in self._dense:
@@ -104,7 +102,7 @@ class DecayNewton:
             self._looks[i] = True
         self._steps_left -= 1
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions, infinite where it is not yet expected to be small enough."""
         residual = np.full(active.size, np.inf)
         sure = (self._expected[active] <= _SURE * self._residual) | (self._steps_left <= 0)
@@ -132,7 +130,7 @@ class DecayNewton:
             mine[i] = found[k]
         return residual
 
-    def _violation(self, active: Rows) -> Reals:
+    def _violation(self, active: Indices) -> Reals:
         n, field = self.field.n, self.field
         for i in active:
             field.apply(self._model.compliance, self.pressure[i], self._level.displacement)

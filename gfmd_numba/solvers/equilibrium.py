@@ -10,16 +10,16 @@ from pkgutil import resolve_name
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import SOLVERS
-
-Rows = npt.NDArray[np.int64]
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
 _SURELY_YIELDS = 2.0  # peak pressure of an elastic contact over the hardness, judged at
@@ -65,7 +65,7 @@ class Equilibrium:
 
     displacement: Reals
     pressure: Reals
-    touching: npt.NDArray[np.bool_]
+    touching: Flags
     tangential: Tangential | None
     status: npt.NDArray[np.int8]
     residual: Reals
@@ -73,8 +73,8 @@ class Equilibrium:
     n_transforms: npt.NDArray[np.int64]
     wall_time: Reals
     full_contact_pressure: Reals
-    growing_wave: Rows | None = None
-    plastic: npt.NDArray[np.bool_] | None = None
+    growing_wave: Indices | None = None
+    plastic: Flags | None = None
 
 
 def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
@@ -154,7 +154,7 @@ def equilibrate(
         started = time.perf_counter()
         largest = (load or 0.0) + _FLUCTUATIONS * float(scale[rows].max())
 
-        def batch(rows: Rows, laws: Interactions, largest: float = largest) -> Batch:
+        def batch(rows: Indices, laws: Interactions, largest: float = largest) -> Batch:
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
             given = None if load is None else np.full(rows.size, load)
             return Batch(punch[some], elastic, given, laws, start.rows(some), sliding, largest)
@@ -180,14 +180,20 @@ def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: 
         result.pressure[:] -= interface.normal_law.traction(punch - result.displacement)
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
-        result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
-        result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
+        if punch.ndim == 2:
+            result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
+            result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
+            return
+        for of_realisation in zip(gap, slip, result.pressure, result.tangential.traction, strict=True):
+            own_gap, own_slip, pressure, traction = of_realisation
+            pressure -= interface.cohesive.normal_traction(own_gap, vector_slip.length(own_slip))
+            traction += vector_slip.tangential_traction(interface.cohesive, own_gap, own_slip)
 
 
 def _solve(
-    batch: Callable[[Rows, Interactions], Batch],
+    batch: Callable[[Indices, Interactions], Batch],
     laws: Interactions,
-    rows: Rows,
+    rows: Indices,
     blown_up: Reals,
     options: Options,
     result: Equilibrium,
@@ -208,7 +214,11 @@ def _solve(
 
 
 def _store(
-    found: Tangential, solved: tuple[Reals, Reals, Reals], done: Rows, where: Rows, touching: npt.NDArray[np.bool_]
+    found: Tangential,
+    solved: tuple[Reals, Reals, Reals],
+    done: Indices,
+    where: Indices,
+    touching: Flags,
 ) -> None:
     """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
     components = 1 if touching.ndim == 2 else 2
@@ -221,14 +231,14 @@ def _store(
         found.slip[at] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)
 
 
-def _above(pressure: float, result: Equilibrium, rows: Rows) -> npt.NDArray[np.bool_]:
+def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
     """Whether any node of each row bears more than a pressure."""
     if pressure == np.inf:
         return np.zeros(rows.size, dtype=np.bool_)
     return np.asarray((result.pressure[rows] > pressure).reshape(rows.size, -1).any(axis=1))
 
 
-def _growing_wave(result: Equilibrium, stiffness: Stiffness, free_mean: bool) -> Rows:
+def _growing_wave(result: Equilibrium, stiffness: Stiffness, free_mean: bool) -> Indices:
     """Index of the wave of the largest restoring tractions where a run ended unstable: it blew up from nothing."""
     unstable = result.status == Status.unstable
     normal = stiffness if isinstance(stiffness, np.ndarray) else stiffness.k33
@@ -254,12 +264,12 @@ def _with_free_mean(stiffness: Stiffness) -> Stiffness:
 
 
 def _iterate(
-    solver: Iteration, rows: Rows, blown_up: Reals, options: Options, result: Equilibrium, hardness: float = np.inf
+    solver: Iteration, rows: Indices, blown_up: Reals, options: Options, result: Equilibrium, hardness: float = np.inf
 ) -> None:
-    """Advance all rows until each is certified, gives up or will surely yield, and store each as it ends."""
+    """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
     n = solver.field.n
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
-    active = np.arange(rows.size)
+    active, stagnation = np.arange(rows.size), Stagnation(rows.size)
     iterations = 0
     while active.size:
         steps = min(solver.check_every, limit - iterations)
@@ -271,7 +281,7 @@ def _iterate(
         status[residual <= options.residual] = Status.ok
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
-        ended = (status != Status.not_converged) | (iterations >= limit)
+        ended = (status != Status.not_converged) | stagnation.look(residual, active) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more

@@ -6,13 +6,10 @@ Both Verlet schemes read u[n+1] = u[n] + memory (u[n] - u[n-1]) + push F[n].
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.theory.damping import critical_damping, stability_limit
-
-Rows = npt.NDArray[np.int64]
 
 
 class Verlet:
@@ -23,7 +20,7 @@ class Verlet:
         self.memory = memory
         self.push = push
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
+    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
         kernels.verlet_step(u, self._last, ku, wall, load, active, n, self.memory, self.push)
 
@@ -64,7 +61,7 @@ class Fire:
         self._mixing = np.full(rows, 0.1)
         self._downhill = np.zeros(rows, dtype=np.int64)
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Rows, n: int) -> None:
+    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
         kernels.fire_step(
             u, self._velocity, ku, wall, load, self._dt, self._mixing, self._downhill, active, n, self._longest

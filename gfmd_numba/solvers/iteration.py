@@ -6,13 +6,12 @@ from typing import Protocol, Self
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.elasticity.map_stiffness import MapStiffness
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
 
-Rows = npt.NDArray[np.int64]
 Coupled = CoupledStiffness | MapStiffness  # of all displacements, of profiles and of maps
 Stiffness = Reals | Coupled
 
@@ -50,7 +49,7 @@ class Start:
         shape = tangential_shape(punch)
         return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, shape), np.broadcast_to(np.nan, shape))
 
-    def rows(self, some: slice | Rows) -> "Start":
+    def rows(self, some: slice | Indices) -> "Start":
         """Start of some rows alone."""
         return Start(self.displacement[some], self.tangential[some], self.anchor[some], self.dragged)
 
@@ -152,10 +151,10 @@ class Iteration(Protocol):
         """
         ...
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one iteration in the active rows."""
         ...
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`."""
         ...

@@ -1,11 +1,9 @@
 """The pressure before the present one, to which a step that increases the energy goes back."""
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-
-Reals = npt.NDArray[np.float64]
+from gfmd_numba.arrays import Reals
 
 UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
 

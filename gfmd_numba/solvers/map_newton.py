@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 from gfmd_numba.solvers import map_guess
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
@@ -12,8 +12,6 @@ from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.map_contact import MapContact
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS
-
-Rows = npt.NDArray[np.int64]
 
 _AHEAD = 0.1  # error of the pressure aimed at, over the residual asked for
 
@@ -68,7 +66,7 @@ class MapNewton:
         others = self._coarse_transforms + np.array([contact.coarse_transforms for contact in self._contacts])
         return np.asarray(made + np.ceil(others).astype(np.int64))
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Close the gap of each active row as it is known, and find the exact one."""
         for i in active:
             contact = self._contacts[i]
@@ -77,7 +75,7 @@ class MapNewton:
             self._error[i] = contact.look()
             self._left[i] -= 1
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions, or the error of a pressure too far off to look at that."""
         return np.array([self._violation(i) for i in active])
 

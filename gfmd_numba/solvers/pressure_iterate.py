@@ -4,12 +4,10 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
-
-Rows = npt.NDArray[np.int64]
 
 
 class PressureIterate:
@@ -53,7 +51,7 @@ class PressureIterate:
         """Transforms made so far for each realisation."""
         return self.field.n_transforms
 
-    def violation(self, active: Rows) -> Reals:
+    def violation(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.
 
         Leaves it in `displacement` and its restoring traction in `restoring`; costs two transforms a row.

@@ -19,8 +19,10 @@ class Status(IntEnum):
 SENTENCES: dict[IntEnum, str] = {
     Status.ok: "The contact conditions hold to the residual that was asked for.",
     Status.not_converged: (
-        "The residual was not reached within max_iterations: raise numerics.max_iterations or numerics.residual, "
-        "or choose another numerics.solver. Where an elastic body is rough and steep, lower numerics.topography_order."
+        "The residual that was asked for was not reached. If it took fewer than max_iterations iterations, the "
+        "residual has stopped falling, mostly because rounding hides the pressure: ask for a numerics.residual above "
+        "the one that was found. Otherwise raise numerics.max_iterations or numerics.residual, or choose another "
+        "numerics.solver. Where an elastic body is rough and steep, lower numerics.topography_order."
     ),
     Status.unstable: (
         "Tractions grew without bound: lower numerics.time_step, or press an incompressible slab no deeper than its "

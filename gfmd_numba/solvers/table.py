@@ -68,7 +68,7 @@ SOLVERS = {
         "and slip",
         can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "cohesive law", "rigid mean"}),
         condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
-        coupled="gfmd_numba.solvers.cohesive_newton:CohesiveNewton",
+        coupled="gfmd_numba.solvers.map_cohesive_newton:cohesive_newton",
         block_samples=2**18,
     ),
     "frictional_newton": Solver(

@@ -4,10 +4,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -15,8 +14,6 @@ from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-
-Rows = npt.NDArray[np.int64]
 
 _LOOSE = 0.1  # largest part of the unbalanced traction that a Newton step may leave unbalanced
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
@@ -67,11 +64,11 @@ class TruncatedNewton:
         return None
 
     @property
-    def n_transforms(self) -> Rows:
+    def n_transforms(self) -> Indices:
         """Transforms made so far for each realisation."""
         return self.field.n_transforms
 
-    def residual(self, active: Rows) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform.
 
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
@@ -86,7 +83,7 @@ class TruncatedNewton:
         self._residual[active] = found
         return found
 
-    def advance(self, active: Rows) -> None:
+    def advance(self, active: Indices) -> None:
         """Make one Newton step in the active rows."""
         for row in active.reshape(-1, 1):
             if self._drifts[row[0]]:
@@ -134,11 +131,11 @@ class TruncatedNewton:
             self._stiffen(row)
             self._accept(row[0])
 
-    def _stiffen(self, row: Rows) -> None:
+    def _stiffen(self, row: Indices) -> None:
         """Fill the result of a row with the restoring tractions of its source."""
         self.field.apply(self._stiffness, row)
 
-    def _comply(self, row: Rows) -> None:
+    def _comply(self, row: Indices) -> None:
         """Fill the result of a row with the displacements under its source."""
         self.field.apply(self._compliance, row)
 
@@ -160,13 +157,13 @@ class TruncatedNewton:
         return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum())
 
     def _split(self, i: int) -> None:
-        """Treat some unknowns of a row in another way than the others in the preconditioner."""
+        """Prepare the preconditioner for the curvature of a row."""
 
     def _longest(self, i: int) -> float:
         """Step along the direction that is tried first."""
         return 1.0
 
-    def _look_at_more(self, active: Rows) -> None:
+    def _look_at_more(self, active: Indices) -> None:
         """Measure violations of other than normal conditions."""
 
     def _gap(self, i: int) -> Reals:
@@ -178,7 +175,7 @@ class TruncatedNewton:
             self.load[i] += self._held_mean.pressure(self.displacement[i, : self.field.n])
             self._load[i, self._normal] = self.load[i]
 
-    def _find_direction(self, row: Rows) -> bool:
+    def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
         i, size = row[0], self._u.shape[1]
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
@@ -217,7 +214,7 @@ class TruncatedNewton:
         residual = float(self._residual[i])
         return max(min(_LOOSE, math.sqrt(residual)), 0.3 * self._target / residual)
 
-    def _descend(self, row: Rows, bends_down: bool) -> None:
+    def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
         i, step = row[0], self._longest(row[0])
         change, slope = self._trial(row, step)
@@ -235,7 +232,7 @@ class TruncatedNewton:
             self._accept(i)
             step *= 2.0
 
-    def _trial(self, row: Rows, step: float) -> tuple[float, float]:
+    def _trial(self, row: Indices, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
         i, size = row[0], self._u.shape[1]
         u, trial = self._u[i], self._source[i]

@@ -78,6 +78,9 @@ def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
     one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=HELD))
     with pytest.raises(UnknownExponentsError, match=r"exponents are not known better than that; .* narrower ranges"):
         decided(one, 0.00005, Fit("kappa", {"eps_f": (0.1, 4)}))
+    with pytest.raises(UnknownExponentsError) as advised:
+        decided(one, 0.00005, Fit("kappa", {}))
+    assert str(advised.value).endswith("lie in our campaigns, `fit: {fixed: {eps_f: [1/5, 2]}}`")
     with pytest.raises(UnusableDataError, match=r"error of 0.014%; allowed: a larger target, or levels further from"):
         decided(one, 0.00005, Fit("kappa", {"eps_f": 0.6}))
 

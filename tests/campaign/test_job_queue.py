@@ -5,14 +5,18 @@ import time
 
 import pytest
 import xarray as xr
+import yaml
 
 import gfmd_numba
 from gfmd_numba.campaign import job_queue, job_supply
 from gfmd_numba.campaign.execution import check, workers_of
+from gfmd_numba.campaign.queue_state import QueueState, columns_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.cli.progress import show_queue
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
+from support.command_line import gfmd
 from support.fake_slurm import fake_slurm, jobs_of, kill_job
 
 pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
@@ -27,6 +31,7 @@ def slurm(tmp_path, monkeypatch):
     folder.mkdir()
     fake_slurm(folder, monkeypatch)
     monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.3)
+    monkeypatch.setattr(job_supply, "_SECONDS_TO_FIRST_LOOK", 0.3)
     monkeypatch.setattr(job_queue, "_INTERVAL", "0.3s")
     yield folder
     deadline = time.monotonic() + 5.0
@@ -62,6 +67,30 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
     assert len(keys) == 3
     assert not readable, "others may read a key"
     assert not list(out.glob("jobs/tls-*")), "a key outlived its run"
+
+
+def test_a_run_whose_jobs_wait_says_so_and_why(tmp_path, slurm, monkeypatch):
+    """The queue is full until that has been told."""
+    (slurm / "full").touch()
+    said = []
+
+    def show(state):
+        said.append(state)
+        (slurm / "full").unlink(missing_ok=True)
+
+    monkeypatch.setattr("gfmd_numba.cli.campaigns.show_queue", lambda state: (show(state), show_queue(state)))
+    (tmp_path / "cluster.yaml").write_text(yaml.safe_dump(CLUSTER))
+    done = gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--cluster", tmp_path / "cluster.yaml")
+    assert done.exit_code == 0, done.output
+    assert said[:2] == [QueueState(1, "Resources", 0), QueueState(0, "", 1)]
+    lines = [line for line in done.stderr.splitlines() if line.startswith("jobs ")]
+    assert lines[:2] == ["jobs     1 waiting (Resources), 0 running", "jobs     0 waiting, 1 running"]
+
+
+def test_a_state_of_the_queue_counts_jobs_that_have_begun():
+    printed = "7 PD Priority\n8 PD Resources\n9 PD Resources\n10 CF None\n11 R None\n12 CG None\n"
+    assert QueueState.of(columns_of(printed)) == QueueState(4, "Resources", 1)
+    assert QueueState.of(columns_of("")) == QueueState()
 
 
 def test_jobs_that_end_before_their_workers_come_stop_the_run(tmp_path, slurm):

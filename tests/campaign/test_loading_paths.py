@@ -22,41 +22,9 @@ from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.status import verify
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
-from gfmd_numba.scene import InputError
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd
-
-EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
-PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
-DRAGGED = {
-    "name": "dragged",
-    "seed": 1,
-    "realisations": 3,
-    "scene": {
-        "body": {"poissons_ratio": 0.5, "aspect_ratio": 4.0},
-        "roughness": PSD,
-        "interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}},
-        "loading": {"reduced_pressure": 0.05},
-    },
-    "reference": EPS,
-    "grid": {"friction_coefficient": [0.05, 0.1]},
-    "path": [{"sliding": s} for s in (4e-4, 8e-4, 0.0, -8e-4, 0.0, 8e-4)],
-}
-LOOP = [-2e-3, -1e-3, 0.0, 5e-4, 0.0, -1e-3, -2e-3, -4e-3, -6e-3]
-PULLED = {
-    "name": "pulled",
-    "seed": 1,
-    "realisations": 2,
-    "scene": {
-        "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.25},
-        "roughness": PSD | {"rms_gradient": 0.05},
-        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-4, "range": 2e-3}},
-        "loading": {"displacement": LOOP[0]},
-    },
-    "reference": EPS | {"eps_t": 1},
-    "grid": {"work_of_adhesion": [5e-5, 1e-4]},
-    "path": [{"displacement": d} for d in LOOP[1:]],
-}
+from support.paths import DRAGGED, LOOP, PSD, PULLED, one
 
 
 @pytest.fixture(scope="module")
@@ -67,15 +35,6 @@ def dragged(tmp_path_factory):
 @pytest.fixture(scope="module")
 def pulled(tmp_path_factory):
     return gfmd_numba.run(PULLED, tmp_path_factory.mktemp("pulled") / "out")
-
-
-def one(file, realisation, **values):
-    """The scene of a campaign under some values, as `gfmd solve` takes it."""
-    scene = dict(file["scene"])
-    (law,) = scene["interface"].keys() - {"hard_wall"}
-    scene["interface"] = scene["interface"] | {law: scene["interface"][law] | values}
-    kept = {"scene": scene, "path": file["path"], "discretisation": file["reference"], "seed": file["seed"]}
-    return kept | {"realisation": realisation}
 
 
 def test_the_numbers_are_those_of_gfmd_solve_step_by_step(dragged, pulled):
@@ -226,6 +185,10 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     for name in ("energy_lost", "stick_fraction", "mean_tangential_traction"):
         np.testing.assert_array_equal(found[name].isnull(), ended)
     assert np.isnan(found["hysteresis"])
+    alone = gfmd_numba.solve(one(file, 0, coefficient=0.05) | {"numerics": file["numerics"]})
+    assert alone["status"].values.tolist() == [0] * int((~ended).sum()) + [1]
+    np.testing.assert_array_equal(alone["contact_area_fraction"][:-1], found["contact_area_fraction"][~ended])
+    assert np.isnan(alone["hysteresis"])
 
 
 def test_other_paths_are_other_problems():
@@ -235,49 +198,6 @@ def test_other_paths_are_other_problems():
     assert len({problem.identity, shorter.identity, without.identity}) == 3
     assert problem.n_loads == 7
     assert without.n_loads == 1
-
-
-def test_what_takes_one_load_refuses_a_path(dragged, tmp_path):
-    with pytest.raises(
-        gfmd_numba.analysis.UnusableDataError, match=r"allowed: one step, like `dataset.isel\(step=-1\)`"
-    ):
-        gfmd_numba.fit_tfc(dragged)
-    written = campaign(tmp_path, yaml.safe_dump(DRAGGED))
-    for command, said in (
-        (("accuracy", "-o", tmp_path / "accuracy.nc"), "path: given"),
-        (("plan", "--target", "kappa=3%"), "--target: given for a path"),
-        (("plan", "--budget", "1min"), "--budget: given for a path"),
-        (("run", "--until", "kappa=3%", "-o", tmp_path / "out"), "given a campaign without a limit"),
-    ):
-        refused = gfmd(command[0], written, *command[1:])
-        assert refused.exit_code == 2
-        assert said in refused.stderr
-
-
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        ({"limits": {"eps_c": [1 / 4, 1 / 8]}}, "limits: "),
-        ({"target": 0.01}, "target: "),
-        ({"fit": {"variable": "kappa"}}, "fit: "),
-        ({"path": [{"displacement": 1e-3}]}, "path[0].displacement: given 0.001; allowed: what the loading prescribes"),
-        ({"path": [{"reduced_pressure": 1e40}]}, "path[0].reduced_pressure: "),
-        ({"path": [{"sliding": "1 um"}]}, "path[0].sliding: "),
-        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {}}}, "grid": {}}, "path[0].sliding: "),
-        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {"hardness": 1.0}}}, "grid": {}}, "path: "),
-    ],
-)
-def test_what_does_not_go_with_a_path_is_refused_where_it_stands(changed, said):
-    with pytest.raises(InputError) as refused:
-        plan(DRAGGED | changed)
-    assert said in str(refused.value)
-
-
-def test_a_load_of_the_path_is_judged_beside_the_moduli():
-    scene = DRAGGED["scene"] | {"loading": {"pressure": 1e6}}
-    scene["body"] = scene["body"] | {"youngs_modulus": 1e9}
-    with pytest.raises(InputError, match=r"path\[0\]\.pressure: given 1e-29; allowed: a reduced pressure from"):
-        plan(DRAGGED | {"scene": scene, "path": [{"pressure": 1e-29}]})
 
 
 def test_a_block_of_a_path_is_as_much_work_as_any_other():

@@ -39,6 +39,23 @@ def test_the_fit_is_rehearsed_with_some_groups(tmp_path, machine):
     assert found.fit == pytest.approx(8 * 203.0 + 0.4 * 2.0)
 
 
+def test_a_fit_of_many_realisations_is_rehearsed_with_fewer(tmp_path, empty_cache, monkeypatch):
+    now, asked = [0.0], []
+
+    def fit_tfc(results, **_):
+        asked.append(results.sizes["realisation"])
+        assert results["kappa"].notnull().all()
+        assert (results["realisations"] == asked[-1]).all()
+        now[0] += 1e-3 * asked[-1]
+
+    monkeypatch.setattr(overhead, "fit_tfc", fit_tfc)
+    monkeypatch.setattr(overhead, "time", SimpleNamespace(thread_time=lambda: now[0]))
+    monkeypatch.setattr(overhead, "_start", lambda: 0.0)
+    found = overhead.overhead(plan(campaign(tmp_path, **{"realisations: 6": "realisations: 300000"})))
+    assert max(asked) == 20_000
+    assert found.fit == pytest.approx(1e-3 * 300_000)
+
+
 def test_a_campaign_without_limits_has_no_fit(tmp_path, machine):
     planned = plan(campaign(tmp_path, **{"limits:": "# limits:"}))
     assert overhead.overhead(planned).fit == 0.0

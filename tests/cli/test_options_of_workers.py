@@ -30,6 +30,21 @@ def test_a_cluster_file_is_checked(tmp_path):
     assert (checked.exit_code, checked.output.partition(": ")[2]) == (0, "a cluster of up to 10 jobs, 40 workers\n")
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("cores: 4\n", "jobs: given nothing; allowed: a mapping of 'min', 'max'"),
+        ("partition: long\ninterface: ib0\n", "cores: given nothing; allowed: a whole number from 1"),
+        ("body: {poissons_ratio: 0.3}\ncores: 4\n", "cores: given an unknown key; allowed: one of 'body'"),
+    ],
+)
+def test_a_file_is_judged_as_a_cluster_by_any_of_its_keys(tmp_path, text, said):
+    (tmp_path / "file.yaml").write_text(text)
+    checked = CliRunner().invoke(main, ["check", str(tmp_path / "file.yaml")])
+    assert checked.exit_code == 2
+    assert said in unfolded(checked.output)
+
+
 def test_a_fault_in_a_cluster_file_is_told_before_a_run_begins(tmp_path):
     (tmp_path / "cluster.yaml").write_text(CLUSTER.replace("8 GB", "8 m"))
     output = str(tmp_path / "out")

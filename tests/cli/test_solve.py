@@ -83,7 +83,9 @@ def test_solve_follows_a_path(tmp_path):
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
     said = unfolded(done.stderr)
-    assert "not_converged after 1 iterations in step 0, not_converged after 1 iterations in step 1" in said
+    residual = f"{float(xr.load_dataset(tmp_path / 'out.nc')['residual'].item()):.1e}"
+    ending = f"the run is not_converged after 1 iterations at a residual of {residual} in step 0 of 1"
+    assert f"{ending}, which ends the path: do not use its" in said
     assert "raise numerics.max_iterations" in said
 
 
@@ -100,5 +102,5 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     steps, wave = int(result["n_iterations"][0]), int(result["growing_wave"][0])
     assert wave > 100  # of 128
     said = unfolded(done.stderr)
-    assert f"unstable after {steps} iterations with wave {wave} growing in step 0" in said
+    assert f"unstable after {steps} iterations with wave {wave} growing in step 0 of 1, which" in said
     assert said.count("gfmd: Tractions grew without bound: lower numerics.time_step") == 1

@@ -6,6 +6,7 @@ from finite_elements import Body, graded
 
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -63,6 +64,29 @@ def test_the_true_surface_bears_the_pressure(body, order):
     shear, normal = np.transpose(errors)
     assert (orders(shear) > order + 0.8).all()
     assert (normal < 1e-12).all() or (orders(normal) > order + 0.8).all()
+
+
+SHEAR = 0.5 * np.sin(2 * np.pi * X + 0.4) + 0.2 * np.cos(4 * np.pi * X) + 0.3
+
+
+@pytest.mark.parametrize(
+    "body", [*BODIES[:3], ElasticBody.layered((0.3, 0.2), (Material(1.0, 0.3), Material(4.0, 0.1)), None)]
+)
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_the_true_surface_bears_a_tangential_traction_too(body, order):
+    """(sigma_13, sigma_33) - h' (sigma_11, sigma_13) = (t, -p) at z = h, to the next order in the slope."""
+    errors = []
+    for size in (0.02, 0.01, 0.005):
+        heights = size * BUMPY
+        response = topography.respond(PRESSURE, heights, body, order, SHEAR)
+        flat_body = fields.surface_under_tractions(SHEAR, -PRESSURE, body)
+        at = topography.rough_fields(flat_body, response, np.array([0.0]), body)
+        slope = grid.signal(1j * grid.wavenumbers(NX) * grid.coefficients(heights), NX)
+        shear = at.stress5[0] - slope * at.stress1[0] - SHEAR
+        normal = at.stress3[0] - slope * at.stress5[0] + PRESSURE
+        errors.append([abs(shear).max(), abs(normal).max()])
+    for found in np.transpose(errors):
+        assert (orders(found) > order + 0.8).all()
 
 
 @pytest.mark.parametrize("body", BODIES[:3])

@@ -66,6 +66,14 @@ def test_the_change_of_the_cohesive_energy_does_not_cancel(step):
     np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-14 * step)
 
 
+def test_the_energy_comes_back_from_where_its_exponential_is_less_than_any_number():
+    """From 40 tangential lengths, or a gap of 1000 normal ones, back to where the law acts, and away again."""
+    gap, slip = np.array([0.1, 0.0, -0.1, 200.0, 0.1]), np.array([16.0, 16.0, -16.0, 16.0, 0.1])
+    closing, dragged = np.array([0.02, 0.0, 0.05, 199.9, -200.0]), np.array([15.9, 16.0, -15.8, 15.9, -16.0])
+    expected = COHESION.energy(gap - closing, slip - dragged) - COHESION.energy(gap, slip)
+    np.testing.assert_allclose(COHESION.energy_change(gap, slip, closing, dragged), expected, rtol=1e-12)
+
+
 def test_overlapping_surfaces_repel_whatever_they_slip_and_resist_slip_as_at_zero_gap():
     slip, law = np.linspace(-2.0, 2.0, 9), COHESION
     np.testing.assert_array_equal(law.normal_traction(-0.1, slip), law.normal_traction(-0.1, 0.0))

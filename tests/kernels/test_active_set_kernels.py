@@ -103,22 +103,25 @@ def test_revise_contact_is_its_plain_twin(kernel, free_mean, rng):
         assert gap[0] == 0.3
 
 
+@pytest.mark.parametrize("alone", [False, True])
 @pytest.mark.parametrize("signed", [False, True])
 @pytest.mark.parametrize("solve", both(kernels.exponential_sum_solve))
 @pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
-def test_decays_are_those_of_dense_algebra(factor, solve, signed, rng):
+def test_decays_are_those_of_dense_algebra(factor, solve, signed, alone, rng):
     """Also decays that grow, and differences of decays, as long as the sum is positive definite."""
     n, count, terms = 40, 7, 3
     nodes = np.array([31, 33, 34, 35, 2, 9, 10])
     along = np.array([31, 33, 34, 35, 42, 49, 50])
     rates, weights = np.array([1.5, 0.3, -0.1 if signed else 0.02]), np.array([0.7, 2.0, -1e-3 if signed else 3.0])
     distance = abs(along[:, np.newaxis] - along)
+    own = rng.random(count) if alone else np.empty(0)
     dense = (weights * np.exp(-rates * distance[..., np.newaxis])).sum(axis=-1) + 0.5 * np.eye(count)
+    dense[np.diag_indices(count)] += own if alone else 0.0
     assert np.linalg.eigvalsh(dense).min() > 0.1
     decay, lower = np.full((2, count, terms), np.nan)
     diagonal, z, y, carried = np.empty(count), np.empty(count), rng.normal(size=count), np.empty((terms, terms))
     near = np.exp(-np.outer(np.arange(2), rates))
-    factor(nodes, count, n, rates, near, weights, 0.5, 1e-3, decay, lower, diagonal, carried)
+    factor(nodes, count, n, rates, near, weights, 0.5, 1e-3, decay, lower, diagonal, carried, own)
     solve(y, count, weights, decay, lower, diagonal, z, carried[0])
     np.testing.assert_allclose(z, np.linalg.solve(dense, y), rtol=1e-11)
 
@@ -138,5 +141,6 @@ def test_pivots_are_lifted_to_the_floor(factor):
         *np.empty((2, 3, 1)),
         diagonal,
         np.empty((1, 1)),
+        np.empty(0),
     )
     assert diagonal.min() == 0.2

@@ -32,7 +32,8 @@ LOADS = {
     "unknown key": (
         ("normal_traction", "normal_tracton"),
         "bad.yaml:4:5: scene.boundary.normal_tracton: given an unknown key; allowed: one of 'normal_traction', "
-        "'tangential_traction', 'normal_displacement', 'tangential_displacement'; did you mean 'normal_traction'?",
+        "'tangential_traction', 'normal_displacement', 'tangential_displacement', 'tangential_traction_y', "
+        "'tangential_displacement_y'; did you mean 'normal_traction'?",
     ),
     "list": (("pull.csv", "[0.1, 0.2]"), f"{BEFORE}[0.1, 0.2]; allowed: {VALUES}"),
     "infinite traction": (("pull.csv", ".inf"), f"{BEFORE}inf; allowed: {VALUES}"),

@@ -1,4 +1,4 @@
-"""Layers that make no body, and layers where they are not built, are refused where they stand."""
+"""Layers that make no body, and what layers on a half-space cannot bear, are refused where they stand."""
 
 import json
 
@@ -41,13 +41,7 @@ def test_layers_that_make_no_body_are_refused_where_they_stand(change, said):
     assert refused(HARD_ON_SOFT | change).startswith(said)
 
 
-def test_layers_where_they_are_not_built_are_refused():
-    rough = HARD_ON_SOFT | {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}}
-    said = refused(rough, roughness=None)
-    assert said.startswith("scene.body.layers: given [")
-    assert "two-step GFMD knows no interfaces" in said
-    own = {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "roughness": rough["roughness"]}
-    assert refused(own, counter_body=HARD_ON_SOFT, roughness=None).startswith("scene.counter_body.layers: given [")
+def test_layers_on_a_half_space_have_no_reference_for_displacement():
     said = refused(SOFT_ON_HARD, loading={"displacement": 1e-4})
     assert said.startswith("scene.body.base: given {")
     assert "allowed: rigid, or loading.reduced_pressure" in said

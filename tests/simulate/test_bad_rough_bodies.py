@@ -1,6 +1,5 @@
 """Rough bodies that are steep, or cannot be pressed: what is doubted and what is refused."""
 
-import json
 import warnings
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 from click.testing import CliRunner
 
 import gfmd_numba
-from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import main
 from gfmd_numba.scene import InputError
 from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
@@ -76,6 +74,8 @@ discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
 
 
 COUNTER = BODY | {"roughness": ROUGH}
+RUBBING = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
+LAYERED = {"layers": [{"height": 0.1, "youngs_modulus": 2.0, "poissons_ratio": 0.3}], "base": "rigid"}
 BAD = {
     "all flat": (
         {},
@@ -93,17 +93,33 @@ BAD = {
         {"counter_body": COUNTER | {"state": "plane_stress"}},
         "scene.counter_body.state: given 'plane_stress'; allowed: 'plane_strain', as that of the body",
     ),
-    "friction": (
-        {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}},
-        "scene.interface.friction: given {.*}; allowed: no friction",
+    "friction under a rough punch at a higher order": (
+        {"body": COUNTER, "roughness": ROUGH, "interface": RUBBING},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under a rough .*not built yet",
     ),
-    "stiffness scale": (
-        {"body": COUNTER | {"stiffness_scale": 2.0}},
-        "scene.body.stiffness_scale: given 2.0; allowed: 1 where a deformable body is rough",
+    "friction between two bodies at a higher order": (
+        {"counter_body": COUNTER, "interface": RUBBING},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under .* two elastic bodies",
     ),
-    "prescribed tractions": (
+    "sticking at a higher order": (
+        {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": np.inf}}},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction that solver verlet follows",
+    ),
+    "a hardness at a higher order": (
+        {"body": COUNTER, "interface": {"hard_wall": {"hardness": 0.1}}},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a hardness",
+    ),
+    "layers at a higher order": (
+        {"body": LAYERED | {"roughness": ROUGH}},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside layers",
+    ),
+    "prescribed tractions at a higher order": (
         {"body": COUNTER, "boundary": {"tangential_traction": 0.1}},
-        "scene.boundary: given {.*}; allowed: nothing where a deformable body is rough",
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a boundary",
+    ),
+    "sliding of a half-space": (
+        {"order": 0, "body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},
+        r"path\[0\].sliding: given 0.0001; allowed: nothing without a finite aspect_ratio",
     ),
     "half-space under displacement control": (
         {"body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
@@ -112,6 +128,15 @@ BAD = {
     "half-space as counter body under displacement control": (
         {"counter_body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
         "scene.counter_body.aspect_ratio: given inf; allowed: a finite aspect_ratio",
+    ),
+    "more than there is room for between incompressible bodies": (
+        {
+            "order": 0,
+            "body": COUNTER | {"poissons_ratio": 0.5},
+            "counter_body": BODY | {"poissons_ratio": 0.5},
+            "loading": {"displacement": 0.01},
+        },
+        "scene.loading.displacement: given 0.01; allowed: at most 0.000787.*, as an incompressible body has no room",
     ),
     "topography higher than the body": (
         {"body": COUNTER | {"aspect_ratio": 1e-4}},
@@ -123,7 +148,9 @@ BAD = {
 @pytest.mark.parametrize("case", BAD)
 def test_bodies_that_cannot_be_pressed_are_refused(case):
     changes, message = BAD[case]
-    given = scene(**changes)
+    changes = dict(changes)
+    file = {"path": changes.pop("path")} if "path" in changes else {}
+    given = scene(**changes) | file
     if case == "all flat":
         given.pop("discretisation", None)
     with pytest.raises(InputError, match=message):
@@ -145,23 +172,3 @@ def test_fields_of_a_body_that_is_not_there_are_refused():
     contact = gfmd_numba.solve(scene(body=rough()))
     with pytest.raises(InputError, match=r"body: given 'counter_body'; allowed: 'body'"):
         gfmd_numba.body_fields(contact, body="counter_body")
-
-
-@pytest.mark.parametrize(
-    ("part", "key"), [({"body": COUNTER}, "body.roughness"), ({"body": BODY, "counter_body": BODY}, "counter_body")]
-)
-def test_campaigns_are_of_rigid_rough_punches(part, key, tmp_path):
-    campaign = {
-        "name": "c",
-        "seed": 1,
-        "realisations": 2,
-        "scene": part | {"roughness": ROUGH, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.01}},
-        "reference": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 0.5},
-    }
-    if "counter_body" in part:
-        del campaign["scene"]["roughness"]
-        campaign["scene"]["counter_body"] = COUNTER
-    file = tmp_path / "campaign.yaml"
-    file.write_text(json.dumps(campaign))  # which is YAML too
-    with pytest.raises(InputError, match=rf"scene\.({key}|roughness\.method): given .*; allowed: "):
-        load_campaign(file)

@@ -7,6 +7,7 @@ import gfmd_numba
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError
@@ -16,6 +17,7 @@ BODY = {"youngs_modulus": 1.0, "poissons_ratio": 0.33, "aspect_ratio": 0.5}
 HALF = {"youngs_modulus": 1.0, "poissons_ratio": 0.2}
 MAP = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
 NX = 32
+LAYERED = ElasticBody.layered((0.05, 0.3), (Material(1.0, 0.3), Material(5.0, 0.1)), None)
 
 
 def solved(dimension=2, loading=None, numerics=None, **parts):
@@ -94,9 +96,50 @@ def test_a_path_of_two_bodies_returns_to_where_it_was():
         np.testing.assert_allclose(found["pressure"].values[step], path["pressure"].values, atol=1e-8 * scale)
 
 
-def test_higher_orders_in_the_slope_are_refused():
-    with pytest.raises(InputError, match=r"topography_order: given 1; allowed: 0 with dimension 2.*not built yet"):
-        solved(body=BODY | {"roughness": ROUGH}, numerics={"topography_order": 1})
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("along", ["x", "y"])
+def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
+    first, second = (0.025 * each for each in self_affine.profiles(0.8, 2, 8, NX, 1, range(2)))
+    expected, found = (
+        solved(
+            dimension,
+            body=BODY | {"aspect_ratio": 0.2, "roughness": heights(made(first))},
+            counter_body=HALF | {"roughness": heights(made(second))},
+            numerics={"topography_order": order},
+        )
+        for dimension, made in (
+            (1, np.array),
+            (2, lambda profile: np.tile(profile, (NX, 1)) if along == "x" else np.tile(profile, (NX, 1)).T.copy()),
+        )
+    )
+    assert expected["status"] == found["status"] == 0
+    cut = found.isel({"y" if along == "x" else "x": 3})
+    for name in ("pressure", "displacement", "counter_body_displacement", "gap"):
+        scale = float(abs(expected[name]).max())
+        np.testing.assert_allclose(cut[name], expected[name], atol=1e-7 * scale, err_msg=name)
+
+
+def test_the_first_order_is_nearer_to_the_second_than_order_0_is():
+    steep = ROUGH | {"rms_gradient": 0.025}
+    orders = [solved(body=BODY | {"roughness": steep}, numerics={"topography_order": order}) for order in (0, 1, 2)]
+    off = [float(abs(found["displacement"] - orders[2]["displacement"]).max()) for found in orders[:2]]
+    assert off[1] < 0.2 * off[0]
+    # under the pressure of each order the next one is expected to add what it adds, but for what pressures change
+    assert 0.3 < float(orders[0]["expected_error"]) / off[0] < 3.0
+    assert int(orders[1]["n_transforms"]) >= 3 * int(orders[0]["n_transforms"])  # the cost of all rounds
+    assert float(orders[2]["expected_error"]) < float(orders[1]["expected_error"]) < float(orders[0]["expected_error"])
+
+
+def test_a_film_at_order_0_is_told_to_take_a_higher_one():
+    film = BODY | {"aspect_ratio": 0.02, "roughness": ROUGH}
+    with pytest.warns(UserWarning, match="take a numerics.topography_order of 1 or 2"):
+        solved(body=film)
+
+
+def test_fields_below_a_map_of_higher_order_are_refused():
+    found = solved(body=BODY | {"roughness": ROUGH}, numerics={"topography_order": 1})
+    with pytest.raises(InputError, match=r"numerics.topography_order: given 1; allowed: 0, as .*not built yet"):
+        gfmd_numba.body_fields(found)
 
 
 def smooth(rng):
@@ -117,6 +160,40 @@ def test_what_the_next_order_adds_to_a_ridge_is_what_it_adds_to_the_profile(body
     np.testing.assert_allclose(across.u3.T, along.u3, atol=1e-14)
     assert along.highest_order == pytest.approx(abs(expected).max())
     assert map_topography.respond(*ridges, body, 0).highest_order == 0.0
+
+
+@pytest.mark.parametrize("body", [ElasticBody(0.3, 0.4), ElasticBody(0.5, 0.4), LAYERED])
+def test_what_the_next_order_adds_under_drag_is_what_it_adds_to_the_profile(body):
+    rng = np.random.default_rng(2)
+    p, h, t = smooth(rng), 0.01 * smooth(rng), smooth(rng) + 0.5
+    expected = topography.respond(p, h, body, 1, t).u3
+    assert abs(expected - topography.respond(p, h, body, 1).u3).max() > 0.1 * abs(expected).max()
+    ridges = [np.tile(each, (20, 1)) for each in (p, h, t)]
+    pressure, heights, drag = ridges
+    along = map_topography.respond(pressure, heights, body, 1, np.array([drag, 0 * drag]))
+    across = map_topography.respond(pressure.T, heights.T, body, 1, np.array([0 * drag.T, drag.T]))
+    np.testing.assert_allclose(along.u3, np.tile(expected, (20, 1)), atol=1e-14)
+    np.testing.assert_allclose(across.u3.T, along.u3, atol=1e-14)
+    # drag along a ridge shears it without moving it up
+    sideways = map_topography.respond(0 * pressure, heights, body, 1, np.array([0 * drag, drag]))
+    assert abs(sideways.u3).max() < 1e-16
+
+
+def test_the_first_order_under_drag_turns_with_its_ridge():
+    rng, body = np.random.default_rng(3), ElasticBody(0.2, None)
+    p, h, t = smooth(rng), 0.01 * smooth(rng), smooth(rng)
+    diagonal = np.add.outer(np.arange(NX), np.arange(NX)) % NX
+    drag = np.sqrt(0.5) * np.array([t[diagonal], t[diagonal]])
+    found = map_topography.respond(p[diagonal], h[diagonal], body, 1, drag).u3
+    np.testing.assert_allclose(found, topography.respond(p, h, body, 1, t).u3[diagonal], atol=1e-14)
+
+
+@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.2, 0.4), LAYERED])
+def test_displacements_of_a_flat_map_under_pressure_alone_are_those_without_tangential_traction(body):
+    pressure = np.random.default_rng(4).normal(size=(12, 16))
+    found = body.coupled_stiffness_of_map(pressure.shape).deflection(np.zeros((2, *pressure.shape)), pressure)[1]
+    expected = map_topography.flat_displacement(pressure, body)
+    np.testing.assert_allclose(found, expected, atol=1e-13 * abs(expected).max())
 
 
 def test_the_first_order_of_a_half_space_turns_with_its_ridge_and_knows_no_length():

@@ -207,7 +207,35 @@ def test_a_loaded_body_has_fields_too(tmp_path):
     plot_body(fields)
 
 
-def test_tractions_beside_a_punch_are_not_in_the_fields():
+@pytest.mark.parametrize("loading", [{"reduced_pressure": 0.02}, {"displacement": 2e-4}])
+@pytest.mark.parametrize("interface", [{"hard_wall": {}}, {"hard_wall": {}, "friction": {"coefficient": 0.3}}])
+def test_tractions_beside_a_punch_are_in_the_fields(tmp_path, loading, interface):
+    x = np.arange(256) / 256
+    np.savetxt(tmp_path / "wave.csv", 1e-3 * np.cos(2 * np.pi * x))
+    boundary = {"tangential_traction": 1e-4, "normal_traction": str(tmp_path / "wave.csv")}
+    contact = gfmd_numba.solve(scene(boundary=boundary, loading=loading, interface=interface))
+    fields = gfmd_numba.body_fields(contact, [0.0, -0.5])
+    np.testing.assert_allclose(contact.prescribed_normal_traction, 1e-3 * np.cos(2 * np.pi * x), atol=1e-15)
+    normal = contact.prescribed_normal_traction - contact.pressure
+    along = 1e-4 + contact.get("tangential_traction", xr.zeros_like(contact.pressure))
+    np.testing.assert_allclose(fields.stress_3[0], normal, atol=1e-15)
+    np.testing.assert_allclose(fields.stress_5[0], along, atol=1e-15)
+    np.testing.assert_allclose(fields.pressure, -normal, atol=1e-15)
+    largest = abs(contact.displacement).max()  # to the residual of the contact
+    np.testing.assert_allclose(fields.displacement_3[0], contact.displacement, atol=1e-7 * largest)
+    if "tangential_displacement" in contact:
+        np.testing.assert_allclose(fields.displacement_1[0], contact.tangential_displacement, atol=1e-6 * largest)
+    assert abs(fields.displacement_3[1]).max() + abs(fields.displacement_1[1]).max() < 1e-7 * largest
+    plot_body(fields)
+
+
+def test_tractions_beside_a_punch_that_were_removed_leave_no_fields():
     contact = gfmd_numba.solve(scene(boundary={"tangential_traction": 1e-4}))
-    with pytest.raises(InputError, match=r"contact: scene.boundary: given .*; allowed: a contact without a boundary"):
-        gfmd_numba.body_fields(contact)
+    with pytest.raises(InputError, match="given a contact that was altered"):
+        gfmd_numba.body_fields(contact.drop_vars("prescribed_normal_traction"))
+
+
+@pytest.mark.parametrize("option", ["x", "y", "planes"])
+def test_a_profile_has_no_other_section(option):
+    with pytest.raises(InputError, match=f"{option}: given -?0.2; allowed: nothing for a profile"):
+        gfmd_numba.body_fields(gfmd_numba.solve(scene()), **{option: 0.2 if option != "planes" else -0.2})

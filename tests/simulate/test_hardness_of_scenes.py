@@ -210,16 +210,12 @@ def test_a_campaign_s_pressures_are_held_against_its_least_hardness(tmp_path):
         ({"path": [{"reduced_pressure": 0.2}]}, "path"),
         ({"friction": {"coefficient": 0.3}}, "scene.interface.friction"),
         ({"exponential": {"work_of_adhesion": 1e-5, "range": 0.02}}, "scene.interface.exponential"),
-        ({"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}}, "scene.interface.hard_wall.hardness"),
     ],
 )
 def test_what_cannot_have_a_hardness_is_refused(others, place):
     asked = {"scene": scene(0.05, 0.1), "discretisation": EPS}
     asked |= {name: others[name] for name in ("numerics", "path") if name in others}
     asked["scene"]["interface"] |= {name: others[name] for name in ("friction", "exponential") if name in others}
-    if "roughness" in others:
-        asked["scene"]["body"]["roughness"] = others["roughness"]
-        asked["scene"]["body"]["aspect_ratio"] = 1.0
     with pytest.raises(InputError, match=rf"(^|\n){place}: given .*; allowed: "):
         gfmd_numba.solve(asked)
 

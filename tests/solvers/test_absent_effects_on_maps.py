@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
@@ -14,13 +15,22 @@ from gfmd_numba.solvers.options import Options
 from support.maps import body, rough
 
 ADHESIVE = Interactions(True, ExponentialLaw(2e-4, 5e-3))
+RUBBING, HALF_SPACE = Interactions(True, friction=0.3), ElasticBody(0.3, None)
 NODES = 128 * 128
+SCENE = {
+    "dimension": 2,
+    "body": {"poissons_ratio": 0.3},
+    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+    "interface": {"hard_wall": {}},
+    "loading": {"reduced_pressure": 0.05},
+}
 
 
 def begun(solver, interface, steps=2):
     """A solver after a few iterations on a map, and the peak of its memory in bytes a node."""
     punch = rough(128)
-    batch = Batch(punch, body((128, 128)), np.array([0.05]), interface, Start.at_rest(punch))
+    stiff = body((128, 128)) if interface.friction is None else HALF_SPACE.coupled_stiffness_of_map((128, 128))
+    batch = Batch(punch, stiff, np.array([0.05]), interface, Start.at_rest(punch))
     tracemalloc.start()
     made = begin(batch, Options(solver))
     for _ in range(steps):
@@ -48,15 +58,37 @@ def test_a_hard_wall_alone_takes_fewer_bytes_a_node_than_with_an_attraction(solv
         assert alone._bound is alone.wall
 
 
+def test_without_friction_a_step_has_a_third_of_the_transforms_and_a_quarter_of_the_bytes():
+    """Of each displacement one transform and back; friction has three, and 3 x 3 symbols, anchors and slip beside."""
+    begun("verlet", HARD_WALL), begun("verlet", RUBBING)  # plans and kernels are made
+    (alone, fewer), (rubbing, more) = begun("verlet", HARD_WALL), begun("verlet", RUBBING)
+    assert 3 * alone.n_transforms == rubbing.n_transforms
+    assert alone.tangential is None
+    assert fewer < 6 * 8  # six arrays of the size of the map, as many as before friction was there
+    assert fewer < 0.25 * more
+
+
+def test_without_friction_no_tangential_stiffness_and_no_slip_is_ever_made(monkeypatch):
+    def made(*given):
+        raise AssertionError("what friction alone needs was made")
+
+    monkeypatch.setattr(ElasticBody, "coupled_stiffness_of_map", made)
+    monkeypatch.setattr(ElasticBody, "compliance_across", made)
+    eps = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+    found, absent = (
+        gfmd_numba.solve({"scene": SCENE | {"interface": {"hard_wall": {}} | given}, "discretisation": eps})
+        for given in ({}, {"friction": None})
+    )
+    assert int(found["n_transforms"]) == int(absent["n_transforms"])
+    np.testing.assert_array_equal(found["pressure"], absent["pressure"])
+    assert not any(str(name).startswith(("tangential", "slip")) for name in found.variables)
+    rubbing = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
+    with pytest.raises(AssertionError, match="friction alone"):
+        gfmd_numba.solve({"scene": SCENE | {"interface": rubbing}, "discretisation": eps})
+
+
 def test_the_hard_wall_of_a_map_has_the_solver_of_hard_walls_and_no_fields_of_other_effects():
-    scene = {
-        "dimension": 2,
-        "body": {"poissons_ratio": 0.3},
-        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
-        "interface": {"hard_wall": {}},
-        "loading": {"reduced_pressure": 0.05},
-    }
-    found = gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 2}})
+    found = gfmd_numba.solve({"scene": SCENE, "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 2}})
     assert found.attrs["solver"] == "active_set_newton"
     absent = {"law_resolution", "expected_error", "body_height", "energy_lost", "stability", "tangential_traction"}
     assert not absent & set(found.variables)

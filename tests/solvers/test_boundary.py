@@ -1,11 +1,10 @@
 """Prescribed tractions and displacements: closed forms, manufactured solutions and reciprocity."""
 
-import mpmath
 import numpy as np
 import pytest
 
 from gfmd_numba.fourier import grid
-from support.coupled_bodies import FREE, NX, X, body, settled
+from support.coupled_bodies import FREE, NX, X, body, compliance_of_wave, settled
 
 BODIES = {
     "half-space": (0.3, np.inf),
@@ -40,29 +39,13 @@ def mixed(u, traction, seed, share=0.3):
     return np.where(held, np.nan, traction), np.where(held, u, np.nan)
 
 
-def compliance(k, nu, aspect_ratio):
-    """Tangential and normal displacement sin and cos under tractions T1 sin and T3 cos of one wave, (2.12), (6.58)."""
-    with mpmath.workdps(60):
-        # nu = 1/2 is a limit
-        nu = mpmath.mpf(nu) - (mpmath.mpf(10) ** -40 if nu == 0.5 else 0)
-        q, s = 2 * mpmath.pi * k, (1 - 2 * nu) / (2 * (1 - nu))
-        r, c11 = (1 - s) / (1 + s), (1 - nu) ** 2 / (1 - 2 * nu)
-        qz = min(q * mpmath.mpf(aspect_ratio), mpmath.mpf(200))
-        sinh, cosh = mpmath.sinh(qz), mpmath.cosh(qz)
-        f = sinh**2 - (r * qz) ** 2
-        m11, m33 = ((1 - r) * (cosh * sinh + sign * r * qz) / f for sign in (-1, 1))
-        m13 = (1 - r) / (1 + r) * ((1 - r) * sinh**2 - 2 * (r * qz) ** 2) / f
-        inverse = mpmath.matrix([[m11, -m13], [-m13, m33]]) ** -1 / (q * c11)
-        return np.array(inverse.tolist(), dtype=float)
-
-
 @bodies
 @pytest.mark.parametrize("k", [1, 5, 40])
 def test_one_wave_of_traction_moves_the_surface_as_the_compliance_says(nu, aspect_ratio, k):
     phase = 2 * np.pi * k * X
     t = np.array([0.3, 0.7])
     result = settled(body(nu, aspect_ratio), t[:, None] * np.stack([np.sin(phase), np.cos(phase)]), FREE)
-    u = compliance(k, nu, aspect_ratio) @ t
+    u = compliance_of_wave(k, nu, aspect_ratio) @ t
     expected = u[:, None] * np.stack([np.sin(phase), np.cos(phase)])
     np.testing.assert_allclose(result.displacement, expected, atol=1e-13 * abs(u).max())
 

@@ -92,7 +92,7 @@ def test_the_last_steps_converge_as_those_of_newton_do():
     assert (found.n_iterations <= 7).all()
 
 
-def test_one_more_load_on_a_fine_grid_takes_below_a_quarter_of_the_transforms_of_the_dynamics():
+def test_one_more_load_on_a_fine_grid_takes_below_a_tenth_of_the_transforms_of_the_dynamics():
     heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(2))
     punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).coupled_stiffness(2048)
     laws = Interactions(True, cohesive=XuNeedlemanLaw(2e-3, 1e-3, 3e-3))
@@ -102,8 +102,8 @@ def test_one_more_load_on_a_fine_grid_takes_below_a_quarter_of_the_transforms_of
         found = equilibrate(punch, body, 0.021, Options(solver), laws, following(first, punch, 0.0))
         assert (found.status == 0).all()
         spent.append(found.n_transforms)
-    assert (4 * spent[0] < spent[1]).all()
-    assert spent[0].max() < 900
+    assert (10 * spent[0] < spent[1]).all()
+    assert spent[0].max() < 300
 
 
 def test_a_body_that_is_dragged_keeps_what_carries_it():

@@ -122,12 +122,12 @@ MUTANTS = [
     ("goodness_of_fit.py", "min(ratios, default", "max(ratios, default", "test_goodness_of_fit"),
     ("gauss_markov.py", "n / (n - 1) if n > 1 else 1.0", "1.0", "test_interactions"),
     # designs
-    ("allocation.py", "(count - before) * np.linalg.inv", "count * np.linalg.inv", "test_cross_designs"),
-    ("allocation.py", "_FEWEST = 20", "_FEWEST = 2", "test_cross_designs"),
+    ("ensembles.py", "(count - before) * np.linalg.inv", "count * np.linalg.inv", "test_cross_designs"),
+    ("ensembles.py", "FEWEST = 20", "FEWEST = 2", "test_cross_designs"),
     ("allocation.py", "return limit == CROSS or (limit in LIMITS", "return (limit in LIMITS", "test_cross_designs"),
     ("allocation.py", "len(left) > 2)", "len(left) > 0)", "test_cross_designs"),
     (
-        "allocation.py",
+        "ensembles.py",
         "known = np.diag(ensemble.known[: columns.shape[1]])",
         "known = 0.0 * np.diag(ensemble.known[: columns.shape[1]])",
         "test_cross_designs",
@@ -137,6 +137,12 @@ MUTANTS = [
         "price[np.setdiff1d(number, fitted)] = np.inf",
         "price[np.setdiff1d(number, fitted)] = 0.1",
         "test_cross_designs",
+    ),
+    (
+        "allocation.py",
+        "shares = _without_dear_levels(choice, shares, target)\n",
+        "shares = shares\n",
+        "test_cheap_designs",
     ),
     # which cases are fitted
     ("selection.py", "2 * n_present < n_run", "3 * n_present < n_run", "test_failed_cases"),

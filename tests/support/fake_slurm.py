@@ -11,14 +11,19 @@ if [ "$1" = --test-only ]; then
     exit 0
 fi
 cp "$1" {folder}/$$.script
-setsid sh {folder}/$$.script >{folder}/$$.log 2>&1 </dev/null &
+wait_and_run='while [ -e {folder}/full ]; do sleep 0.1; done; . "$0"'
+setsid sh -c "$wait_and_run" {folder}/$$.script >{folder}/$$.log 2>&1 </dev/null &
 echo $! >{folder}/$$.pid
 echo "Submitted batch job $$"
 """,
     "squeue": """\
+state='R None'
+[ -e {folder}/full ] && state='PD Resources'
 for file in {folder}/*.pid; do
     [ -e "$file" ] || continue
-    if grep -q '^State:[[:space:]]*[^ZX]' /proc/$(cat $file)/status 2>/dev/null; then basename $file .pid; fi
+    if grep -q '^State:[[:space:]]*[^ZX]' /proc/$(cat $file)/status 2>/dev/null; then
+        echo "$(basename $file .pid) $state"
+    fi
 done
 """,
     "scancel": "kill -KILL -$(cat {folder}/$1.pid) 2>/dev/null\n",
@@ -26,7 +31,10 @@ done
 
 
 def fake_slurm(folder, monkeypatch):
-    """Put the commands in front of all others; their jobs leave a .script, a .log and a .pid in the folder."""
+    """Put the commands in front of all others; their jobs leave a .script, a .log and a .pid in the folder.
+
+    Jobs wait as long as it holds a file named `full`.
+    """
     for name, script in _COMMANDS.items():
         (folder / name).write_text("#!/bin/sh\n" + script.format(folder=folder))
         (folder / name).chmod(0o755)
@@ -35,7 +43,8 @@ def fake_slurm(folder, monkeypatch):
 
 def jobs_of(folder):
     """Numbers of the jobs that run."""
-    return set(subprocess.run([folder / "squeue"], capture_output=True, text=True).stdout.split())
+    printed = subprocess.run([folder / "squeue"], capture_output=True, text=True).stdout
+    return {line.split()[0] for line in printed.splitlines()}
 
 
 def kill_job(folder, job):

@@ -8,8 +8,9 @@ import time
 from contextlib import ExitStack, contextmanager
 
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "sinfo")
-_WAIT = 60.0  # s for a daemon to answer
+_WAIT = 60.0  # s for a daemon to answer, and for jobs to end
 
+# The times let a machine with much else to do be slow: by SLURM's own a node is drained for it, and jobs wait for ever.
 _CONFIGURATION = """\
 ClusterName=one
 SlurmctldHost={host}(127.0.0.1)
@@ -35,6 +36,10 @@ SelectTypeParameters=CR_Core
 SlurmdParameters=config_overrides
 ReturnToService=2
 KillWait=2
+BatchStartTimeout=120
+MessageTimeout=60
+UnkillableStepTimeout=600
+SlurmdTimeout=0
 NodeName={host} NodeAddr=127.0.0.1 CPUs=8 RealMemory=32000
 PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
@@ -80,6 +85,9 @@ def one_machine_slurm(folder):
             time.sleep(0.2)
         yield environment
         _said(environment, "scancel", "--user=root")
+        deadline = time.monotonic() + _WAIT
+        while _said(environment, "squeue", "--noheader").strip() and time.monotonic() < deadline:
+            time.sleep(0.2)
 
 
 def _end(daemon):

@@ -8,6 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.contact_statistics import contact_statistics
+from gfmd_numba.analysis.plots.cohesion_map import draw_cohesion
 from gfmd_numba.analysis.plots.friction_map import draw_friction
 from gfmd_numba.analysis.plots.map_image import draw_image, most
 from gfmd_numba.analysis.plots.statistics import draw_statistics
@@ -21,7 +22,7 @@ _DECADES = 1e-3  # of the gaps that they tell apart
 
 
 def plot_map(dataset: xr.Dataset) -> Figure:
-    """Draw the contact of a map in its units, its friction if it has any, and its statistics where they are known.
+    """Draw the contact of a map in its units, tangential tractions if it has any, and statistics where they are known.
 
     Outlines surround the contact where its clusters are large enough for it. Gaps have logarithmic colours and
     touching nodes one of their own, so that a small gap is told from none.
@@ -32,8 +33,8 @@ def plot_map(dataset: xr.Dataset) -> Figure:
         statistics = None
     touching = dataset["gap"].values == 0.0
     with mpl.rc_context(STYLE):
-        rubs = "slip" in dataset
-        rows = 1 + rubs + (statistics is not None)
+        drags = "tangential_traction_y" in dataset
+        rows = 1 + drags + (statistics is not None)
         figure = Figure((14.0, 1.0 + 4.2 * rows), dpi=150, layout="constrained")
         maps = figure.add_gridspec(rows, 3)
         heights, pressure, gap = (figure.add_subplot(maps[0, i]) for i in range(3))
@@ -42,8 +43,9 @@ def plot_map(dataset: xr.Dataset) -> Figure:
         draw_image(heights, dataset, values, label, cmap="cividis")
         _draw_pressure(pressure, dataset, touching)
         _draw_gap(gap, dataset, touching)
-        if rubs:
-            draw_friction([figure.add_subplot(maps[1, i]) for i in range(3)], dataset)
+        if drags:
+            draw = draw_friction if "slip" in dataset else draw_cohesion
+            draw([figure.add_subplot(maps[1, i]) for i in range(3)], dataset)
         if statistics is not None:
             draw_statistics([figure.add_subplot(maps[rows - 1, i]) for i in range(3)], statistics)
     return figure

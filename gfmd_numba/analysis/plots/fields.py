@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.plots.planes import plot_planes
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
@@ -14,16 +15,19 @@ _DEEPEST = 0.5  # of L_x: below, the waves have died out
 
 
 def plot_body(dataset: xr.Dataset) -> Figure:
-    """Draw fields of `gfmd fields` over x and z in their units, of a path the last; raises UnusableDataError."""
+    """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     if not {"x", "z", "von_mises", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no fields inside a body; allowed: what `gfmd fields` leaves")
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     if not np.isfinite(dataset["von_mises"]).all():
         raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
-    period = float(dataset["x"][-1] + dataset["x"][1])
+    if dataset["von_mises"].ndim == 3:
+        return plot_planes(dataset)
+    dim = str(dataset["von_mises"].dims[1])
+    period = float(dataset[dim][-1] + dataset[dim][1])
     dataset = dataset.isel(z=dataset["z"].values >= -_DEEPEST * period)
-    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-    unit = x[-1] / float(dataset["x"][-1])
+    x, x_label = scaled(dataset[dim], f"Position ${dim}$", "L_x")
+    unit = x[-1] / float(dataset[dim][-1])
     z = dataset["z"].values * unit
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
@@ -35,7 +39,7 @@ def plot_body(dataset: xr.Dataset) -> Figure:
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
         above.set(ylabel=pressure_label, xlabel=x_label, xlim=(x[0], x[-1]), ylim=(min(0.0, pressure.min()), None))
         # stresses at the edges of contacts are far above all others: these colours follow the rest
-        z_label = x_label.replace("Position $x$", "Height $z$")
+        z_label = x_label.replace(f"Position ${dim}$", "Height $z$")
         _draw(figure, whole, x, z, mises, float(np.quantile(mises, 0.998)), mises_label)
         whole.set(xlabel=x_label, ylabel=z_label, aspect="equal")
         # and these show the largest one
@@ -46,7 +50,11 @@ def plot_body(dataset: xr.Dataset) -> Figure:
         close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")
         length = x_label.partition("(")[2].rstrip(")")
-        at = f"$x$ = {x[beside]:.4g}, $z$ = {z[deepest]:.3g} {length}"
+        at = f"${dim}$ = {x[beside]:.4g}, $z$ = {z[deepest]:.3g} {length}"
+        other = "y" if dim == "x" else "x"
+        if other in dataset.coords:  # a section below a map
+            place = f"{float(dataset[other]) * unit:.4g} {length}"
+            above.set_title(f"Section at ${other}$ = {place}", fontsize=11)
         close.set_title(f"Close-up of the largest stress, {peak:.4g} {unit_of_stress} at {at}", fontsize=11)
         close.set(xlabel=x_label, ylabel=z_label, aspect="equal")
     return figure

@@ -22,23 +22,26 @@ def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     colours = ListedColormap(["white", COLOURS[5], COLOURS[0]])
     bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
     bar.set_ticks([0.0, 1.0, 2.0], labels=["open", "slipping", "sticking"])
-    _draw_traction(axes[1], dataset, touching)
+    draw_traction(axes[1], dataset, touching)
     values, label = scaled(dataset["slip"], "Slip in this step", "L_x")
     largest = most(values)
     norm = None if largest is None else LogNorm(_DECADES * largest, largest, clip=True)
     draw_image(axes[2], dataset, np.where(values > 0.0, values, np.nan), label, "both", cmap=_SLIP, norm=norm)
 
 
-def _draw_traction(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
-    """Size of the tangential traction, and arrows along its mean over squares of nodes, the longest for the largest."""
+def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
+    """Draw the size of the tangential traction on the nodes `shown`, and arrows along its mean over squares of nodes.
+
+    The longest arrow stands for the largest mean.
+    """
     both = dataset["tangential_traction"], dataset["tangential_traction_y"]
     factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
-    traction = np.where(touching, [factor * component.values for component in both], 0.0)
+    traction = np.where(shown, [factor * component.values for component in both], 0.0)
     size = np.hypot(*traction)
     colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")
     label = rf"Tangential traction $\tau$ ({unit})"
     draw_image(
-        axis, dataset, np.where(touching, size, np.nan), label, "max", cmap=colours, vmin=0.0, vmax=most(size) or 1.0
+        axis, dataset, np.where(shown, size, np.nan), label, "max", cmap=colours, vmin=0.0, vmax=most(size) or 1.0
     )
     square = [-(-n // _ARROWS) for n in size.shape]
     along_x, along_y = (_mean_of_squares(component, square) for component in traction)

@@ -4,18 +4,25 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.plots.map_image import draw_image
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
+_OF_MAPS = (("normal", "", "out of the body"), ("tangential", "", "along $x$"), ("tangential", "_y", "along $y$"))
+_QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
 
 
 def plot_loaded_body(dataset: xr.Dataset) -> Figure:
-    """Draw both displacements and both tractions of the surface over x, in the units of the dataset."""
+    """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
+    return _plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
+
+
+def _plot_profile(dataset: xr.Dataset) -> Figure:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     with mpl.rc_context(STYLE):
         figure = Figure((9.0, 5.4), dpi=150, layout="constrained")
         panels = figure.subplots(2, 1, sharex=True)
-        for axis, quantity, natural in zip(panels, ("displacement", "traction"), ("L_x", "E^*"), strict=True):
+        for axis, (quantity, natural) in zip(panels, _QUANTITIES.items(), strict=True):
             both = [dataset[f"{component}_{quantity}"] for component, _, _ in _COMPONENTS]
             factor, unit = prefix(max(both, key=lambda each: float(abs(each).max())), natural)
             for (component, dashes, colour), values in zip(_COMPONENTS, both, strict=True):
@@ -24,4 +31,17 @@ def plot_loaded_body(dataset: xr.Dataset) -> Figure:
             axis.set(ylabel=f"{quantity.capitalize()} ({unit})", xlim=(x[0], x[-1]))
         panels[1].set_xlabel(x_label)
         figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside upper right", ncols=2)
+    return figure
+
+
+def _plot_map(dataset: xr.Dataset) -> Figure:
+    """Draw a column for each component; a row has one unit, so that components can be compared."""
+    with mpl.rc_context(STYLE):
+        figure = Figure((14.0, 9.4), dpi=150, layout="constrained")
+        for row, (quantity, natural) in zip(figure.subplots(2, 3), _QUANTITIES.items(), strict=True):
+            every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _OF_MAPS]
+            factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
+            for axis, (_, _, way), values in zip(row, _OF_MAPS, every, strict=True):
+                label = f"{quantity.capitalize()} {way} ({unit})"
+                draw_image(axis, dataset, factor * values.values, label, cmap="cividis")
     return figure

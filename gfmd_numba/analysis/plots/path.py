@@ -33,8 +33,8 @@ class _Panel(NamedTuple):
 def plot_path(dataset: xr.Dataset) -> Figure:
     """Draw a campaign along a path: means over the realisations at each step, and of the path against a parameter.
 
-    Of cases that differ in their grid alone the finest is drawn. Raises UnusableDataError for a dataset of no path,
-    or of none that is ok.
+    Of cases that differ in their grid alone the finest reference is drawn. Raises UnusableDataError for a dataset of no
+    path, or of none that is ok.
     """
     if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
         raise UnusableDataError("given no loading path of a campaign; allowed: what `gfmd run` leaves of one")
@@ -81,8 +81,9 @@ def _of_varied(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _finest(dataset: xr.Dataset) -> xr.Dataset:
-    cases = [group["case"].values[int(group["nx"].values.argmax())] for _, group in groups(dataset)]
-    return dataset.sel(case=cases)
+    references = dataset.isel(case=dataset["is_reference"].values)
+    cases = [group["case"].values[int(group["nx"].values.argmax())] for _, group in groups(references)]
+    return references.sel(case=cases)
 
 
 def _along(dataset: xr.Dataset) -> list[_Panel]:

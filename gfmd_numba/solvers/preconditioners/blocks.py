@@ -3,13 +3,10 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-
-Rows = npt.NDArray[np.int64]
 
 _FEWEST = 256  # nodes of the map in each direction: on smaller ones blocks save less than they cost
 _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that shows in the conjugate gradients

@@ -3,17 +3,15 @@
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
-
-Rows = npt.NDArray[np.int64]
+from gfmd_numba.arrays import Indices, Reals
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
-_STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
+STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
 _NEAR = 64  # distances below which decays are tabulated
 _FAINT = 1e-9  # decay over a period beyond which only neighbours across the cut would feel it
+_NOTHING = np.empty(0)
 
 
 class ExponentialSum:
@@ -32,8 +30,8 @@ class ExponentialSum:
         if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
             compliance = np.concatenate((compliance[1:2] ** 2 / compliance[2:3], compliance[1:]))
         slowest = np.pi / n
-        terms = int(np.ceil(np.log(_STEEPEST / slowest) / spacing)) + 1
-        rates = np.geomspace(slowest, _STEEPEST, terms)
+        terms = int(np.ceil(np.log(STEEPEST / slowest) / spacing)) + 1
+        rates = np.geomspace(slowest, STEEPEST, terms)
         weights, self.white = _fit(compliance, n, rates)
         # all images of a node, one period apart, add up to another decay and one that comes from the other side
         image = np.exp(-n * rates)
@@ -70,14 +68,14 @@ class ExponentialSum:
         self._diagonal = np.empty(0)
         return safe
 
-    def factor(self, nodes: Rows, count: int) -> None:
-        """Prepare `solve` for the first `count` of the nodes."""
+    def factor(self, nodes: Indices, count: int, own: Reals = _NOTHING) -> None:
+        """Prepare `solve` for the first `count` of the nodes, each with a compliance of its `own` besides."""
         if count > len(self._diagonal):
             self._decay, self._lower = np.empty((2, count, self.rates.size))
             self._diagonal = np.empty(count)
         kernels.exponential_sum_factor(
             nodes, count, self._n, self.rates, self.near, self.weights, self.white, self.floor,
-            self._decay, self._lower, self._diagonal, self._carried,
+            self._decay, self._lower, self._diagonal, self._carried, own,
         )  # fmt: skip
         self._count = count
 

@@ -1,13 +1,10 @@
 """What all contacts of a map do to each other, on a grid too coarse to see any of them."""
 
 import numpy as np
-import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.preconditioners.blocks import Blocks
 from gfmd_numba.solvers.preconditioners.near_field import NearField
-
-Rows = npt.NDArray[np.int64]
 
 _SIDE = 8  # nodes along each side of a block
 
@@ -31,7 +28,7 @@ class FarField:
         """Transforms of blocks made so far, in proportion to the cost of one of nodes."""
         return self._blocks.transforms
 
-    def factor(self, nodes: Rows, count: int) -> None:
+    def factor(self, nodes: Indices, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         self._near.factor(nodes, count)
         if not self._blocks.useful:

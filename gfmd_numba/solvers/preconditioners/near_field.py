@@ -1,13 +1,10 @@
 """The stiffness between near neighbours of a map, close to the inverse of the compliance on any set of nodes."""
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
-
-Rows = npt.NDArray[np.int64]
 
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
 
@@ -27,7 +24,7 @@ class NearField:
         self._map = np.zeros(shape)
         self._nodes, self._count = np.empty(0, dtype=np.int64), 0
 
-    def factor(self, nodes: Rows, count: int) -> None:
+    def factor(self, nodes: Indices, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         self._nodes, self._count = nodes, count
 

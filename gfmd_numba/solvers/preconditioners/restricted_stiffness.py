@@ -1,12 +1,9 @@
 """The stiffness itself between the nodes in contact, as if the others were held: close to the inverse compliance."""
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution
-
-Reals = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.int64]
 
 _ONE = np.zeros(1, dtype=np.int64)
 
@@ -31,7 +28,7 @@ class RestrictedStiffness:
         """Transforms made so far."""
         return float(self._field.n_transforms[0])
 
-    def factor(self, nodes: Rows, count: int) -> None:
+    def factor(self, nodes: Indices, count: int) -> None:
         """Prepare `solve` for the first `count` of the nodes."""
         self._nodes, self._count = nodes, count
 

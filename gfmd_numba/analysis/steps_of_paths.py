@@ -1,0 +1,48 @@
+"""A campaign along a loading path as campaigns under one load: one for each step, or one for the path as a whole."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+_PATH_STEP = {
+    "long_name": "step of the path, from the first loading",
+    "units": "1",
+    "symbol": "step",
+    "label": "step of the path",
+    "axis": "physics",
+    "rank": 1000,  # the last of all
+}
+
+
+def steps_of(dataset: xr.Dataset, variable: str) -> list[xr.Dataset]:
+    """Datasets `(case, realisation)` in which a variable of a path stands: one for each step, told by `path_step`.
+
+    What is known of the path as a whole stands once, beside the contact of the step with the largest area.
+    """
+    if variable in dataset and "step" in dataset[variable].dims:
+        return [_at(dataset, step) for step in range(dataset.sizes["step"])]
+    largest = 0
+    if "contact_area_fraction" in dataset:
+        area = dataset["contact_area_fraction"].mean({"case", "realisation"})
+        largest = int(np.nan_to_num(area).argmax())
+    return [_at(dataset, largest).drop_vars("path_step")]
+
+
+def joined(fits: Sequence[xr.Dataset]) -> xr.Dataset:
+    """One fit of the groups of several."""
+    whole = xr.concat(
+        fits,
+        "group",
+        data_vars="minimal",
+        coords="minimal",
+        compat="override",
+        join="override",
+        combine_attrs="override",
+    )
+    return whole.assign_coords(group=("group", np.arange(whole.sizes["group"]), fits[0]["group"].attrs))
+
+
+def _at(dataset: xr.Dataset, step: int) -> xr.Dataset:
+    one = dataset.isel(step=step).drop_vars("step", errors="ignore")
+    return one.assign_coords(path_step=("case", np.full(one.sizes["case"], step), _PATH_STEP))

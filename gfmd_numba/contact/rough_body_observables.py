@@ -1,0 +1,17 @@
+"""What is recorded where topographies of deformable bodies are followed, beside the observables of all contacts."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from gfmd_numba.contact.observables import Observable
+
+ROUGH_BODY_OBSERVABLES = {
+    "expected_error": Observable("contact", "height", "expected error of displacements, what the next order adds"),
+}
+OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
+
+
+def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:
+    """Rows of a contact as those of rough bodies: the surface is the sum of theirs, and an error is expected."""
+    named = {name: replace(row, long_name=row.long_name.replace(OF_PUNCH, OF_SUM)) for name, row in rows.items()}
+    return named | ROUGH_BODY_OBSERVABLES

@@ -1,0 +1,102 @@
+"""Surfaces of a problem beside random ones: given heights, and sums of several surfaces that are pressed together."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.generators import RandomSurface
+
+
+@dataclass(frozen=True)
+class GivenSurface:
+    """The user's own heights `[(ny,) nx]`, or the sum of several surfaces, in g L_x."""
+
+    nx: int
+    digest: str
+    heights: Reals = field(repr=False, compare=False)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface."""
+        return self.heights.shape
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return self.heights.size
+
+
+@dataclass(frozen=True)
+class Topography:
+    """One of several rough surfaces that are pressed together: random ones in units of a `gradient`, given ones in L_x.
+
+    That of a body is `centred`: each of its realisations has zero mean.
+    """
+
+    surface: RandomSurface | GivenSurface
+    gradient: float
+    centred: bool
+
+    @property
+    def rms_gradient(self) -> float:
+        """Rms gradient that is asked of it, or the one that it has."""
+        if isinstance(self.surface, RandomSurface):
+            return self.gradient
+        return float(statistics.rms_gradient(self.drawn(0), (1.0,) * len(self.surface.shape)))
+
+    def drawn(self, realisation: int) -> Reals:
+        """Heights `[(y,) x]` in L_x, peaks outwards; raises ValueError for a grid that cannot hold the waves."""
+        if isinstance(self.surface, GivenSurface):
+            heights = self.surface.heights
+        else:
+            heights = np.asarray(self.gradient * self.surface.heights(range(realisation, realisation + 1))[0])
+        return heights - heights.mean() if self.centred else heights
+
+
+@dataclass(frozen=True)
+class SummedSurface:
+    """What several rough surfaces are together, in units of `rms_gradient`, the g that is asked of all, and L_x."""
+
+    parts: tuple[Topography, ...]
+    rms_gradient: float
+
+    @property
+    def nx(self) -> int:
+        """Number of grid points over the period."""
+        return self.parts[0].surface.nx
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface, (nx,) or (ny, nx)."""
+        return self.parts[0].surface.shape
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return math.prod(self.shape)
+
+    def drawn(self, realisation: int) -> list[Reals]:
+        """Heights `[(y,) x]` of each part in L_x; raises ValueError for a grid that cannot hold the waves."""
+        return [part.drawn(realisation) for part in self.parts]
+
+
+Surface = RandomSurface | GivenSurface | SummedSurface
+
+
+def without_shortest(surface: Surface, nx: int, halvings: int) -> Surface | None:
+    """Random surface on nx points whose largest wave index is halved so often; None where there is none."""
+    if isinstance(surface, GivenSurface):
+        return None  # measured, with no spectrum that could be cut
+    if isinstance(surface, RandomSurface):
+        generator = surface.generator.without_shortest(halvings)
+        return None if generator is None else replace(surface, nx=nx, generator=generator)
+    parts = []
+    for part in surface.parts:
+        fewer_waves = without_shortest(part.surface, nx, halvings)
+        if not isinstance(fewer_waves, RandomSurface):
+            return None
+        parts.append(replace(part, surface=fewer_waves))
+    return replace(surface, parts=tuple(parts))

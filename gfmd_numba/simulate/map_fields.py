@@ -1,0 +1,151 @@
+"""Fields inside the body below a map, as datasets: on a vertical section, or on horizontal planes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity import fields, map_fields, map_sections
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES, MapSurface
+from gfmd_numba.elasticity.map_sections import Axis, Largest
+from gfmd_numba.scene import Body, InputError
+from gfmd_numba.scene.memory import beyond_memory
+from gfmd_numba.simulate.fields_dataset import OF_MAPS, Scales, add_fields, begun
+from gfmd_numba.text.input_error import brief
+
+_NAMES = DISPLACEMENTS + STRAINS + STRESSES
+_ARRAYS = 40  # of the size of the map that fields of one plane take
+_ARRAYS_OF_A_PLANE = 2 * 20  # that stay in memory, and are joined
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Heights z in the unit of x, and the section x = ... or y = ... through them, or whole planes."""
+
+    z: Reals
+    x: float | None
+    y: float | None
+    planes: bool
+
+
+def of_steps(
+    contact: xr.Dataset, body: Body, name: str, elastic: ElasticBody, length: float, wanted: Wanted
+) -> list[xr.Dataset]:
+    """Fields of each step of a map's contact; raises InputError for what is wanted of it that cannot be had."""
+    _check(contact, length, wanted)
+    z, every = wanted.z / length, [contact.isel(step=i) for i in range(contact.sizes["step"])]
+    scales = Scales.of(contact, body, length)
+
+    def surface(step: xr.Dataset) -> MapSurface:
+        return map_fields.surface_under_tractions(_tractions(step, name) / scales.worth["stress"], elastic)
+
+    largest = [map_sections.largest_von_mises(surface(step), z, elastic) for step in every]
+    if wanted.planes:
+        found = [_planes(step, surface(step), wanted.z, elastic, scales) for step in every]
+    else:
+        across, node = _place(every, largest, length, wanted)
+        found = [_section(step, surface(step), wanted.z, elastic, scales, across, node, name) for step in every]
+    for step, dataset, peaks in zip(every, found, largest, strict=True):
+        _add_peaks(dataset, peaks, scales, int(step["status"]) != 0)
+    return found
+
+
+def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
+    for name, given in (("x", wanted.x), ("y", wanted.y)):
+        if given is None:
+            continue
+        if wanted.planes or (name == "y" and wanted.x is not None):
+            beside = "planes" if wanted.planes else "x"
+            raise InputError(f"{name}: given {brief(given)} beside {beside}; allowed: one section x, y, or planes")
+        number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
+        if not number or not 0.0 <= given <= length:
+            raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in the unit of x")
+    nodes, kept = contact.sizes["y"] * contact.sizes["x"], _ARRAYS
+    if wanted.planes:
+        kept += _ARRAYS_OF_A_PLANE * wanted.z.size * contact.sizes["step"]
+    if allowed := beyond_memory(nodes, kept, f"{wanted.z.size} planes" if wanted.planes else "a section"):
+        raise InputError(f"planes: given {wanted.z.size} heights; allowed: {allowed}")
+
+
+def _tractions(step: xr.Dataset, body: str) -> Reals:
+    """Tractions `[component, y, x]` along x, along y and out of a body, in the unit of the file."""
+    found = np.zeros((3, step.sizes["y"], step.sizes["x"]))
+    found[2] = -step["pressure"].values
+    for i, name in enumerate(("tangential_traction", "tangential_traction_y")):
+        if name in step:
+            found[i] = (-1.0 if body == "counter_body" else 1.0) * step[name].values  # those of the file act on `body`
+    return found
+
+
+def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wanted: Wanted) -> tuple[Axis, int]:
+    """Axis across a section and the nearest of its nodes; without either, the section has the largest stress of all."""
+    across: Axis = "y" if wanted.x is None else "x"
+    nodes = steps[0].sizes[across]
+    given = wanted.y if wanted.x is None else wanted.x
+    if given is None:
+        found = [(peak.von_mises.max(), peak.y[peak.von_mises.argmax()]) for peak in largest]
+        ok = [each for each, step in zip(found, steps, strict=True) if int(step["status"]) == 0]
+        place = max(ok, default=(0.0, 0.0))[1]
+    else:
+        place = given / length
+    return across, round(place * nodes) % nodes
+
+
+def _section(
+    step: xr.Dataset,
+    surface: MapSurface,
+    z: Reals,
+    elastic: ElasticBody,
+    scales: Scales,
+    across: Axis,
+    node: int,
+    name: str,
+) -> xr.Dataset:
+    cut, at = step.isel({across: node}), node / step.sizes[across]
+    length = scales.worth["length"]
+    values = map_sections.section(surface, z / length, elastic, across, at, _NAMES)
+    along = "x" if across == "y" else "y"
+    dataset = begun(cut, z, scales)
+    dataset.coords[across] = cut[across]
+    failed = int(step["status"]) != 0
+    add_fields(dataset, ("z", along), dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
+    _add_von_mises(dataset, ("z", along), scales)
+    if f"{name}_height" in step:
+        flat = map_fields.formed_surface(step[f"{name}_height"].values / length)
+        formed = map_sections.section(flat, z / length, elastic, across, at, DISPLACEMENTS)
+        for i, moved in enumerate(formed):
+            attributes = scales.attributes("length", "displacement that forms the topography")
+            dataset[f"formed_{i + 1}"] = (("z", along), moved * length, attributes)
+    dataset["pressure"] = (along, cut["pressure"].values, scales.attributes("stress", "pressure on the surface"))
+    return dataset
+
+
+def _planes(step: xr.Dataset, surface: MapSurface, z: Reals, elastic: ElasticBody, scales: Scales) -> xr.Dataset:
+    dims, dataset = ("z", "y", "x"), begun(step, z, scales)
+    heights = z / scales.worth["length"]
+    values = np.stack([map_sections.plane(surface, float(height), elastic, _NAMES) for height in heights], axis=1)
+    failed = int(step["status"]) != 0
+    add_fields(dataset, dims, dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
+    _add_von_mises(dataset, dims, scales)
+    pressure = step["pressure"].values
+    dataset["pressure"] = (("y", "x"), pressure, scales.attributes("stress", "pressure on the surface"))
+    return dataset
+
+
+def _add_von_mises(dataset: xr.Dataset, dims: tuple[str, ...], scales: Scales) -> None:
+    stresses = (dataset[f"stress_{i}"].values for i in range(1, 7))
+    attributes = scales.attributes("stress", "von Mises's equivalent stress")
+    dataset["von_mises"] = (dims, fields.von_mises(*stresses), attributes)
+
+
+def _add_peaks(dataset: xr.Dataset, largest: Largest, scales: Scales, failed: bool) -> None:
+    """Add the largest von Mises stress of each whole plane and where it is."""
+    for variable, kind, values, long_name in (
+        ("peak_von_mises", "stress", largest.von_mises, "largest von Mises stress of the whole plane"),
+        ("peak_x", "length", largest.x, "position along x of the largest von Mises stress of the plane"),
+        ("peak_y", "length", largest.y, "position along y of the largest von Mises stress of the plane"),
+    ):
+        scaled = np.full_like(values, np.nan) if failed else values * scales.worth[kind]
+        dataset[variable] = ("z", scaled, scales.attributes(kind, long_name))

@@ -1,0 +1,65 @@
+"""Displacements of a profile under tractions where a law holds some nodes: body and law in parallel, no transforms."""
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Reals
+from gfmd_numba.kernels.decay_sums import DECAYS_AT_ONCE
+from gfmd_numba.solvers.preconditioners.exponential_sum import STEEPEST, ExponentialSum
+
+_LOOSE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave
+_CHANGE = 0.5  # of the compliance of any node, over itself, from which on the factors are made anew
+_FEWEST = 16  # nodes
+_FAINT = 0.02  # decay over a period beyond which it is not felt across the cut: that of the slowest rate alone is
+
+
+class ParallelLaw:
+    """Displacements d with (K + D) d = r, nearly, of both components alone, for stiffnesses D >= 0 of the nodes.
+
+    With the compliance C = 1/K as a sum of eight decays and A = 1/D, (K + D)^-1 = A - A (C + A)^-1 A, which takes a
+    time linear in the nodes. Nodes that are held have A = 0. What couples the components, and where a law softens, is
+    left to the iteration.
+
+    `compliances` `[nx // 2 + 1]` are those of the first and second component, whose values on the n nodes begin at 0
+    and at `second` in rows of both.
+    """
+
+    def __init__(self, compliances: tuple[Reals, Reals], n: int, second: int) -> None:
+        self._n, self._parts = n, (slice(0, n), slice(second, second + n))
+        self.is_safe = False
+        if n < _FEWEST:
+            return
+        spacing = np.log(STEEPEST * n / np.pi) / (DECAYS_AT_ONCE - 2.001)  # seven rates, and the images of the slowest
+        sums = [ExponentialSum(compliance, n, spacing, _FAINT) for compliance in compliances]
+        self.is_safe = all(each.is_safe for each in sums)
+        self._white, self._floor = [each.white for each in sums], [each.floor for each in sums]
+        missing = (0, DECAYS_AT_ONCE - sums[0].rates.size)
+        self._rates = np.pad(sums[0].rates, missing)  # a matter of the nodes alone
+        self._weights = np.array([np.pad(each.weights, missing) for each in sums])
+        self._near = np.exp(-np.outer(np.arange(2), self._rates))
+        self._least = np.array([_LOOSE / compliance.max() for compliance in compliances])
+        self._own, self._share, self._traction = np.zeros((3, 2, n))
+        self._lower, self._decay = np.empty((2 * n, DECAYS_AT_ONCE)), np.empty((n, DECAYS_AT_ONCE))
+        self._carried, self._is_factored = np.empty((DECAYS_AT_ONCE, DECAYS_AT_ONCE)), False
+
+    def factor(self, stiffness: Reals, moves: Reals) -> None:
+        """Prepare `solve` for the stiffness of the law on each node, zero where it softens, and nodes that may move."""
+        n = self._n
+        for c, part in enumerate(self._parts):
+            own = np.where(moves[part] > 0.0, 1.0 / np.maximum(stiffness[part], self._least[c]), 0.0)
+            if self._is_factored and (np.abs(own - self._own[c]) <= _CHANGE * self._own[c]).all():
+                continue
+            self._own[c] = own
+            kernels.exponential_sum_factor(
+                np.arange(n), n, n, self._rates, self._near, self._weights[c], self._white[c], self._floor[c],
+                self._decay, self._lower[c * n : (c + 1) * n], self._share[c], self._carried, own,
+            )  # fmt: skip
+            np.reciprocal(self._share[c], out=self._share[c])
+        self._is_factored = True
+
+    def solve(self, r: Reals, d: Reals) -> None:
+        """Fill the displacements that about balance the tractions r."""
+        kernels.parallel_solve(
+            r, self._parts[1].start, self._own, self._near[1:], self._weights, self._lower, self._share,
+            self._traction, d,
+        )  # fmt: skip

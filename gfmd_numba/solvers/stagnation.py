@@ -1,0 +1,33 @@
+"""When a run no longer converges: rounding, say, keeps the residual where it is."""
+
+import numpy as np
+
+from gfmd_numba.arrays import Flags, Indices, Reals
+
+_SMALL = 1e-3  # residual above which a run has not yet begun to converge
+_BETTER = 0.9  # of the least residual so far: what is above is no progress
+_RISEN = 100.0  # times the least residual: what is above has left it, as a contact that jumps, and begins anew
+_LOOKS = 50  # without progress at least
+_SHARE = 2.0  # looks without progress over those that it took to get there
+
+
+class Stagnation:
+    """Looks at the residuals of some rows, and which of them have stopped falling.
+
+    A row has when its least residual was reached in the first third of the run, has not fallen by a tenth since, and
+    the residual has stayed near it. A run that converges as slowly as t^-0.1 still falls by more.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self._least, self._reached, self._looks = np.full(rows, np.inf), np.zeros(rows, dtype=np.int64), 0
+
+    def look(self, residual: Reals, active: Indices) -> Flags:
+        """Return which of the active rows have stopped; once after each look at their residuals `[active]`."""
+        self._looks += 1
+        least = self._least[active]
+        with np.errstate(invalid="ignore"):
+            moved = (residual < _BETTER * least) | (residual > _RISEN * least)
+        self._least[active[moved]], self._reached[active[moved]] = residual[moved], self._looks
+        reached = self._reached[active]
+        stays = self._looks - reached >= np.maximum(_LOOKS, _SHARE * reached)
+        return np.asarray(stays & (self._least[active] <= _SMALL))

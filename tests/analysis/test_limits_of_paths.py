@@ -1,0 +1,112 @@
+"""Limits along a loading path: each step has the limit of contacts under its load, the path as a whole its own."""
+
+import numpy as np
+import pytest
+import yaml
+
+import gfmd_numba
+from gfmd_numba.analysis import fit_tfc, plot_fit
+from gfmd_numba.analysis.plots.path import plot_path
+from support.command_line import gfmd, refused
+
+ALPHA = {"eps_c": 2.0, "eps_f": 0.7}
+LOADED = {
+    "name": "loaded",
+    "seed": 1,
+    "realisations": 6,
+    "scene": {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.02},
+    },
+    "reference": {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2},
+    "limits": {"eps_c": [1 / 2, 1 / 8], "eps_f": [1 / 8, 1 / 32]},
+    "grid": {"hurst": [0.3, 0.8]},
+    "fit": {"fixed": ALPHA},
+}
+PATH = {"path": [{"reduced_pressure": 0.1}, {"reduced_pressure": 0.05}]}
+PULLED = LOADED | {
+    "name": "pulled",
+    "realisations": 2,
+    "scene": LOADED["scene"]
+    | {
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.25},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-4, "range": 2e-3}},
+        "loading": {"displacement": -1e-3},
+    },
+    "reference": {"eps_c": 1 / 16, "eps_f": 1 / 4, "eps_t": 1},
+    "limits": {"eps_c": [1 / 8], "eps_f": [1 / 8]},
+    "grid": {},
+    "path": [{"displacement": 0.0}, {"displacement": -6e-3}],
+}
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    return gfmd_numba.run(LOADED | PATH, tmp_path_factory.mktemp("loaded") / "out", workers=0)
+
+
+def test_a_step_has_the_limit_of_contacts_under_its_load(loaded, tmp_path):
+    """Without friction and adhesion a contact does not remember how it was loaded."""
+    fitted = fit_tfc(loaded, fixed=ALPHA)
+    assert fitted["path_step"].values.tolist() == [0, 0, 1, 1, 2, 2]
+    assert fitted["hurst"].values.tolist() == [0.3, 0.8] * 3
+    for step, load in enumerate((0.02, 0.1, 0.05)):
+        scene = LOADED["scene"] | {"loading": {"reduced_pressure": load}}
+        alone = fit_tfc(gfmd_numba.run(LOADED | {"scene": scene}, tmp_path / str(step), workers=0), fixed=ALPHA)
+        here = fitted.isel(group=fitted["path_step"].values == step)
+        for name in ("kappa_tfc", "kappa_tfc_error", "reference"):
+            assert here[name].values == pytest.approx(alone[name].values, rel=1e-6), name
+        assert here["correction"].values == pytest.approx(alone["correction"].values, abs=1e-6, nan_ok=True)
+
+
+def test_a_step_that_is_taken_out_has_the_same_limit(loaded):
+    whole, last = fit_tfc(loaded, fixed=ALPHA), fit_tfc(loaded.isel(step=-1), fixed=ALPHA)
+    assert np.array_equal(whole["kappa_tfc"].values[-2:], last["kappa_tfc"].values)
+
+
+def test_what_is_known_of_the_path_as_a_whole_has_one_limit(loaded):
+    law = 3e-7 * (1.0 + 0.4 * loaded["eps_c"] ** 2 - 0.2 * loaded["eps_f"] ** 0.7)
+    noise = 1.0 + 1e-5 * np.random.default_rng(1).standard_normal(loaded["status"].shape)
+    loaded = loaded.assign(hysteresis=(("case", "realisation"), law.values[:, None] * noise, {"units": "J m-2"}))
+    fitted = fit_tfc(loaded, "hysteresis", fixed=ALPHA)
+    assert "path_step" not in fitted
+    assert fitted["kappa_tfc"].values == pytest.approx(3e-7, rel=1e-4)
+    assert fitted["kappa_tfc"].attrs["units"] == "J m-2"
+
+
+def test_a_limit_is_drawn_over_the_steps_and_the_path_at_the_reference(loaded):
+    panel = plot_fit(fit_tfc(loaded, fixed=ALPHA)).axes[0]
+    assert panel.get_xlabel() == "step of the path"
+    lines = plot_path(loaded).axes[0].get_lines()
+    mean = loaded["contact_area_fraction"].isel(case=loaded["is_reference"].values).mean("realisation")
+    assert sorted(line.get_ydata()[1] for line in lines if len(line.get_ydata()) == 3) == sorted(mean[:, 1].values)
+
+
+def test_a_run_prints_limits_of_pull_off_and_of_every_step(tmp_path):
+    (tmp_path / "pulled.yaml").write_text(yaml.safe_dump(PULLED))
+    done = gfmd("run", tmp_path / "pulled.yaml", "-o", tmp_path / "out", "--workers", "0")
+    assert done.exit_code == 0, done.output
+    for variable in ("pull_off_pressure (1e-", "hysteresis (1e-", "contact_area_fraction"):
+        assert f"{variable}" in done.output
+    assert (tmp_path / "out" / "pulled.png").exists()
+    fitted = tmp_path / "fit.nc"
+    done = gfmd("fit", tmp_path / "out", "--variable", "pull_off_pressure", "-o", fitted)
+    assert done.exit_code == 0, done.output
+    assert gfmd("plot", fitted).exit_code == 0
+
+
+def test_accuracies_of_paths_are_refused_where_they_are_asked_for(tmp_path):
+    file = tmp_path / "loaded.yaml"
+    file.write_text(yaml.safe_dump(LOADED | PATH))
+    assert "given for a path; allowed: a campaign without one" in refused("plan", file, "--target", "kappa=3%")
+    assert "given for a path; allowed: a campaign without one" in refused("run", file, "--until", "kappa=3%")
+
+
+def test_a_step_without_contact_has_no_limit_and_says_so(loaded):
+    apart = loaded.copy(deep=True)
+    apart["contact_area_fraction"][{"step": 1}] = 0.0
+    fitted = fit_tfc(apart, "contact_area_fraction", fixed=ALPHA)
+    assert fitted["fit_status"].values.tolist() == ["ok", "ok", "refused", "refused", "ok", "ok"]
+    assert fitted["message"].values[2].startswith("it is 0 in all realisations of a case")

@@ -1,0 +1,58 @@
+"""What does not go with a loading path, and what cannot take its results, is refused where it stands."""
+
+import pytest
+import yaml
+
+import gfmd_numba
+import gfmd_numba.analysis
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.scene import InputError
+from support.campaigns import campaign
+from support.command_line import gfmd
+from support.paths import DRAGGED
+
+
+@pytest.fixture(scope="module")
+def dragged(tmp_path_factory):
+    return gfmd_numba.run(DRAGGED | {"realisations": 1}, tmp_path_factory.mktemp("dragged") / "out")
+
+
+def test_what_takes_one_load_refuses_a_path(dragged, tmp_path):
+    with pytest.raises(
+        gfmd_numba.analysis.UnusableDataError, match=r"allowed: one step, like `dataset.isel\(step=-1\)`"
+    ):
+        gfmd_numba.analysis.ensemble_mean(dragged, "kappa")
+    written = campaign(tmp_path, yaml.safe_dump(DRAGGED))
+    for command, said in (
+        (("accuracy", "-o", tmp_path / "accuracy.nc"), "path: given"),
+        (("plan", "--target", "kappa=3%"), "--target: given for a path"),
+        (("plan", "--budget", "1min"), "--budget: given for a path"),
+        (("run", "--until", "kappa=3%", "-o", tmp_path / "out"), "given for a path; allowed: a campaign without one"),
+    ):
+        refused = gfmd(command[0], written, *command[1:])
+        assert refused.exit_code == 2
+        assert said in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"target": 0.01}, "target: "),
+        ({"path": [{"displacement": 1e-3}]}, "path[0].displacement: given 0.001; allowed: what the loading prescribes"),
+        ({"path": [{"reduced_pressure": 1e40}]}, "path[0].reduced_pressure: "),
+        ({"path": [{"sliding": "1 um"}]}, "path[0].sliding: "),
+        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {}}}, "grid": {}}, "path[0].sliding: "),
+        ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {"hardness": 1.0}}}, "grid": {}}, "path: "),
+    ],
+)
+def test_what_does_not_go_with_a_path_is_refused_where_it_stands(changed, said):
+    with pytest.raises(InputError) as refused:
+        plan(DRAGGED | changed)
+    assert said in str(refused.value)
+
+
+def test_a_load_of_the_path_is_judged_beside_the_moduli():
+    scene = DRAGGED["scene"] | {"loading": {"pressure": 1e6}}
+    scene["body"] = scene["body"] | {"youngs_modulus": 1e9}
+    with pytest.raises(InputError, match=r"path\[0\]\.pressure: given 1e-29; allowed: a reduced pressure from"):
+        plan(DRAGGED | {"scene": scene, "path": [{"pressure": 1e-29}]})

@@ -10,6 +10,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.status import Status
 from support.contact_conditions import largest_violation, sticking
 
@@ -151,7 +152,7 @@ def test_ridges_with_a_law_are_profiles(law):
         assert abs(own[1]).max() < 5e-8 * peak
 
 
-def test_one_more_load_beside_a_law_takes_less_than_half_of_the_transforms_of_the_dynamics():
+def test_one_more_load_beside_a_law_takes_less_than_a_quarter_of_the_transforms_of_the_dynamics():
     nx, rows, law = 1024, 3, ExponentialLaw(2e-5, 3e-4)
     punch, stiffness = rough(nx, 7, 0.8, 128, rows), ElasticBody(0.3, None).coupled_stiffness(nx)
     first = press(punch, stiffness, 0.05, 0.3, law)
@@ -159,7 +160,7 @@ def test_one_more_load_beside_a_law_takes_less_than_half_of_the_transforms_of_th
     found = press(punch, stiffness, 0.06, 0.3, law, start)
     assert (found.status == Status.ok).all()
     damped = press(punch, stiffness, 0.06, 0.3, law, start, options=Options("verlet"))
-    assert np.median(damped.n_transforms) > 2 * np.median(found.n_transforms)
+    assert np.median(damped.n_transforms) > 4 * np.median(found.n_transforms)
 
 
 def test_one_who_knows_no_law_or_no_wall_is_told():
@@ -170,3 +171,17 @@ def test_one_who_knows_no_law_or_no_wall_is_told():
     )  # fmt: skip
     with pytest.raises(ValueError, match="friction beside a law of the gap alone"):
         begin(batch, NEWTON)
+
+
+def test_nodes_may_have_a_compliance_of_their_own_of_either_sign(rng):
+    n = 64
+    compliance = np.concatenate(([0.3], 1.0 / np.arange(1.0, n // 2 + 1)))
+    body = ExponentialSum(compliance, n)
+    own = np.where(rng.random(n) < 0.3, 0.0, rng.choice([-1.0, 1.0], n) * 10 ** rng.uniform(0.0, 3.0, n))
+    distance = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))[..., np.newaxis]
+    matrix = (body.weights * np.exp(-body.rates * distance)).sum(axis=-1) + np.diag(body.white + own)
+    assert np.linalg.eigvalsh(matrix)[0] < 0.0 < np.linalg.eigvalsh(matrix)[-1]
+    asked, found = rng.normal(size=n), np.empty(n)
+    body.factor(np.arange(n), n, own)
+    body.solve(asked, found)
+    np.testing.assert_allclose(matrix @ found, asked, atol=1e-8)

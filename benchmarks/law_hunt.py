@@ -128,7 +128,7 @@ def violation(problem, contact, sliding, before):
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
     touching = (u >= punch) & laws.hard_wall
     slid = np.zeros(n)
-    if found.n_iterations[0] <= NEWTON:  # the dynamics has anchors of its own
+    if found.n_iterations[0] <= NEWTON and problem.numerics.solver != "verlet":  # which has anchors of its own
         start = following(before, contact.punch, sliding) if before is not None else None
         slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
 

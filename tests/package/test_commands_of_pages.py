@@ -17,8 +17,9 @@ WITH_A_FILE = re.compile(r"gfmd [a-z]+ [^-]")
 def printed(page):
     """Commands in backticks, and in lines that are indented; choices in brackets are left out."""
     text = page.read_text(encoding="utf-8")
-    found = re.findall(r"`(gfmd [^`]+)`", text) + re.findall(r"^    (gfmd [^#>\n]+)", text, re.MULTILINE)
-    return [re.sub(r"\[[^]]*\]", "", command) for command in found if WITH_A_FILE.match(command)]
+    found = re.findall(r"`(gfmd\s[^`]+)`", text) + re.findall(r"^    (gfmd [^#>\n]+)", text, re.MULTILINE)
+    commands = (" ".join(re.sub(r"\[[^]]*\]", "", command).split()) for command in found)
+    return [command for command in commands if WITH_A_FILE.match(command)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)

@@ -13,7 +13,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.table import SOLVERS, able
-from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_HARD, TOP, refused, scene
+from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_HARD, TOP, scene
 
 
 def reduced(body, **changes):

@@ -153,7 +153,7 @@ def violation(problem, contact, sliding, before):
     return worst / largest, rounding
 
 
-def follow(kind, seed, solver):
+def follow(kind, seed, solver="auto"):
     """Status of the last step, the worst violation over what is allowed, and transforms and iterations of each step.
 
     None if the scene is refused.

@@ -13,6 +13,7 @@ from gfmd_numba.campaign.axis import Place
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
+from gfmd_numba.campaign.prescribed_tractions import PrescribedTractions
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
@@ -20,6 +21,7 @@ from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
+from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
@@ -100,7 +102,8 @@ def expand(
     places = tuple(place for place, _ in varied)
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
-    bodies_of = _RoughBodies(campaign, measured, document or Document(None, "", campaign.model_dump()))
+    document = document or Document(None, "", campaign.model_dump())
+    bodies_of, tractions_of = _RoughBodies(campaign, measured, document), PrescribedTractions(document, campaign.scene)
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
@@ -118,7 +121,8 @@ def expand(
                 surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
             else:
                 surface, rms_gradient = punch.surface, punch.rms_gradient
-            problem, effects = _reduced(scene, surface, rms_gradient, campaign, rough)
+            tractions = tractions_of(scene, surface.shape, rms_gradient)
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
                 point=point,
                 discretisation=level.discretisation,
@@ -170,10 +174,11 @@ def _reduced(
     surface: ProblemSurface,
     rms_gradient: float,
     campaign: Campaign,
+    tractions: Tractions | None,
     rough: RoughBodies | None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
     try:
-        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, rough=rough)
+        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
     except ValueError as error:
         raise _beyond_measure("scene.loading", scene, error) from None
     if not campaign.path:
@@ -263,7 +268,8 @@ def block_bytes(problem: Problem, realisations: int) -> int:
     surface = problem.surface
     together = 1 if problem.path or problem.rough is not None else realisations
     dimension = len(surface.shape)
-    arrays = arrays_per_realisation(dimension, problem.interface.laws)
+    beside = () if problem.tractions is None else ("boundary",)
+    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *beside))
     if problem.rough is not None:
         arrays = max(arrays, arrays_of_topography(dimension, problem.rough.order))
     return arrays * 8 * together * surface.nodes

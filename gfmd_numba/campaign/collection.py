@@ -132,7 +132,8 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
     """The observables of all cases, and those that any of them has of its path."""
     rows = recorded_of_problem(cases[0].problem)
     for case in cases if cases[0].problem.path else ():
-        rows |= recorded_along(case.scene)
+        rough = case.problem.rough
+        rows |= recorded_along(case.scene, 0 if rough is None else rough.order)
     return rows
 
 

@@ -158,6 +158,8 @@ def _affordable(
 def _smaller(problem: Problem) -> Iterator[Problem]:
     """The physics of a problem on grids of half its nx, a quarter, and so on: its shortest waves are left out."""
     surface = problem.surface
+    if problem.tractions is not None:
+        return  # which are prescribed node by node
     for halvings in range(1, 32):
         nx = 2 * (surface.nx >> (halvings + 1))
         if nx ** len(surface.shape) < _LEAST_NODES:

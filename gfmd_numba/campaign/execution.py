@@ -139,5 +139,5 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
     }
     for problem in kinds.values():
         surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
-        tiny = replace(problem, surface=surface, path=problem.path[:1], rough=None)
+        tiny = replace(problem, surface=surface, path=problem.path[:1], rough=None, tractions=None)
         measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))

@@ -27,6 +27,7 @@ from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene
+from gfmd_numba.scene.scene_file import located_boundary
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
@@ -211,7 +212,8 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
-    arrays = arrays_per_realisation(dimension, campaign.scene.interface.laws)
+    beside = () if campaign.scene.boundary is None else ("boundary",)
+    arrays = arrays_per_realisation(dimension, (*campaign.scene.interface.laws, *beside))
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)
@@ -252,7 +254,7 @@ def _with_a_file(document: Document) -> Document:
 
 
 def _check_files(document: Document, campaign: Campaign) -> None:
-    """Raise InputError for a measured surface whose files do not all exist, or that has none."""
+    """Raise InputError for files of surfaces and tractions that do not exist, or a measured surface that has none."""
     varied = values_of(campaign.grid, "file")
     for place, surface in _measured(campaign.scene).items():
         if surface.file is None:
@@ -262,6 +264,8 @@ def _check_files(document: Document, campaign: Campaign) -> None:
             existing_file(document, ("scene", *place, "file"), surface.file, ())
     for i, name in enumerate(varied or ()):
         existing_file(document, ("grid", "file", i), name, ())
+    if campaign.scene.boundary is not None:
+        located_boundary(document, campaign.scene.boundary)
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:

@@ -62,7 +62,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     campaign, validity = load_campaign(document)[0], ""
     scene = campaign.scene
     is_measured = isinstance(scene.roughness, Measured)
-    if scene.interface.reaches_across or is_measured or scene.follows_topography:
+    if scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
         from gfmd_numba.campaign.plan import plan
 
         planned = plan(document)

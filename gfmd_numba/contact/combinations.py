@@ -37,7 +37,6 @@ _AT_ORDER_0 = {
     "layers": "layers",
 }
 _DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
-_ELSEWHERE = "nothing in a campaign; it belongs to `gfmd solve`"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
@@ -124,7 +123,6 @@ REFUSALS = (
         Refusal(feature, "single", _DOUBLE, "not built yet")
         for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")
     ),
-    Refusal("campaign", "prescribed tractions", _ELSEWHERE, "not built yet"),
     Refusal(
         "path",
         "target",
@@ -133,6 +131,12 @@ REFUSALS = (
         "not built yet",
     ),
     Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
+    Refusal(
+        "accuracy",
+        "prescribed tractions",
+        "nothing for `gfmd accuracy`, whose grids are finer and coarser than that of the tractions",
+        "not built yet",
+    ),
     Refusal(
         "accuracy",
         "topography",

@@ -47,7 +47,6 @@ PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",
     "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
-    "campaign": "a campaign",
     "contact without drag": "no friction and no cohesive law",
     "contact without reach": "no exponential and no cohesive law",
     "dimension 1": "a profile (`dimension: 1`)",

@@ -13,11 +13,11 @@ from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions
+from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import COMPONENTS, Document, Scene, SceneFile
+from gfmd_numba.scene import Document, Scene, SceneFile
 from gfmd_numba.scene.document import Location
 
 
@@ -95,21 +95,11 @@ def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document)
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
-    """Raise InputError for a mean traction that nothing holds, or that the loading decides already."""
     scene, shape = file.scene, surfaces.surface.shape
     if scene.boundary is None:
         return None
     arrays = read_boundary(document, scene.boundary, scene.dimension, shape)
-    *tangential, normal = (component.key("traction") for component in COMPONENTS[scene.dimension])
-    if scene.loading.displacement is None:
-        control = scene.loading.control
-        arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
-    if scene.body.is_half_space:
-        for name in tangential:
-            arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = surfaces.rms_gradient * contact_modulus(scene)
-    found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
-    return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
+    return tractions_on_the_body(document, scene, arrays, shape, surfaces.rms_gradient)
 
 
 def check_room(

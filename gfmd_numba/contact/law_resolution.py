@@ -14,6 +14,7 @@ NAME = "law_resolution"
 LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
 COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave, or a paraboloid, is right to 1 % in however short steps
 _TOO_LARGE = {1: 25, 2: 8}  # percent of the pull-off of either at 0.9, by the dimension
+_DRAG_TOO_LARGE = 15  # percent of the largest traction that drags a wave, at 0.9
 REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
 _REACH = {1: 2**24, 2: 2**14}  # points in each direction, by the dimension: beyond them nobody solves a contact
 _MOST_NODES = 2**50  # so that a number of nodes is exact
@@ -23,10 +24,10 @@ def resolution(problem: Problem) -> float:
     """Ratio x of the largest softening of the law to the stiffness of the shortest wave; 0 without attraction.
 
     It is (w / range^2) / (pi n E* / 2 L_x) for an exponential law on a half-space of n nodes; of a map the
-    shortest wave along an axis counts. Where the law softens faster than that stiffens, single nodes snap, and the edge
-    of a contact is held by the grid.
+    shortest wave along an axis counts. A law of gap and slip has two, and the larger counts. Where the law softens
+    faster than that stiffens, single nodes snap, and the edge of a contact is held by the grid.
     """
-    return _on(problem, problem.surface.nx)
+    return max(_on(problem, problem.surface.nx))
 
 
 def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
@@ -35,9 +36,12 @@ def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
     if x <= COARSEST:
         return ""
     dimension = len(problem.surface.shape)
+    softens, what, percent = "it softens", "Pull-off", f"over {_TOO_LARGE[dimension]}"
+    if _slips(problem):
+        softens, what, percent = "under slip it softens", "The largest drag", f"about {_DRAG_TOO_LARGE}"
     return (
-        f"the grid does not resolve the interaction law: it softens {x:.3g} times as fast as the shortest wave "
-        f"stiffens. Pull-off is right to 1 % at up to {COARSEST:g} times, and over {_TOO_LARGE[dimension]} % too large "
+        f"the grid does not resolve the interaction law: {softens} {x:.3g} times as fast as the shortest wave "
+        f"stiffens. {what} is right to 1 % at up to {COARSEST:g} times, and {percent} % too large "
         f"at 0.9. {_finer(problem, discretisation)}"
     )
 
@@ -57,7 +61,8 @@ def check_resolved(
     if x <= REFUSED:
         return
     name, law = next((name, law) for name, law in asked.laws.items() if law.across_open_gap)
-    key = next(key for key in type(law).model_fields if key != "work_of_adhesion")
+    lengths = [key for key in type(law).model_fields if key != "work_of_adhesion"]  # of the gap, and of slip if any
+    key = lengths[_slips(problem)]
     at = locate(("scene", "interface", name, key))
     shortest = getattr(law, key) * sqrt(x / REFUSED)
     raise document.error(
@@ -72,23 +77,35 @@ def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
     """Which grid resolves the law of a problem, or that none within reach does."""
     needed, dimension = _needed(problem), len(problem.surface.shape)
     both = " both ways" if dimension == 2 else ""
+    length = "tangential_length" if _slips(problem) else "range"
     if needed > _REACH[dimension]:
-        return f"No grid of up to {_REACH[dimension]} points{both} resolves the law: take a longer range or less work"
+        return (
+            f"No grid of up to {_REACH[dimension]} points{both} resolves the law: take a longer {length} or less work"
+        )
     if discretisation is None:
-        return f"Take at least {needed} points{both}, or a longer range"
+        return f"Take at least {needed} points{both}, or a longer {length}"
     waves = 2 * discretisation.cut_off_index
     finer = ceil(needed / waves)
-    return f"Take eps_c = 1/{finer} (nx = {finer * waves}), or a longer range"
+    return f"Take eps_c = 1/{finer} (nx = {finer * waves}), or a longer {length}"
 
 
-def _on(problem: Problem, nodes: int) -> float:
-    shortest = np.array([2.0 * np.pi * (nodes // 2)])
-    return problem.interface.softening / float(condensed_stiffness(problem, shortest)[0])
+def _slips(problem: Problem) -> bool:
+    """Whether slip softens the law more than the gap does."""
+    gap, slip = _on(problem, problem.surface.nx)
+    return slip > gap
+
+
+def _on(problem: Problem, nodes: int) -> tuple[float, float]:
+    """Softening by the gap and by slip, each over the stiffness of the shortest wave where the other is free."""
+    shortest, laws = np.array([0.0, 2.0 * np.pi * (nodes // 2)]), problem.interface
+    gap = laws.softening / float(condensed_stiffness(problem, shortest[1:])[0])
+    slips = laws.slip_softening > 0.0
+    return gap, laws.slip_softening * float(problem.body.compliance_along(shortest).s11[1]) if slips else 0.0
 
 
 def _needed(problem: Problem) -> int:
     """Number of nodes that resolves the law."""
     nodes = problem.surface.nx
-    while nodes < _MOST_NODES and (x := _on(problem, nodes)) > COARSEST:
+    while nodes < _MOST_NODES and (x := max(_on(problem, nodes))) > COARSEST:
         nodes = max(nodes + 1, ceil(min(nodes * x / COARSEST, _MOST_NODES)))
     return nodes

@@ -19,7 +19,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["campaign", "accuracy", "fields inside"]
+Where = Literal["accuracy", "fields inside"]
 
 
 def check_combination(
@@ -89,7 +89,7 @@ def _features(
         parts.append(_of_loaded_body(scene))
     else:
         parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics)]
-    for feature, location in chain(*parts, [("campaign", ())] if grid is not None else []):
+    for feature, location in chain(*parts):
         found.setdefault(feature, []).append(location)
     return found
 

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.roughness.surface_files import read_column, read_map
-from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError
+from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError, Scene
 from gfmd_numba.scene.quantities import LARGEST
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
@@ -28,6 +29,25 @@ def tractions(tangential: Reals, normal: Reals) -> Tractions:
     """Tractions, shaped as `Tractions` says, with what tells them from others."""
     digest = hashlib.sha256(tangential.tobytes() + normal.tobytes()).hexdigest()
     return Tractions(digest, tangential, normal)
+
+
+def tractions_on_the_body(
+    document: Document, scene: Scene, arrays: Mapping[str, Reals], shape: tuple[int, ...], rms_gradient: float
+) -> Tractions:
+    """Tractions of what `read_boundary` has read, beside a punch whose rms gradient they are divided by.
+
+    Raises InputError for a mean traction that nothing holds, or that the loading decides already.
+    """
+    *tangential, normal = (component.key("traction") for component in COMPONENTS[scene.dimension])
+    if scene.loading.displacement is None:
+        control = scene.loading.control
+        arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
+    if scene.body.is_half_space:
+        for name in tangential:
+            arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
+    scale = rms_gradient * contact_modulus(scene)
+    found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
+    return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
 
 
 def read_boundary(

@@ -102,6 +102,11 @@ class Interactions:
         return 0.0 if law is None else law.softening
 
     @property
+    def slip_softening(self) -> float:
+        """How fast its law softens at most as the surfaces slip, the largest -d2(energy)/d(slip)2; 0 without one."""
+        return 0.0 if self.cohesive is None else self.cohesive.slip_softening
+
+    @property
     def couples(self) -> bool:
         """Whether tangential tractions act, so that both displacements have to be followed."""
         return any(LAWS[name].tangential for name in self.laws)

@@ -44,6 +44,11 @@ class XuNeedlemanLaw:
         """Largest -d2(energy)/d(gap)2, work / normal^2 exp(-2) at the gap 2 normal without slip."""
         return self.work / self.normal / self.normal * float(np.exp(-2.0))
 
+    @property
+    def slip_softening(self) -> float:
+        """Largest -d2(energy)/d(slip)2, 4 work / tangential^2 exp(-3/2) at the slip sqrt(3/2) tangential, no gap."""
+        return 4.0 * self.work / self.tangential / self.tangential * float(np.exp(-1.5))
+
     def energy(self, gap: Reals, slip: Reals) -> Reals:
         """Energy per area at a gap and a slip of the punch over the body."""
         g, overlap = np.maximum(gap, 0.0) / self.normal, np.minimum(gap, 0.0) / self.normal

@@ -73,7 +73,7 @@ def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | 
     if isinstance(file, SceneFile):
         _check_grid(file, document)
         return file.model_copy(update={"scene": with_located_files(document, file.scene)})
-    boundary = _located_boundary(document, file.scene.boundary)
+    boundary = located_boundary(document, file.scene.boundary)
     return file.model_copy(update={"scene": file.scene.model_copy(update={"boundary": boundary})})
 
 
@@ -99,7 +99,7 @@ def with_located_files(document: Document, scene: Scene) -> Scene:
             surface = _located_surface(document, ("scene", name, "roughness"), body.roughness)
             located[name] = body.model_copy(update={"roughness": surface})
     if scene.boundary is not None:
-        located["boundary"] = _located_boundary(document, scene.boundary)
+        located["boundary"] = located_boundary(document, scene.boundary)
     return scene.model_copy(update=located)
 
 
@@ -110,7 +110,8 @@ def _located_surface(document: Document, location: Location, surface: Surface | 
     return surface.model_copy(update={"file": file})
 
 
-def _located_boundary(document: Document, boundary: Boundary) -> Boundary:
+def located_boundary(document: Document, boundary: Boundary) -> Boundary:
+    """Boundary whose files have absolute paths; raises InputError for one that does not exist."""
     return boundary.model_copy(
         update={
             name: existing_file(document, ("scene", "boundary", name), value, BOUNDARY_SUFFIXES)

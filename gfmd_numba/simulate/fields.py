@@ -13,7 +13,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.simulate import map_fields
 from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, begun
-from gfmd_numba.simulate.solved_contact import described, nodes_of
+from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
@@ -90,14 +90,8 @@ def _one(
     body: Body, elastic: ElasticBody, length: float, order: int, contact: xr.Dataset, z: Reals, name: str
 ) -> xr.Dataset:
     scales, nx = Scales.of(contact, body, length), contact.sizes["x"]
-    modulus, none = scales.worth["stress"], xr.zeros_like(contact["x"])
-    along = contact.get("tangential_traction", none).values
-    normal = -contact["pressure"].values if "pressure" in contact else contact["normal_traction"].values
-    if name == "counter_body":  # the traction of the dataset is that on the body
-        along = -along
-    else:
-        along = along + contact.get("prescribed_tangential_traction", none).values
-        normal = normal + contact.get("prescribed_normal_traction", none).values
+    modulus = scales.worth["stress"]
+    along, normal = tractions_on(name, contact, ("x",))
     flat = fields.surface_under_tractions(along / modulus, normal / modulus, elastic)
     formed = None
     if f"{name}_height" in contact:

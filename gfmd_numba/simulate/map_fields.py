@@ -13,6 +13,7 @@ from gfmd_numba.elasticity.map_sections import Axis, Largest
 from gfmd_numba.scene import Body, InputError
 from gfmd_numba.scene.memory import beyond_memory
 from gfmd_numba.simulate.fields_dataset import OF_MAPS, Scales, add_fields, begun
+from gfmd_numba.simulate.solved_contact import tractions_on
 from gfmd_numba.text.input_error import brief
 
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
@@ -39,11 +40,12 @@ def of_steps(
     scales = Scales.of(contact, body, length)
 
     def surface(step: xr.Dataset) -> MapSurface:
-        return map_fields.surface_under_tractions(_tractions(step, name) / scales.worth["stress"], elastic)
+        tractions = tractions_on(name, step, ("y", "x"))
+        return map_fields.surface_under_tractions(tractions / scales.worth["stress"], elastic)
 
     largest = [map_sections.largest_von_mises(surface(step), z, elastic) for step in every]
     if wanted.planes:
-        found = [_planes(step, surface(step), wanted.z, elastic, scales) for step in every]
+        found = [_planes(step, surface(step), wanted.z, elastic, scales, name) for step in every]
     else:
         across, node = _place(every, largest, length, wanted)
         found = [_section(step, surface(step), wanted.z, elastic, scales, across, node, name) for step in every]
@@ -67,16 +69,6 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
         kept += _ARRAYS_OF_A_PLANE * wanted.z.size * contact.sizes["step"]
     if allowed := beyond_memory(nodes, kept, f"{wanted.z.size} planes" if wanted.planes else "a section"):
         raise InputError(f"planes: given {wanted.z.size} heights; allowed: {allowed}")
-
-
-def _tractions(step: xr.Dataset, body: str) -> Reals:
-    """Tractions `[component, y, x]` along x, along y and out of a body, in the unit of the file."""
-    found = np.zeros((3, step.sizes["y"], step.sizes["x"]))
-    found[2] = -step["pressure"].values
-    for i, name in enumerate(("tangential_traction", "tangential_traction_y")):
-        if name in step:
-            found[i] = (-1.0 if body == "counter_body" else 1.0) * step[name].values  # those of the file act on `body`
-    return found
 
 
 def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wanted: Wanted) -> tuple[Axis, int]:
@@ -118,19 +110,20 @@ def _section(
         for i, moved in enumerate(formed):
             attributes = scales.attributes("length", "displacement that forms the topography")
             dataset[f"formed_{i + 1}"] = (("z", along), moved * length, attributes)
-    dataset["pressure"] = (along, cut["pressure"].values, scales.attributes("stress", "pressure on the surface"))
+    _add_pressure(dataset, step, name, scales, {across: node})
     return dataset
 
 
-def _planes(step: xr.Dataset, surface: MapSurface, z: Reals, elastic: ElasticBody, scales: Scales) -> xr.Dataset:
+def _planes(
+    step: xr.Dataset, surface: MapSurface, z: Reals, elastic: ElasticBody, scales: Scales, name: str
+) -> xr.Dataset:
     dims, dataset = ("z", "y", "x"), begun(step, z, scales)
     heights = z / scales.worth["length"]
     values = np.stack([map_sections.plane(surface, float(height), elastic, _NAMES) for height in heights], axis=1)
     failed = int(step["status"]) != 0
     add_fields(dataset, dims, dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
     _add_von_mises(dataset, dims, scales)
-    pressure = step["pressure"].values
-    dataset["pressure"] = (("y", "x"), pressure, scales.attributes("stress", "pressure on the surface"))
+    _add_pressure(dataset, step, name, scales, {})
     return dataset
 
 
@@ -138,6 +131,12 @@ def _add_von_mises(dataset: xr.Dataset, dims: tuple[str, ...], scales: Scales) -
     stresses = (dataset[f"stress_{i}"].values for i in range(1, 7))
     attributes = scales.attributes("stress", "von Mises's equivalent stress")
     dataset["von_mises"] = (dims, fields.von_mises(*stresses), attributes)
+
+
+def _add_pressure(dataset: xr.Dataset, step: xr.Dataset, name: str, scales: Scales, cut: dict[str, int]) -> None:
+    """Add what presses on the surface of a body, the punch and what is prescribed, at the nodes of a cut."""
+    pressure = xr.DataArray(-tractions_on(name, step, ("y", "x"))[2], dims=("y", "x")).isel(cut)
+    dataset["pressure"] = (pressure.dims, pressure.values, scales.attributes("stress", "pressure on the surface"))
 
 
 def _add_peaks(dataset: xr.Dataset, largest: Largest, scales: Scales, failed: bool) -> None:

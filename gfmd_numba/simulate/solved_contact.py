@@ -6,9 +6,10 @@ from typing import TypeVar
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import POINTS
 from gfmd_numba.contact.refusal import check_where
-from gfmd_numba.scene import BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Document
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
@@ -16,11 +17,9 @@ Record = TypeVar("Record", BoundaryFile, SceneFile)
 _ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
 _WHOLE = "all nodes of the period, as gfmd_numba.solve returns them; cut the fields inside afterwards"
 _ALTERED = "contact: given a contact that was altered; allowed: what gfmd_numba.solve returns"
-_FIELDS = (
-    *("pressure", "normal_traction", "tangential_traction", "tangential_traction_y"),
-    *("prescribed_normal_traction", "prescribed_tangential_traction"),
-    *("body_height", "counter_body_height"),
-)
+_TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
+_PRESCRIBED = "prescribed_"
+_FIELDS = ("pressure", *_TRACTIONS, *(_PRESCRIBED + each for each in _TRACTIONS), "body_height", "counter_body_height")
 
 
 def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
@@ -39,8 +38,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     nodes = nodes_of(scene)
-    loaded_beside = isinstance(scene, Scene) and scene.boundary is not None
-    if not _is_whole(contact, nodes) or (loaded_beside and "prescribed_normal_traction" not in contact):
+    if not _is_whole(contact, nodes) or not found >= _needed(scene):
         raise InputError(_ALTERED)
     for dim in nodes:
         _check_period(contact[dim], dim, scene.length or 1.0)
@@ -49,7 +47,39 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
 
 def nodes_of(scene: Scene | LoadedBody) -> tuple[str, ...]:
     """Dims of the nodes of a scene."""
-    return ("x",) if isinstance(scene, LoadedBody) or scene.dimension == 1 else ("y", "x")
+    return ("x",) if scene.dimension == 1 else ("y", "x")
+
+
+def tractions_on(body: str, step: xr.Dataset, nodes: tuple[str, ...]) -> Reals:
+    """Tractions `[component, (y,) x]` on a body, along the surface and last out of the body, in the unit of the file.
+
+    They are those of the punch and those that are prescribed.
+    """
+    names = [component.key("traction") for component in COMPONENTS[len(nodes)]]
+    found = _found(step, names, nodes)
+    if "pressure" in step:
+        found[-1] = -step["pressure"].values
+    if body == "counter_body":  # the tangential tractions of the file are those on `body`
+        found[:-1] *= -1.0
+        return found
+    return found + _found(step, [_PRESCRIBED + name for name in names], nodes)
+
+
+def _found(step: xr.Dataset, names: list[str], nodes: tuple[str, ...]) -> Reals:
+    """Variables of these names `[name, (y,) x]`, zero where there is none."""
+    found = np.zeros((len(names), *(step.sizes[dim] for dim in nodes)))
+    for i, name in enumerate(names):
+        if name in step:
+            found[i] = step[name].values
+    return found
+
+
+def _needed(scene: Scene | LoadedBody) -> set[str]:
+    """Names of the tractions without which prescribed ones would be incomplete."""
+    if scene.boundary is None:
+        return set()
+    prefix = "" if isinstance(scene, LoadedBody) else _PRESCRIBED
+    return {prefix + component.key("traction") for component in COMPONENTS[scene.dimension]}
 
 
 def _check_period(x: xr.DataArray, dim: str, length: float) -> None:

@@ -86,7 +86,7 @@ class ActiveSetNewton(PressureIterate):
             spent = self._spent
             self._close_gap(row, count)
             self._coarse_transforms[i] += self._spent - spent
-            changed = self._revise(row, count)
+            changed = self._revise(row, count) or self._opened(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
             if self._is_map and changed:  # inner iterations converge slower: be no more exact than the contact is known
                 tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
@@ -111,6 +111,21 @@ class ActiveSetNewton(PressureIterate):
             self.rounding[i], self.free_mean,
         )  # fmt: skip
         return int(changed)
+
+    def _opened(self, row: Indices, count: int) -> int:
+        """Open the node that full contact presses least, where a body that keeps its volume has room; how many.
+
+        No pressure closes all gaps there: the uniform part of what is found grows without bound.
+        """
+        i, n, rigid = row[0], self.field.n, self.certificate.rigid_mean
+        if rigid is None or count < n or not self.wall[i, :n].mean() > self.rounding[i]:
+            return 0
+        self.displacement[i, :n] = self.wall[i, :n]
+        self.field.apply(self._stiffness, row, source=2)
+        pressing = -self.field.result[i, :n]
+        self.pressure[i, :n] = np.minimum(pressing - pressing.min(), self.hardness)
+        self._contact[i] = (self.pressure[i] > 0.0) & (self.pressure[i] < self.hardness)
+        return int(n - np.count_nonzero(self._contact[i]))
 
     def _close_gap(self, row: Indices, count: int) -> None:
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""

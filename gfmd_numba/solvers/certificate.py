@@ -32,6 +32,12 @@ class RigidMean:
         """Return the violation `[active]` by the mean of the displacements, as a traction in E*."""
         return np.asarray(self.stiffest * np.abs(u[active, :n].mean(axis=1)))
 
+    @staticmethod
+    def drift(u: Reals, active: Indices, n: int) -> Reals:
+        """Return the mean of the displacements over the largest one `[active]`."""
+        mean, largest = np.abs(u[active, :n].mean(axis=1)), np.abs(u[active, :n]).max(axis=1)
+        return np.asarray(np.divide(mean, largest, out=np.zeros(mean.shape), where=largest > 0.0))
+
 
 class Certificate:
     """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
@@ -39,12 +45,13 @@ class Certificate:
     `worst`: traction on a free node or tension on a touching one. `peak`: the largest pressure of the wall.
     `imbalance`: the mean traction that nothing carries. With a `hardness` no more than that is a pressure: a touching
     node violates it by what is above, a penetrating one by any difference from it, and none other may penetrate. With a
-    `rigid_mean` a mean displacement is a violation too.
+    `rigid_mean` a mean displacement is a violation too; `drift` is that over the largest displacement. (A uniform
+    pressure deforms nothing there: were it huge, it would make any other violation look small.)
     """
 
     def __init__(self, rows: int, hardness: float = np.inf, rigid_mean: RigidMean | None = None) -> None:
         self.hardness, self.rigid_mean = hardness, rigid_mean
-        self.worst, self.peak, self.imbalance = np.zeros((3, rows))
+        self.worst, self.peak, self.imbalance, self.drift = np.zeros((4, rows))
 
     def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
@@ -52,13 +59,14 @@ class Certificate:
         if self.rigid_mean is not None:
             self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
+            self.drift[active] = self.rigid_mean.drift(u, active, n)
 
     def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
         kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
-        """Worst violation over the largest pressure, or imbalance over the load if that is larger `[active]`.
+        """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 
         Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
         `[active]` is a floor to the latter.
@@ -68,7 +76,7 @@ class Certificate:
         local = np.divide(worst, peak, out=np.where(worst > 0.0, np.inf, worst), where=peak > 0.0)
         loaded = load[active] > 0.0
         balance = np.divide(self.imbalance[active], load[active], out=np.zeros_like(worst), where=loaded)
-        return np.maximum(local, balance)
+        return np.maximum(np.maximum(local, balance), self.drift[active])
 
 
 def pressure_scale(punch: Reals, stiffness: Reals) -> Reals:

@@ -123,8 +123,8 @@ class DecayNewton:
         self.displacement[i, :n], self.restoring[i, :n] = solver.displacement[k, :n], solver.restoring[k, :n]
         self.load[i] = solver.load[k]
         for mine, found in zip(
-            (self.certificate.worst, self.certificate.peak, self.certificate.imbalance),
-            (solver.certificate.worst, solver.certificate.peak, solver.certificate.imbalance),
+            (self.certificate.worst, self.certificate.peak, self.certificate.imbalance, self.certificate.drift),
+            (solver.certificate.worst, solver.certificate.peak, solver.certificate.imbalance, solver.certificate.drift),
             strict=True,
         ):
             mine[i] = found[k]

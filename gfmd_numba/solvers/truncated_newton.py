@@ -76,10 +76,10 @@ class TruncatedNewton:
         look, n = self.certificate, self.field.n
         look.look(self.displacement, self.restoring, self.wall, self.load, active, n)
         self._look_at_more(active)
+        found = look.residual(self.load, active, self._strongest[active])
         if look.rigid_mean is not None:
             drift = look.rigid_mean.violation(self.displacement, active, n)
-            self._drifts[active] = drift >= look.worst[active]
-        found = look.residual(self.load, active, self._strongest[active])
+            self._drifts[active] = (drift >= look.worst[active]) | (look.drift[active] >= found)
         self._residual[active] = found
         return found
 

@@ -17,6 +17,7 @@ from gfmd_numba.campaign.work_precision import studies
 from gfmd_numba.scene import InputError, Scene
 from support.campaigns import numbers
 from support.command_line import gfmd
+from support.realisations import assert_as_solved
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
 STEEL = {"youngs_modulus": 210e9, "poissons_ratio": 0.3}
@@ -56,24 +57,6 @@ def of(scene, **more):
 
 def without_reference(campaign):
     return {key: value for key, value in campaign.items() if key != "reference"}
-
-
-def assert_as_solved(found, case, realisation, scene, more):
-    """Assert that a realisation has exactly the numbers of `solve`, under the same names and in the same units."""
-    single = gfmd_numba.solve({"scene": scene, "realisation": realisation, "seed": 4} | more)
-    ours = found.isel(case=case, realisation=realisation)
-    recorded = [name for name in ours.data_vars if name not in ("wall_time", "case_seconds")]
-    assert {"kappa", "contact_area_fraction", "expected_error"} <= set(recorded)
-    for name in recorded:
-        theirs = single[name]
-        if name in ("status", "residual", "n_iterations", "n_transforms") and "step" in theirs.dims:
-            continue  # of a campaign those of the whole path
-        theirs = theirs.isel(step=0) if ours[name].ndim < theirs.ndim else theirs
-        rounding = 4e-16 if name == "expected_error" else 0.0  # it is stored in units of g L_x
-        assert np.allclose(ours[name], theirs, rtol=rounding, atol=0.0, equal_nan=True), name
-        assert ours[name].attrs["units"] == theirs.attrs["units"]
-        assert ours[name].attrs["long_name"] == theirs.attrs["long_name"]
-    assert np.array_equal(ours["rms_gradient_target"], single["rms_gradient_target"])
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -5,7 +5,10 @@ import re
 import pytest
 import xarray as xr
 
+import gfmd_numba
+from gfmd_numba import simulate
 from gfmd_numba.solvers import integrators
+from gfmd_numba.solvers.status import Status
 from support.campaigns import campaign
 from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
@@ -104,3 +107,19 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     said = unfolded(done.stderr)
     assert f"unstable after {steps} iterations with wave {wave} growing in step 0 of 1, which" in said
     assert said.count("gfmd: Tractions grew without bound: lower numerics.time_step") == 1
+    assert "at a residual" not in said
+
+
+@pytest.mark.parametrize("status", [Status.not_converged, Status.nonfinite])
+def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_path, monkeypatch, status):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE)
+    ended = gfmd_numba.solve(scene)
+    ended["status"][...] = status
+    ended["residual"][...] = 3.2e-7
+    monkeypatch.setattr(simulate, "solve", lambda *given: ended)
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 3
+    said = unfolded(done.stderr)
+    assert f"the run is {status.name} after {int(ended['n_iterations'])} iterations" in said
+    assert ("iterations at a residual of 3.2e-07 in step 0" in said) == (status == Status.not_converged)

@@ -67,13 +67,15 @@ def test_a_resolved_law_is_solved_without_a_word(tmp_path):
 
 
 def test_a_random_surface_is_told_its_eps_c(tmp_path):
-    path = scene(512, tmp_path, cohesive={"work_of_adhesion": 0.01, "normal_length": RANGE, "tangential_length": RANGE})
+    path = scene(
+        512, tmp_path, cohesive={"work_of_adhesion": 0.01, "normal_length": RANGE, "tangential_length": 3 * RANGE}
+    )
     file = yaml.safe_load(path.read_text())
     file["scene"]["roughness"] = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}
     file["discretisation"] = {"eps_c": "1/4", "eps_f": "1/64", "eps_t": 1}
     path.write_text(yaml.safe_dump(file).replace("'", ""))
     told = unfolded(gfmd("check", path).stderr)
-    assert "it softens 0.421 times as fast" in told
+    assert "law: it softens 0.421 times as fast" in told
     assert "eps_c = 1/9 (nx = 1152)" in told
 
 

@@ -72,7 +72,7 @@ def test_a_flat_punch_that_is_dragged_lets_go_where_a_spring_does(tmp_path, step
 
 def loop(positions, key):
     """A wave on a slab that is pressed and drawn off, or dragged to and fro."""
-    x = np.arange(128) / 128
+    x = np.arange(256) / 256
     scene = {
         "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
         "roughness": {"method": "measured", "heights": 0.1 * np.cos(2 * np.pi * x)},

@@ -103,7 +103,7 @@ BAD = {
     ),
     "sticking at a higher order": (
         {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": np.inf}}},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction that solver verlet follows",
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction with coefficient .inf",
     ),
     "a hardness at a higher order": (
         {"body": COUNTER, "interface": {"hard_wall": {"hardness": 0.1}}},

@@ -204,3 +204,47 @@ def test_a_million_nodes_are_solved(nx):
     coarser = self_affine.profiles(0.8, 2, nx // 64, nx // (2 if nx % 2 == 0 else 3), 1, range(1))
     coarse = press(coarser, 0.05, "active_set_newton", residual=1e-7)
     assert result.touching.mean() == pytest.approx(coarse.touching.mean(), rel=0.1)
+
+
+def incompressible(nodes, room_left, mu=0.0, numerics=None):
+    """A map of six waves, pressed into an incompressible slab until a part of the room is left, and that room (L_x)."""
+    x = np.arange(nodes) / nodes
+    rng = np.random.default_rng(nodes)
+    heights = sum(
+        rng.normal() / k**1.5 * np.cos(2 * np.pi * (i * x + j * x[:, np.newaxis] + rng.uniform()))
+        for k, i, j in ((1, 1, 0), (1, 0, 1), (2**0.5, 1, 1), (2, 2, 0), (5**0.5, 1, -2), (8**0.5, 2, 2))
+    )
+    heights *= 0.001
+    room = heights.max() - heights.mean()
+    scene = {
+        "dimension": 2,
+        "body": {"poissons_ratio": 0.5, "aspect_ratio": 0.3},
+        "roughness": {"method": "measured", "heights": heights, "units": {"z": "L_x"}},
+        "interface": {"hard_wall": {}} | ({"friction": {"coefficient": mu}} if mu else {}),
+        "loading": {"displacement": float((1.0 - room_left) * room)},
+    }
+    return gfmd_numba.solve({"scene": scene, "numerics": numerics or {}}), room_left * room
+
+
+@pytest.mark.parametrize("nodes", [8, 9, 13])
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("room_left", [1e-2, 3e-3, 1e-4])
+def test_an_incompressible_slab_that_hardly_has_room_left_keeps_its_volume(nodes, mu, room_left):
+    """Of full contact, the first guess on so small a grid, the uniform pressure grows without bound."""
+    found, room = incompressible(nodes, room_left, mu)
+    assert int(found["status"]) == Status.ok
+    gap, pressure = found["gap"].values, found["pressure"].values
+    assert gap.mean() == pytest.approx(room, abs=1e-8)
+    assert gap.min() >= 0.0
+    assert abs(pressure[gap > 0.0]).max() == 0.0
+    assert pressure.max() < 0.1
+
+
+def test_a_huge_uniform_pressure_does_not_hide_that_the_volume_changes():
+    """Conjugate gradients take it from full contact, and tractions are measured by the largest pressure."""
+    numerics = {"solver": "conjugate_gradients", "max_iterations": 3000}
+    for nodes in (8, 9, 13):
+        found, room = incompressible(nodes, 1e-4, numerics=numerics)
+        assert int(found["status"]) in (Status.ok, Status.not_converged)
+        if found["status"] == Status.ok:
+            assert float(found["gap"].mean()) == pytest.approx(room, abs=1e-9)

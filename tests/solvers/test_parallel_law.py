@@ -16,7 +16,10 @@ from support.laws import surface
 N, SECOND = 64, 72
 
 
-@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.2, 0.05)], ids=["half-space", "slab"])
+BODIES = {"half-space": ElasticBody(0.3, None), "slab": ElasticBody(0.2, 0.05), "thick slab": ElasticBody(0.3, 1.0)}
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES.keys())
 @pytest.mark.parametrize("strength", [0.0, 1.0, 1e3])
 def test_it_is_close_to_the_inverse_whichever_nodes_the_law_holds(body, strength):
     """Eigenvalues of the product with the stiffness lie near 1, but for those of the cut, where the period is open."""

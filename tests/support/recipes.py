@@ -42,7 +42,7 @@ def command_after(recipes, files, tmp_path):
         (tmp_path / name).write_text(text)
 
     def command(*arguments):
-        environment = os.environ | {"PYTHONPATH": str(package.parent), "GFMD_CACHE_DIR": str(tmp_path / "cache")}
+        environment = os.environ | {"PYTHONPATH": str(package.parent)}  # its kernels are those of this package
         line = [sys.executable, "-m", "gfmd_numba.cli", *arguments]
         done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
         assert done.returncode == 0, done.stderr

@@ -10,6 +10,7 @@ from gfmd_numba.solvers.preconditioners.exponential_sum import STEEPEST, Exponen
 _LOOSE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave
 _CHANGE = 0.5  # of the compliance of any node, over itself, from which on the factors are made anew
 _FEWEST = 16  # nodes
+_SPACINGS = 0.0, 1.5, 1.8  # of the logarithms of rates at least: near rates may take off what others add to much of
 _FAINT = 0.02  # decay over a period beyond which it is not felt across the cut: that of the slowest rate alone is
 
 
@@ -30,8 +31,11 @@ class ParallelLaw:
         if n < _FEWEST:
             return
         spacing = np.log(STEEPEST * n / np.pi) / (DECAYS_AT_ONCE - 2.001)  # seven rates, and the images of the slowest
-        sums = [ExponentialSum(compliance, n, spacing, _FAINT) for compliance in compliances]
-        self.is_safe = all(each.is_safe for each in sums)
+        for least in _SPACINGS:
+            sums = [ExponentialSum(compliance, n, max(spacing, least), _FAINT) for compliance in compliances]
+            self.is_safe = all(each.is_safe for each in sums)
+            if self.is_safe:
+                break
         self._white, self._floor = [each.white for each in sums], [each.floor for each in sums]
         missing = (0, DECAYS_AT_ONCE - sums[0].rates.size)
         self._rates = np.pad(sums[0].rates, missing)  # a matter of the nodes alone

@@ -1,0 +1,79 @@
+"""Pull-off of a wave on a grid is off by what the resolution of its law says, and has the known limits."""
+
+import numpy as np
+import pytest
+from scipy.special import ive
+
+from gfmd_numba.contact.law_resolution import COARSEST
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.equilibrium import equilibrate, following
+from gfmd_numba.solvers.options import Options
+
+AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
+OPTIONS = Options("truncated_newton", residual=1e-6)
+
+
+def pull_off(nodes):
+    """Largest tension of a wave on a slab of height 1, drawn back in short steps, and x."""
+    law, x = Interactions(True, ExponentialLaw(WORK, 2 * RANGE)), np.arange(nodes) / nodes
+    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    before, most = None, 0.0
+    for displacement in np.arange(-0.04, -0.12, -5e-4):
+        punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
+        if before is None:  # on the branch in contact
+            punch_in = punch - 0.04
+            before = equilibrate(punch_in, body, None, OPTIONS, law)
+        before = equilibrate(punch, body, None, OPTIONS, law, following(before, punch, 0.0))
+        assert before.status[0] == 0
+        most = max(most, -before.pressure.mean())
+    return most, law.softening / body[-1]
+
+
+def test_pull_off_of_a_wave_is_off_by_what_x_says():
+    """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
+    psi = np.linspace(1e-3, 0.6, 100001)
+    exact = -(np.pi * AMPLITUDE * np.sin(psi) ** 2 - np.sqrt(2 * WORK * np.tan(psi))).min()
+    found = {x: tension / exact - 1 for tension, x in map(pull_off, (128, 256, 512, 1280))}
+    np.testing.assert_allclose(list(found), [1.865, 0.933, 0.466, 0.187], rtol=3e-3)
+    np.testing.assert_allclose(list(found.values())[:3], [0.93, 0.28, 0.053], rtol=0.05)
+    assert all((abs(error) < 0.01) == (x < COARSEST) for x, error in found.items())
+
+
+def first_pull_off(nodes, work, tabor):
+    """Largest tension on the branch that is drawn back from first touch, and x."""
+    stretch = (work**2 / (4 * np.pi**2 * AMPLITUDE)) ** (1 / 3)
+    law = ExponentialLaw(work, stretch / tabor)
+    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    punch, before, most = AMPLITUDE * (1 - np.cos(2 * np.pi * np.arange(nodes) / nodes))[np.newaxis], None, 0.0
+    while before is None or before.touching.any():
+        start = None if before is None else following(before, punch, 0.0)
+        before = equilibrate(punch, body, None, OPTIONS, Interactions(True, law), start)
+        assert before.status[0] == 0
+        most, punch = max(most, -before.pressure.mean()), punch + min(stretch / 50, law.length / 4)
+    return most, law.softening / body[-1]
+
+
+@pytest.mark.parametrize(("tabor", "nodes"), [(0.5, 64), (1, 64), (2, 256), (4.9, 1280)])
+def test_where_no_warning_is_given_pull_off_is_that_of_a_fine_grid(tabor, nodes):
+    (coarse, x), (fine, _) = (first_pull_off(each, WORK, tabor) for each in (nodes, 4 * nodes))
+    assert x < COARSEST
+    assert coarse == pytest.approx(fine, rel=0.01)
+
+
+@pytest.mark.parametrize(("tabor", "off"), [(0.5, -0.117), (1, -0.039), (2, -0.008), (4.9, 0.0)])
+def test_pull_off_tends_to_that_of_a_short_range(tabor, off):
+    """Johnson's closed form is the limit of large Tabor parameters, and is not to be had at small ones."""
+    psi = np.linspace(1e-3, 1.2, 100001)
+    exact = -(np.pi * AMPLITUDE * np.sin(psi) ** 2 - np.sqrt(2 * WORK * np.tan(psi))).min()
+    assert first_pull_off(2048 if tabor > 4 else 512, WORK, tabor)[0] / exact - 1 == pytest.approx(off, abs=2e-3)
+
+
+def test_pull_off_tends_to_that_of_a_rigid_body():
+    """The mean of the law's traction over a wave that touches in one point is a Bessel function."""
+    tabor, stretch = 0.02, (WORK**2 / (4 * np.pi**2 * AMPLITUDE)) ** (1 / 3)
+    length = stretch / tabor
+    exact = WORK / length * ive(0, AMPLITUDE / length)
+    assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)

@@ -20,14 +20,14 @@ from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.law_tractions import MapTractions, ProfileTractions
 
 _SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first descent of the normal contact is left, later ones
-_INNER = 0.02  # error left by the linear solution of one step over that before it
+_INNER = 0.1  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
 _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
 _PATIENCE = 4  # steps that may come no closer before the normal contact is descended to anew
 _CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
-_DIRECTIONS = 40  # of the linear solution, at most
+_DIRECTIONS = {1: 100, 2: 40}  # of the linear solution, at most; of maps fewer, as these are large
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
 
 
@@ -186,7 +186,7 @@ class FrictionalLawNewton:
                 found.append(displaced)
             return problem.correction(problem.restricted(displaced, direction))[0]
 
-        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS, change.size))
+        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS[self._components], change.size))
         x += shares @ basis
         if not np.isfinite(x).all():
             self._moved[i] = np.nan

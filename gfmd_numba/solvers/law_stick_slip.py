@@ -13,7 +13,8 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.solvers.law_guess import LawGuess
 
-_STIFF = 0.3  # slope of a repulsion times the compliance of a node from which on it is told by its inverse
+# slope of a repulsion times the compliance of a node from which on it is told by its inverse, where not every law is
+_STIFF = 0.3
 
 
 class Preconditioner(Protocol):
@@ -21,13 +22,17 @@ class Preconditioner(Protocol):
 
     normal_of_a_node: float  # stiffness of a node among others that are held
     tangential_of_a_node: float
+    takes_law: bool  # whether nodes may have a compliance of their own besides, of either sign
 
     def order(self, flags: Flags) -> Indices:
         """Return the nodes in the order in which `factor` takes them."""
         ...
 
-    def factor(self, nodes: Indices, dragged: Indices) -> None:
-        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own."""
+    def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
+
+        `own` `[node]` are the compliances besides.
+        """
         ...
 
     def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
@@ -57,7 +62,7 @@ class LawStickSlip:
         self._deflect, self._near, self._shape = deflect, near, guess.tractions.shape
         contact, components = guess.contact, len(guess.direction)
         acts = ~contact & (slope != 0.0)
-        stiff = acts & (-slope * _STIFF**-1 > near.normal_of_a_node)
+        stiff = acts if near.takes_law else acts & (-slope * _STIFF**-1 > near.normal_of_a_node)
         held = near.order(contact | stiff)
         self._pressed = np.concatenate((held, np.flatnonzero(acts & ~stiff)))
         self._held = held.size
@@ -68,7 +73,8 @@ class LawStickSlip:
         self._closing = np.where(touches, 1.0, -slope * scale)
         at = guess.normal[self._pressed]
         self._asked = np.where(touches, -at, -scale * pull[self._pressed] - self._closing * at)
-        self._soften = 1.0 / np.sqrt(1.0 + self._own[: self._held] * near.normal_of_a_node)
+        own = self._own[: self._held]
+        self._soften = 1.0 if near.takes_law else 1.0 / np.sqrt(1.0 + own * near.normal_of_a_node)
         slips = np.asarray(guess.direction.any(axis=0))
         of_touching = np.flatnonzero(touches)
         of_slipping = of_touching[slips[self._pressed[of_touching]]]
@@ -81,7 +87,7 @@ class LawStickSlip:
         self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
         self._give = guess.give[self._turning]
         self._yield = 1.0 / np.sqrt(1.0 + self._give * near.tangential_of_a_node)
-        near.factor(held, np.concatenate((self._of_stuck, of_slipping[: self._turning.size])))
+        near.factor(held, np.concatenate((self._of_stuck, of_slipping[: self._turning.size])), own)
         sizes = self._pressed.size, components * self.stuck.size
         self._parts: list[int] = np.cumsum(sizes).tolist()
         self._normal_is_free = total is not None

@@ -69,12 +69,16 @@ class ExponentialSum:
         return safe
 
     def factor(self, nodes: Indices, count: int, own: Reals = _NOTHING) -> None:
-        """Prepare `solve` for the first `count` of the nodes, each with a compliance of its `own` besides."""
+        """Prepare `solve` for the first `count` of the nodes, each with a compliance of its `own` besides.
+
+        Where one of these is negative, pivots may be, and none is lifted.
+        """
         if count > len(self._diagonal):
             self._decay, self._lower = np.empty((2, count, self.rates.size))
             self._diagonal = np.empty(count)
+        floor = -np.inf if (own < 0.0).any() else self.floor
         kernels.exponential_sum_factor(
-            nodes, count, self._n, self.rates, self.near, self.weights, self.white, self.floor,
+            nodes, count, self._n, self.rates, self.near, self.weights, self.white, floor,
             self._decay, self._lower, self._diagonal, self._carried, own,
         )  # fmt: skip
         self._count = count

@@ -22,6 +22,8 @@ class ProfileTractions:
             for s in (compliance.s11, compliance.s33)
         ]
         self.tangential_of_a_node, self.normal_of_a_node = of_a_node
+        # a rigid mean is not one of the sum, in which an attraction would move it
+        self.takes_law = self._normal.takes_own and bool(np.isfinite(stiffness.k33[0]))
 
     @property
     def transforms(self) -> float:
@@ -33,11 +35,15 @@ class ProfileTractions:
         nodes = np.empty(flags.size, dtype=np.int64)
         return nodes[: kernels.contact_nodes(flags, flags.size, nodes)]
 
-    def factor(self, nodes: Indices, dragged: Indices) -> None:
-        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own."""
-        for inverse, some in ((self._normal, nodes), (self._tangential, nodes[dragged])):
-            if some.size:
-                inverse.factor(some, some.size)
+    def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
+
+        `own` `[node]` are the compliances besides, which count where the normal one is a safe sum.
+        """
+        if nodes.size:
+            self._normal.factor(nodes, nodes.size, own if self.takes_law else None)
+        if dragged.size:
+            self._tangential.factor(nodes[dragged], dragged.size)
 
     def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
         """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
@@ -52,7 +58,7 @@ class ProfileTractions:
 class MapTractions:
     """The stiffness between near nodes of a map."""
 
-    transforms = 0.0
+    transforms, takes_law = 0.0, False
 
     def __init__(self, stiffness: MapStiffness, shape: tuple[int, ...]) -> None:
         self._near, normal = NearTractions(stiffness, shape), stiffness.k33
@@ -64,8 +70,11 @@ class MapTractions:
         """Return the nodes, first the first."""
         return np.flatnonzero(flags)
 
-    def factor(self, nodes: Indices, dragged: Indices) -> None:
-        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own."""
+    def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
+
+        The compliances besides do not count.
+        """
         self._near.factor(nodes)
         self._dragged = dragged
 

@@ -22,9 +22,17 @@ class ProfileInverse:
         """Transforms made so far."""
         return 0.0 if self._spare is None else self._spare.transforms
 
-    def factor(self, nodes: Indices, count: int) -> None:
-        """Prepare `solve` for the first `count` of the nodes."""
+    @property
+    def takes_own(self) -> bool:
+        """Whether nodes may have a compliance of their own besides."""
+        return self._sum.is_safe
+
+    def factor(self, nodes: Indices, count: int, own: Reals | None = None) -> None:
+        """Prepare `solve` for the first `count` of the nodes, with what `takes_own` allows."""
         self._used = self._sum
+        if own is not None:
+            self._sum.factor(nodes, count, own)
+            return
         self._sum.factor(nodes, count)
         if self._sum.is_positive:
             return

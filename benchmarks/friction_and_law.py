@@ -15,7 +15,7 @@ from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 
 FEW, MOST = 2, 200_000  # surfaces and iterations of Verlet
-LAWS = {"repulsion": (-1e-4, 1e-3), "attraction, x = 0.01": (0.01, 1e-3), "attraction, x = 0.1": (0.1, 2e-4)}
+LAWS = {"repulsion": (-1e-4, 1e-3), "attraction, x = 0.02": (0.02, 1e-3), "attraction, x = 0.2": (0.2, 2e-4)}
 LOADS = ((0.3, 0.05), (0.8, 0.05), (0.8, 0.3))  # Hurst exponent, reduced pressure
 
 
@@ -39,7 +39,7 @@ def transforms(found):
 if __name__ == "__main__":
     nx, surfaces = int(sys.argv[1]), int(sys.argv[2])
     for name, (strength, length) in LAWS.items():
-        work = strength if strength < 0.0 else strength * np.pi * nx * length**2
+        work = strength if strength < 0.0 else strength * 0.5 * np.pi * nx * length**2
         for friction in (0.3, np.inf):
             for hurst, load in LOADS:
                 case = (ExponentialLaw(float(work), length), friction, hurst, load)

@@ -167,7 +167,7 @@ def follow(kind, seed, solver="auto"):
         known = any(word in str(error) for word in ("resolve", "room", "snap"))  # of what solves none
         return None if known else sys.exit(f"{seed}: {error}")
     before, worst, spent, status = None, 0.0, [], Status.ok
-    with warnings.catch_warnings(action="ignore"):
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
         for problem, (sliding,), contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
             spent.append((int(contact.equilibrium.n_transforms[0]), int(contact.equilibrium.n_iterations[0])))

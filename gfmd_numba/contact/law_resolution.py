@@ -99,8 +99,12 @@ def _on(problem: Problem, nodes: int) -> tuple[float, float]:
     """Softening by the gap and by slip, each over the stiffness of the shortest wave where the other is free."""
     shortest, laws = np.array([0.0, 2.0 * np.pi * (nodes // 2)]), problem.interface
     gap = laws.softening / float(condensed_stiffness(problem, shortest[1:])[0])
-    slips = laws.slip_softening > 0.0
-    return gap, laws.slip_softening * float(problem.body.compliance_along(shortest).s11[1]) if slips else 0.0
+    if not laws.slip_softening > 0.0:
+        return gap, 0.0
+    compliance = float(problem.body.compliance_along(shortest).s11[1])
+    if len(problem.surface.shape) == 2:  # a wave may also slip across its own direction, where bodies are softer
+        compliance = max(compliance, float(problem.body.compliance_across(shortest[1:])[0]))
+    return gap, laws.slip_softening * compliance
 
 
 def _needed(problem: Problem) -> int:

@@ -24,6 +24,7 @@ from gfmd_numba.scene.reduced_units import in_reduced_units
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS, automatic
 
+_NU = "Poisson's ratio"
 _ROUNDING = float(np.finfo(float).eps) / 2
 
 
@@ -56,13 +57,18 @@ def reduce(
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
-    if rough is not None:  # what the flat bodies do without, their topographies may need
-        elasticity = tuple(effect for effect in elasticity if effect.state != "dropped")
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None
     if facing is not None:
-        other = _body(facing.body, interface, displacement is not None, False, tolerance)[0]
+        other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
         counter = CounterBody(other, facing.share)
+        elasticity += tuple(
+            replace(effect, name=f"{effect.name}, of the counter_body")
+            for effect in others
+            if effect.state == "dropped"
+        )
+    if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
+        elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
     problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter, rough=rough)
     return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
 
@@ -107,7 +113,7 @@ def _body(
             return body, (coupled, off)
         if loaded:  # tangential tractions move the surface up and down by nu
             return body, (condensed, off)
-        unknown = Effect("Poisson's ratio", "dropped", "it enters a frictionless half-space only through E*")
+        unknown = Effect(_NU, "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
     if interface.couples:
         return body, (coupled, Effect("slab", "on", "its mean displacement counts"))

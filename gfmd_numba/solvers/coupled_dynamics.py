@@ -98,7 +98,8 @@ class CoupledDynamics:
             tractions.append(self._law.traction(gap))
         if self._cohesion is not None:
             slip = self._slip(active)
-            tractions += [self._cohesion.normal_traction(gap, slip), self._cohesion.tangential_traction(gap, slip)]
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
+                tractions += [self._cohesion.normal_traction(gap, slip), self._cohesion.tangential_traction(gap, slip)]
         for traction in tractions:
             strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
         return strongest

@@ -241,7 +241,7 @@ class TruncatedNewton:
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], size, self._closing
         )
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # too long a step, which is then cut short
             law = self._change(i)
         return work + law - _ROUNDING * scale, min(slope, 0.0)
 

@@ -1,5 +1,7 @@
 """A law of gap and slip whose slip the grid does not resolve is told as one whose gap it does not: by its softening."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -60,6 +62,16 @@ def test_the_grid_it_asks_for_resolves_slip(body):
     assert "or a longer tangential_length" in told
     assert nodes > 128
     assert doubt(problem(nodes, LAW, body), None) == ""
+
+
+@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 3e-3), ElasticBody(0.0, 3e-3)])
+def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
+    of_map = RandomSurface(SelfAffineWaves(0.8, 2, 16), 64, 1, dimension=2)
+    map_ = replace(problem(64, LAW, body), surface=of_map)
+    slips_along, _, slips_across, *_ = body.coupled_stiffness_of_map((64, 64)).elements[:, 0, -1]
+    by_slip = LAW.slip_softening / min(slips_along, slips_across)
+    assert resolution(map_) == pytest.approx(by_slip)
+    assert resolution(map_) >= resolution(problem(64, LAW, body))
 
 
 def largest_drag(nodes):

@@ -8,7 +8,10 @@ import pytest
 from gfmd_numba.solvers.status import Status
 
 HUNT = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "law_hunt.py"))
-MODERATE = ("exponential", "cohesive", "rigid", "friction")
+MODERATE = (
+    *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
+    *("rigid_friction_and_law", "sticking_and_law"),
+)
 
 
 def hunt(kind, seeds):

@@ -143,3 +143,14 @@ def test_a_topography_deeper_than_all_layers_is_refused():
         InputError, match=r"body.roughness: given a topography .* within the height of the body, 0.0001"
     ):
         solved(body=thin)
+
+
+def test_a_slab_so_deep_that_it_is_solved_as_a_half_space_is_told_of_either_body():
+    deep = {"youngs_modulus": 2.0, "poissons_ratio": 0.3, "aspect_ratio": 1.3}
+    half_space = {"youngs_modulus": 1.0, "poissons_ratio": 0.1}
+    below = solved(body=deep | {"roughness": ROUGH}, counter_body=half_space)
+    above = solved(body=half_space | {"roughness": ROUGH}, counter_body=deep)
+    assert below.attrs["dropped_effects"].startswith("slab of aspect ratio 1.3, Poisson's ratio 0.3: it stiffens")
+    assert above.attrs["dropped_effects"].startswith(
+        "slab of aspect ratio 1.3, Poisson's ratio 0.3, of the counter_body"
+    )

@@ -12,6 +12,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from support.laws import surface
 
 LAW = XuNeedlemanLaw(2e-3, 2e-2, 4e-2)
@@ -157,3 +158,13 @@ def test_a_weak_attraction_across_a_wide_gap_is_solved_for_itself(solver):
     assert found.status[0] == 0
     expected = grid.signal(grid.coefficients(law.traction(punch[0])) / body, n)
     np.testing.assert_allclose(found.displacement[0], expected, rtol=1e-6)
+
+
+def test_dynamics_that_diverges_says_so_by_its_status_alone():
+    """Numbers overflow in the law then, which NumPy would warn of."""
+    heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(1, 2))
+    laws = Interactions(False, cohesive=XuNeedlemanLaw(1e-4 * np.pi * 1.024 * np.e**2, 1e-3, 3e-3))
+    body = ElasticBody(0.3, None).coupled_stiffness(2048)
+    for raised in (0.0, 0.01, 0.03):
+        found = equilibrate(heights.max() - raised - heights, body, 0.02, Options("verlet"), laws)
+        assert found.status[0] == Status.nonfinite

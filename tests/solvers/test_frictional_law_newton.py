@@ -173,8 +173,8 @@ def test_one_who_knows_no_law_or_no_wall_is_told():
         begin(batch, NEWTON)
 
 
-def test_nodes_may_have_a_compliance_of_their_own_of_either_sign(rng):
-    n = 64
+def test_nodes_may_have_a_compliance_of_their_own_of_either_sign():
+    n, rng = 64, np.random.default_rng(1)
     compliance = np.concatenate(([0.3], 1.0 / np.arange(1.0, n // 2 + 1)))
     body = ExponentialSum(compliance, n)
     own = np.where(rng.random(n) < 0.3, 0.0, rng.choice([-1.0, 1.0], n) * 10 ** rng.uniform(0.0, 3.0, n))

@@ -24,7 +24,8 @@ def steps_of(dataset: xr.Dataset, variable: str) -> list[xr.Dataset]:
         return [_at(dataset, step) for step in range(dataset.sizes["step"])]
     largest = 0
     if "contact_area_fraction" in dataset:
-        area = dataset["contact_area_fraction"].mean({"case", "realisation"})
+        area = dataset["contact_area_fraction"]
+        area = area.mean(set(area.dims) - {"step"})
         largest = int(np.nan_to_num(area).argmax())
     return [_at(dataset, largest).drop_vars("path_step")]
 

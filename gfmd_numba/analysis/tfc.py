@@ -74,7 +74,7 @@ def fit_tfc(
     if not isinstance(fixed, Mapping | None):
         raise ValueError(f"fixed is a mapping like {{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}}, not {fixed!r}")
     given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
-    if "step" in dataset.dims:
+    if {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
     members = groups_to_fit(dataset, variable, omit_nyquist)

@@ -122,4 +122,4 @@ def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_pat
     assert done.exit_code == 3
     said = unfolded(done.stderr)
     assert f"the run is {status.name} after {int(ended['n_iterations'])} iterations" in said
-    assert ("iterations at a residual of 3.2e-07 in step 0" in said) == (status == Status.not_converged)
+    assert ("iterations at a residual of 3.2e-07: " in said) == (status == Status.not_converged)

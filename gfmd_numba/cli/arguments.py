@@ -21,7 +21,12 @@ output_option = click.option(
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
 _OF_CONTACTS, OF_PATHS = ("kappa", "kappa_counted", "kappa_r"), ("hysteresis", "pull_off_pressure")
 _variables = click.Choice([*_OF_CONTACTS, "contact_area_fraction", *OF_PATHS])
-variable_option = click.option("--variable", type=_variables, help="Quantity to extrapolate [that of the campaign]")
+variable_option = click.option(
+    "--variable",
+    type=_variables,
+    metavar="NAME",
+    help=f"Quantity to extrapolate: {', '.join(_variables.choices)}  [that of the campaign]",
+)
 exponents_option = click.option(
     "--exponents",
     type=click.Choice(["shared", "free"]),

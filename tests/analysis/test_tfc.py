@@ -208,7 +208,8 @@ def test_of_several_references_the_finest_counts():
     """An eps in the grid of a campaign makes each of its values a reference with limits of its own."""
     coarse = campaign((0.3, 0.8), levels=LEVELS | {"eps_c": [1 / 2]})
     names = np.char.add(coarse["case_id"].values, "-fine")
-    fine = coarse.assign_coords(eps_c=coarse["eps_c"] / 4, case_id=("case", names))
+    finer = coarse["eps_c"].copy(data=coarse["eps_c"].values / 4)
+    fine = coarse.assign_coords(eps_c=finer, case_id=("case", names))
     fine["kappa"] += 0.4 * ((1 / 8) ** 1.1 - (1 / 2) ** 1.1)
     for order in ([coarse, fine], [fine, coarse]):
         both = xr.concat(order, "case")

@@ -106,7 +106,7 @@ def _is_whole(contact: xr.Dataset, nodes: tuple[str, ...]) -> bool:
     laid_out &= contact["status"].dims in ((), ("step",))
     places = [contact[dim] for dim in nodes]
     numbers = all(each.dtype.kind in "fiu" for each in (*places, contact["status"], *fields))
-    named = all("units" in place.attrs for place in places) and "units" in fields[0].attrs
+    named = all("units" in each.attrs for each in (*places, *fields))
     return laid_out and numbers and named and contact.sizes.get("step", 1) > 0
 
 

@@ -3,7 +3,8 @@
 Mueser et al., Tribol. Lett. 65:118 (2017): L_x = 100 um, roll-off 20 um, cut-off 0.1 um, H = 0.8, rms gradient 1,
 E* = 25 MPa, w = 50 mJ/m^2, range 2.071 nm. No grid below 29700^2 nodes resolves that range (x < 1), so longer ranges
 are solved on grids that resolve them. The default takes grids up to 2048^2; `--quick` stops at 1024^2, `--whole` adds
-all waves on 4096^2. `--surface N` takes another surface.
+all waves on 4096^2. `--wall` solves all waves without adhesion on three grids up to 8192^2 and nothing else (6 GB).
+`--surface N` takes another surface.
 """
 
 import argparse
@@ -61,6 +62,12 @@ def limit(areas):
     return areas[-1] + second / (ratio - 1.0), log2(ratio)
 
 
+def told(areas):
+    """Print the limit of areas on grids that double."""
+    dense, order = limit(areas)
+    print(f"limit {dense:.5f}, order {order:.1f}; the finest grid is {areas[-1] / dense - 1:+.2%} off")
+
+
 def header(text):
     print(f"\n{text}")
     print(" grid  cut-off/um  range/nm   x     p/kPa   counted  corrected   gap/nm  transforms   s")
@@ -71,7 +78,12 @@ def main():
     parser.add_argument("--surface", type=int, default=0)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--whole", action="store_true")
+    parser.add_argument("--wall", action="store_true")
     asked = parser.parse_args()
+    if asked.wall:
+        header("All waves without adhesion")
+        told([solve(CUT_OFF, n, None, asked.surface) for n in (2048, 4096, 8192)])
+        return
     finest, one = 1024 if asked.quick else 2048, asked.surface
     grids = [n for n in (512, 1024, 2048, 4096) if n <= finest or asked.whole]
 
@@ -80,8 +92,7 @@ def main():
         length = LONG * 2.0**-halvings
         areas = [solve(64, n, length, one) for n in grids if n >= coarsest]
         if len(areas) > 2:
-            dense, order = limit(areas)
-            print(f"limit {dense:.5f}, order {order:.1f}; the finest grid is {areas[-1] / dense - 1:+.2%} off")
+            told(areas)
 
     header("More waves, without adhesion and with the long range, on the finest grid")
     for cut_off in (64, 128, 256, 512, *([CUT_OFF] if finest == 2048 else [])):

@@ -64,7 +64,8 @@ def _at_x(surface: MapSurface, depth: float, body: ElasticBody, x: float, names:
         weights = grid.multiplicity(nx)[k_x] * np.exp(2j * np.pi * k_x * x)
         for half in (k_y >= 0, k_y < 0):  # both Nyquist rows are one of the spectrum
             spectrum[:, k_y[half] % ny] += (waves @ weights)[:, half]
-    return np.asarray(np.fft.ifft(spectrum, axis=1, norm="forward").real)
+    mirrored = np.roll(spectrum[:, ::-1], 1, axis=1).conj()  # the real part is the mean with waves of the other sign
+    return grid.signal(0.5 * (spectrum + mirrored)[:, : ny // 2 + 1], ny)
 
 
 def _plane(

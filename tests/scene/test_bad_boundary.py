@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign.file import load_campaign
-from support.faulty_files import CAMPAIGN, SCENE, changed, complaint
+from support.faulty_files import SCENE, changed, complaint
 
 LOADED = """\
 scene:
@@ -162,9 +161,3 @@ def test_what_the_bad_ones_were_made_from_is_good(folder, text):
     path = folder / "good.yaml"
     path.write_text(text)
     assert int(gfmd_numba.solve(path)["status"]) == 0
-
-
-def test_a_campaign_has_no_boundary(tmp_path):
-    text = changed(CAMPAIGN, "  interface:", "  boundary: {normal_traction: 0}\n  interface:")
-    expected = "bad.yaml:7:13: scene.boundary: given {'normal_traction': 0}; allowed: nothing in a campaign"
-    assert complaint(tmp_path, load_campaign, text).startswith(expected)

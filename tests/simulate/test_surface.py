@@ -202,7 +202,7 @@ def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
         ("uneven.csv", "0,1\n1,2\n2,1\n3.5,0\n4.5,1\n", "a spacing of 1.5 in x at index 2, where 1.125 is the mean"),
         ("falling.csv", "4,1\n3,2\n2,1.0\n3,0\n", "positions x that are in no order from index 2 on"),
         ("few.csv", "# [m]\n0,1\n1,2\n2,1\n", "3 heights, not at least 4"),
-        ("three.csv", "0,1,2\n1,2,2\n2,1,2\n3,1,2\n", "3 columns"),
+        ("three.csv", "0,1,2\n1,2,2\n2,1,2\n3,1,2\n", "2 x 4 heights, not at least 4"),
         ("flat.csv", "1\n1\n1\n1\n", "flat surface"),
         ("words.csv", "one\ntwo\n", "no row of numbers, but 'one'"),
         ("broken.npy", "no array", "no .npy array"),

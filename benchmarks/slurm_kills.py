@@ -20,7 +20,7 @@ from support.one_machine_slurm import one_machine_slurm
 CAMPAIGN = """\
 name: killed
 seed: 1
-realisations: 1200
+realisations: 3000
 scene:
   body: {poissons_ratio: 0.33}
   roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}

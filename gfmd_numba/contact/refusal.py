@@ -216,8 +216,6 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     for name, body in bodies.items():
         if body is None:
             continue
-        if body.stiffness_scale != 1.0:
-            yield "stiffness_scale", ("scene", name, "stiffness_scale")
         if getattr(body.roughness, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
         if body.layers is not None:

@@ -64,11 +64,12 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= length:
             raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in the unit of x")
-    nodes, kept = contact.sizes["y"] * contact.sizes["x"], _ARRAYS
-    if wanted.planes:
-        kept += _ARRAYS_OF_A_PLANE * wanted.z.size * contact.sizes["step"]
-    if allowed := beyond_memory(nodes, kept, f"{wanted.z.size} planes" if wanted.planes else "a section"):
-        raise InputError(f"planes: given {wanted.z.size} heights; allowed: {allowed}")
+    ny, nx, levels = contact.sizes["y"], contact.sizes["x"], wanted.z.size
+    if allowed := beyond_memory(ny * nx, _ARRAYS, "a section below it"):
+        raise InputError(f"contact: given {ny} x {nx} nodes; allowed: {allowed}")
+    kept = _ARRAYS + _ARRAYS_OF_A_PLANE * levels * contact.sizes["step"]
+    if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
+        raise InputError(f"planes: given {levels} heights; allowed: fewer, or {allowed}")
 
 
 def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wanted: Wanted) -> tuple[Axis, int]:

@@ -55,9 +55,9 @@ are in contact in one code and open in another. {agreement}
 
 [What can be combined](combinations.md) lists what gfmd-numba refuses. Some of it, and more, is in the other codes:
 
-- **Tamaas**: more laws of adhesion (squared exponential, Maugis) and friction along with them; plastic flow inside
-  the body with isotropic hardening; viscoelastic bodies (generalised Maxwell); an operator for contacts that are not
-  periodic; several threads (OpenMP), and many machines (MPI) when built from source.
+- **Tamaas**: more laws of adhesion (squared exponential, Maugis); plastic flow inside the body with isotropic
+  hardening; viscoelastic bodies (generalised Maxwell); an operator for contacts that are not periodic; several threads
+  (OpenMP), and many machines (MPI) when built from source.
 - **ContactMechanics**: contacts that are not periodic along one or both axes; many machines (MPI). Its companions are
   Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
 

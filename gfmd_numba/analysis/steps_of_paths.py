@@ -31,7 +31,7 @@ def steps_of(dataset: xr.Dataset, variable: str) -> list[xr.Dataset]:
 
 
 def joined(fits: Sequence[xr.Dataset]) -> xr.Dataset:
-    """One fit of the groups of several."""
+    """Return one fit with the groups of several."""
     whole = xr.concat(
         fits,
         "group",

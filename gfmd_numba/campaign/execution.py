@@ -29,8 +29,8 @@ class Workers:
     """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
 
     The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
-    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them, of whose state in the queue
-    `queue_told` is told. Workers `at_home` were started here, and store their blocks in the output directory
+    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them, with whose state in the
+    queue `queue_told` is called. Workers `at_home` were started here, and store their blocks in the output directory
     themselves; others hand them back.
     """
 

@@ -78,7 +78,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
 def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> Iterator[Any]:
     """Client of the workers in jobs of a cluster, which print into an output directory.
 
-    `told` learns how many jobs wait and run, whenever that changes.
+    `told` is called with the numbers of jobs that wait and run, whenever they change.
 
     Scheduler and workers speak TLS, and accept only who has the key of this run. Raises ConnectionError where jobs end
     again and again before their workers come.

@@ -31,8 +31,8 @@ class _Arrivals(SchedulerPlugin):
 class JobSupply(Adaptive):
     """Dask's adaptive scaling with demand counted in blocks, which ends idle jobs only and forgets jobs that ended.
 
-    Where jobs end again and again before a worker of theirs comes, it sets `fault` and cancels
-    the tasks of its client. Whenever other numbers of jobs wait and run than before, `told` is told.
+    Where jobs end again and again before a worker of theirs comes, it sets `fault` and cancels the tasks of its client.
+    `told` is called with the numbers of jobs that wait and run, whenever they change.
     """
 
     def __init__(

@@ -21,6 +21,6 @@ def with_measured_bodies(campaign: Campaign, document: Document) -> tuple[Campai
     return campaign.model_copy(update={"scene": scene}), measured
 
 
-def of_bodies(measured: MeasuredSurfaces, what: Literal["done", "doubts"]) -> list[str]:
+def said_of_bodies(measured: MeasuredSurfaces, what: Literal["done", "doubts"]) -> list[str]:
     """What was done to measured surfaces, or makes them implausible, each after the place of its surface."""
     return [f"{'.'.join(place)}: {told}" for place, surface in measured.items() for told in getattr(surface, what)]

@@ -17,7 +17,7 @@ from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
-from gfmd_numba.campaign.measured_bodies import of_bodies, with_measured_bodies
+from gfmd_numba.campaign.measured_bodies import said_of_bodies, with_measured_bodies
 from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
 from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
 from gfmd_numba.campaign.shards import Finished
@@ -76,13 +76,13 @@ class Plan:
     @property
     def validity(self) -> str:
         """Reasons to doubt the results: an implausible surface, or laws that a grid does not resolve."""
-        implausible = (*said_of(self.punches, "doubts"), *of_bodies(self.measured, "doubts"))
+        implausible = (*said_of(self.punches, "doubts"), *said_of_bodies(self.measured, "doubts"))
         return "\n".join(filter(None, (*implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:
         """What was done to measured surfaces."""
-        return "\n".join((*said_of(self.punches, "done"), *of_bodies(self.measured, "done")))
+        return "\n".join((*said_of(self.punches, "done"), *said_of_bodies(self.measured, "done")))
 
     @property
     def file_bytes(self) -> int:

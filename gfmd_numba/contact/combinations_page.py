@@ -80,7 +80,6 @@ PHRASES = {
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
     "sticking": "an infinite coefficient of friction",
-    "stiffness_scale": "`stiffness_scale`",
     "varied measured punch": "several measured surfaces of a punch",
     "target": "a `target`, or `gfmd run --until`,",
     "topography": "a rough body or two elastic bodies",

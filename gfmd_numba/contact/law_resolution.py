@@ -5,8 +5,10 @@ from math import ceil, sqrt
 
 import numpy as np
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import condensed_stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Discretisation, Document, Interface
 from gfmd_numba.scene.document import Location
 
@@ -77,7 +79,7 @@ def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
     """Which grid resolves the law of a problem, or that none within reach does."""
     needed, dimension = _needed(problem), len(problem.surface.shape)
     both = " both ways" if dimension == 2 else ""
-    length = "tangential_length" if _slips(problem) else "range"
+    length = "range" if problem.interface.cohesive is None else ("normal_length", "tangential_length")[_slips(problem)]
     if needed > _REACH[dimension]:
         return (
             f"No grid of up to {_REACH[dimension]} points{both} resolves the law: take a longer {length} or less work"
@@ -101,10 +103,16 @@ def _on(problem: Problem, nodes: int) -> tuple[float, float]:
     gap = laws.softening / float(condensed_stiffness(problem, shortest[1:])[0])
     if not laws.slip_softening > 0.0:
         return gap, 0.0
-    compliance = float(problem.body.compliance_along(shortest).s11[1])
-    if len(problem.surface.shape) == 2:  # a wave may also slip across its own direction, where bodies are softer
-        compliance = max(compliance, float(problem.body.compliance_across(shortest[1:])[0]))
-    return gap, laws.slip_softening * compliance
+    compliances, counter = _slip_compliances(problem.body, shortest), problem.counter
+    if counter is not None:
+        compliances = (1.0 - counter.share) * compliances + counter.share * _slip_compliances(counter.body, shortest)
+    ways = len(problem.surface.shape)  # of a map a wave may also slip across its own direction, where bodies are softer
+    return gap, laws.slip_softening * float(compliances[:ways].max())
+
+
+def _slip_compliances(body: ElasticBody, shortest: Reals) -> Reals:
+    """Compliances of a body to slip along the shortest wave and across it, with waves [0, q]."""
+    return np.array([body.compliance_along(shortest).s11[1], body.compliance_across(shortest[1:])[0]])
 
 
 def _needed(problem: Problem) -> int:

@@ -88,7 +88,7 @@ def _features(
     if isinstance(scene, LoadedBody):
         parts.append(_of_loaded_body(scene))
     else:
-        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics)]
+        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics, grid or {})]
     for feature, location in chain(*parts):
         found.setdefault(feature, []).append(location)
     return found
@@ -147,17 +147,16 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
 
 
-def _of_rough_friction(scene: Scene, numerics: Numerics) -> Iterator[tuple[str, Location]]:
+def _of_rough_friction(scene: Scene, numerics: Numerics, grid: Grid) -> Iterator[tuple[str, Location]]:
     """Friction of rough deformable bodies, where it is known at order 0 in their slope alone."""
-    friction = scene.interface.friction
-    if friction is None or not scene.follows_topography:
+    if scene.interface.friction is None or not scene.follows_topography:
         return
     if scene.dimension == 2:
         yield "friction on maps", ("scene", "interface", "friction")
     elif scene.roughness is not None or scene.counter_body is not None:
         yield "friction on inclined surfaces", ("scene", "interface", "friction")
     laws = [law for law in scene.interface.laws.values() if law.ability == "normal law"]
-    if laws or isinf(friction.coefficient) or numerics.solver == "verlet":
+    if laws or any(_infinite_friction(scene, grid)) or numerics.solver == "verlet":
         yield "friction by dynamics", ("scene", "interface", "friction")
 
 
@@ -217,8 +216,6 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     for name, body in bodies.items():
         if body is None:
             continue
-        if body.stiffness_scale != 1.0:
-            yield "stiffness_scale", ("scene", name, "stiffness_scale")
         if getattr(body.roughness, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
         if body.layers is not None:

@@ -80,9 +80,10 @@ def read_boundary(
 
 
 def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy: str) -> dict[str, Reals]:
-    """The same with a mean of exactly 0 of the traction of that name; raises InputError, naming the remedy, if not.
+    """Return the arrays, of which the traction of that name then has a mean of exactly 0.
 
-    A mean below 1e-6 of the largest traction is rounding, as of a text file, and subtracted.
+    A mean below 1e-6 of the largest traction is rounding, as of a text file, and is subtracted. Raises InputError, with
+    the remedy, for a larger one.
     """
     if name not in arrays:
         return dict(arrays)

@@ -138,7 +138,7 @@ class ElasticBody:
         return np.asarray(1.0 / (q * self._across(q)))
 
     def transfer_across(self, depth: float, q: Reals) -> tuple[Reals, Reals]:
-        """Displacement of such waves and its slope in z over q at a depth, over the displacement of the surface."""
+        """Displacement of waves q > 0 of shear across q, and its slope over q at a depth, over that of the surface."""
         if self.stack is not None:
             return self.stack.transfer_across(depth, q)
         if self.aspect_ratio is None:

@@ -70,12 +70,7 @@ def surface_under_tractions(tractions: Reals, body: ElasticBody) -> MapSurface:
 def formed_surface(heights: Reals) -> MapSurface:
     """Surface of a body displaced by (0, 0, h), `[y, x]` of zero mean and without its Nyquist waves (thesis 5.15)."""
     shape = heights.shape
-    coefficients = grid.coefficients(heights, 2)
-    if shape[0] % 2 == 0:
-        coefficients[shape[0] // 2] = 0.0
-    if shape[1] % 2 == 0:
-        coefficients[:, -1] = 0.0
-    out = _both_nyquist_rows(coefficients, shape)
+    out = _both_nyquist_rows(grid.without_nyquist(grid.coefficients(heights, 2), shape), shape)
     none = (0.0, 0.0, 0.0)
     return MapSurface(shape, np.zeros_like(out), np.zeros_like(out), out, none, none, *_magnitudes(shape))
 

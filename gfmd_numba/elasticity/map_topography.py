@@ -154,9 +154,4 @@ def _on_finer_grid(waves: Complexes, finer: tuple[int, ...]) -> Reals:
 
 def _band(samples: Reals, shape: tuple[int, ...]) -> Complexes:
     """Coefficients of the waves of a grid of this shape, without the Nyquist waves."""
-    kept = grid.coefficients(samples, 2)[grid.wave_indices(shape)].copy()
-    if shape[0] % 2 == 0:
-        kept[shape[0] // 2] = 0.0
-    if shape[1] % 2 == 0:
-        kept[:, -1] = 0.0
-    return kept
+    return grid.without_nyquist(grid.coefficients(samples, 2)[grid.wave_indices(shape)], shape)

@@ -128,10 +128,7 @@ def _fine(nx: int, order: int) -> int:
 
 def _band(samples: Reals, nx: int) -> Complexes:
     """Coefficients `[..., nx // 2 + 1]` of the waves of nx points, without the Nyquist wave."""
-    kept = grid.coefficients(samples)[..., : nx // 2 + 1].copy()
-    if nx % 2 == 0:
-        kept[..., -1] = 0.0
-    return kept
+    return grid.without_nyquist(grid.coefficients(samples)[..., : nx // 2 + 1], (nx,))
 
 
 def _state_at_depth(on_top: PlaneState, depth: float, nx: int, body: ElasticBody) -> PlaneState:

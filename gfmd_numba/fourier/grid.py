@@ -103,6 +103,16 @@ def derivative(spectrum: Complexes) -> Complexes:
     return 1j * wavenumbers(2 * spectrum.shape[-1] - 2) * spectrum
 
 
+def without_nyquist(spectrum: Complexes, shape: tuple[int, ...]) -> Complexes:
+    """Coefficients `[..., (ny,) nx // 2 + 1]` on a grid of this shape, nx or ny, nx, with zero in the Nyquist waves."""
+    kept = spectrum.copy()
+    if shape[-1] % 2 == 0:
+        kept[..., -1] = 0.0
+    if len(shape) == 2 and shape[0] % 2 == 0:
+        kept[..., shape[0] // 2, :] = 0.0
+    return kept
+
+
 def influence(symbol: Reals, *shape: int) -> Reals:
     """Influence coefficients `[(y,) x]` of a symbol: what one unit at the origin alone causes on every node.
 

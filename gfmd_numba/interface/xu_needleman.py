@@ -100,7 +100,7 @@ class XuNeedlemanLaw:
     def pull_on_map(
         self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Indices, n: int
     ) -> None:
-        """The same of a map, dragged along x and y; tangential rows are the x components, then the y components."""
+        """Do the same on maps, dragged along x and y; tangential rows are the x components, then the y components."""
         x, y = (float(way) for way in sliding.flat)
         kernels.xu_needleman_map_pull(u1, k1, u3, k3, punch, x, y, active, n, self.work, self.normal, self.tangential)
 

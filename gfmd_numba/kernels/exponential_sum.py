@@ -29,9 +29,8 @@ def exponential_sum_factor(
     """Factor the sum on the first `count` of the nodes, which follow each other around a period of n.
 
     `near` `[distance, rate]` are decays over short distances. `own` `[node]` is what each node adds to the diagonal; it
-    may be empty. `decay` and `lower` are `[node, rate]`, `carried` `[rate,
-    rate]` is scratch. Pivots below `floor` are lifted to it: the factors then are those of some positive definite
-    matrix, whatever the weights.
+    may be empty. `decay` and `lower` are `[node, rate]`, `carried` `[rate, rate]` is scratch. Pivots below `floor` are
+    lifted to it: the factors then are those of some positive definite matrix, whatever the weights.
     """
     terms = rates.size
     carried[:] = 0.0

@@ -57,7 +57,7 @@ def xu_needleman_map_pull(
     normal: float,
     tangential: float,
 ) -> None:
-    """The same on maps, where the rows of u1 and k1 are the x components of all realisations, then the y components."""
+    """Do the same on maps, where rows of u1 and k1 are the x components of all realisations, then the y components."""
     rows = punch.shape[0]
     for i in active:
         for j in range(n):

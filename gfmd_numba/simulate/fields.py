@@ -12,7 +12,7 @@ from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.simulate import map_fields
-from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, begun
+from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, add_formed, add_von_mises, begun
 from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
 from gfmd_numba.text.input_error import brief
 
@@ -32,13 +32,16 @@ def body_fields(
     `z` counts from the mean plane of the undeformed surface, negative inside, in m (L_x without a length); by default
     101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface; at an
     interface of layers stresses are those above it. Stresses are in Pa (E* without a modulus), numbered as Voigt does.
+
     Below a map the fields are on the vertical section nearest to `y` `(z, x)` or to `x` `(z, y)`, without either on
     the one through the largest von Mises stress, or on whole horizontal `planes` at these z `(z, y, x)`; `peak_...`
     `(z)` is the largest stress of each whole plane, and its place.
-    (x, z) of a rough body are labels, its places while it was flat:
-    `formed_1` and `formed_3` (u'' of thesis 5.2) take them to the stress-free body. A `counter_body` is seen in axes of
-    its own, z out of it. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the
-    body, planes that do not fit in memory, and a dataset that no contact was solved for. Thesis (2.4) to (2.6), (5.6).
+
+    (x, z) of a rough body are labels, its places while it was flat: `formed_1` and `formed_3` (u'' of thesis 5.2) take
+    them to the stress-free body; `formed_2`, along y, is there below maps. A `counter_body` is seen in axes of its own,
+    z out of it. What belongs to a run that is not ok is not-a-number. Raises InputError for z outside the body, x or y
+    outside the period or of a profile, planes that do not fit in memory, and a dataset that no contact was solved for.
+    Thesis (2.4) to (2.6), (5.6).
     """
     scene, order = described(contact, body)
     asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
@@ -105,12 +108,8 @@ def _one(
         values = replace(values, stress2=np.zeros_like(values.stress2))
     dataset = begun(contact, z, scales)
     add_fields(dataset, ("z", "x"), vars(values), OF_PROFILES, scales, int(contact["status"]) != 0)
-    stresses = (dataset[f"stress_{i}"].values for i in (1, 2, 3, 5))
-    attributes = scales.attributes("stress", "von Mises's equivalent stress")
-    dataset["von_mises"] = (("z", "x"), fields.von_mises(*stresses), attributes)
+    add_von_mises(dataset, ("z", "x"), scales)
     if formed is not None:
-        for variable, moved in (("formed_1", formed.u1), ("formed_3", formed.u3)):
-            attributes = scales.attributes("length", "displacement that forms the topography")
-            dataset[variable] = (("z", "x"), moved * length, attributes)
+        add_formed(dataset, ("z", "x"), {"formed_1": formed.u1, "formed_3": formed.u3}, scales)
     dataset["pressure"] = ("x", -normal, scales.attributes("stress", "pressure on the surface"))
     return dataset

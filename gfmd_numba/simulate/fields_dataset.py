@@ -9,6 +9,7 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import effective_modulus
 from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
+from gfmd_numba.elasticity import fields
 from gfmd_numba.scene import Body, InputError
 
 Names = Mapping[str, tuple[str, str, str]]  # of a field: of its variable, its kind, and in words
@@ -82,3 +83,17 @@ def add_fields(
                 "contact: given a contact whose fields are not finite; allowed: what gfmd_numba.solve returns"
             )
         dataset[variable] = (dims, scaled, scales.attributes(kind, long_name))
+
+
+def add_von_mises(dataset: xr.Dataset, dims: Sequence[str], scales: Scales) -> None:
+    """Add von Mises's equivalent stress of all stresses that are there."""
+    stresses = (dataset[f"stress_{i}"].values for i in range(1, 7) if f"stress_{i}" in dataset)
+    attributes = scales.attributes("stress", "von Mises's equivalent stress")
+    dataset["von_mises"] = (dims, fields.von_mises(*stresses), attributes)
+
+
+def add_formed(dataset: xr.Dataset, dims: Sequence[str], moved: Mapping[str, Reals], scales: Scales) -> None:
+    """Add the displacements (L_x) that form a topography from a flat body, by their names."""
+    attributes = scales.attributes("length", "displacement that forms the topography")
+    for name, values in moved.items():
+        dataset[name] = (dims, values * scales.worth["length"], attributes)

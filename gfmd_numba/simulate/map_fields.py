@@ -6,13 +6,13 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import fields, map_fields, map_sections
+from gfmd_numba.elasticity import map_fields, map_sections
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES, MapSurface
 from gfmd_numba.elasticity.map_sections import Axis, Largest
 from gfmd_numba.scene import Body, InputError
 from gfmd_numba.scene.memory import beyond_memory
-from gfmd_numba.simulate.fields_dataset import OF_MAPS, Scales, add_fields, begun
+from gfmd_numba.simulate.fields_dataset import OF_MAPS, Scales, add_fields, add_formed, add_von_mises, begun
 from gfmd_numba.simulate.solved_contact import tractions_on
 from gfmd_numba.text.input_error import brief
 
@@ -64,11 +64,12 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= length:
             raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in the unit of x")
-    nodes, kept = contact.sizes["y"] * contact.sizes["x"], _ARRAYS
-    if wanted.planes:
-        kept += _ARRAYS_OF_A_PLANE * wanted.z.size * contact.sizes["step"]
-    if allowed := beyond_memory(nodes, kept, f"{wanted.z.size} planes" if wanted.planes else "a section"):
-        raise InputError(f"planes: given {wanted.z.size} heights; allowed: {allowed}")
+    ny, nx, levels = contact.sizes["y"], contact.sizes["x"], wanted.z.size
+    if allowed := beyond_memory(ny * nx, _ARRAYS, "a section below it"):
+        raise InputError(f"contact: given {ny} x {nx} nodes; allowed: {allowed}")
+    kept = _ARRAYS + _ARRAYS_OF_A_PLANE * levels * contact.sizes["step"]
+    if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
+        raise InputError(f"planes: given {levels} heights; allowed: fewer, or {allowed}")
 
 
 def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wanted: Wanted) -> tuple[Axis, int]:
@@ -103,13 +104,11 @@ def _section(
     dataset.coords[across] = cut[across]
     failed = int(step["status"]) != 0
     add_fields(dataset, ("z", along), dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
-    _add_von_mises(dataset, ("z", along), scales)
+    add_von_mises(dataset, ("z", along), scales)
     if f"{name}_height" in step:
         flat = map_fields.formed_surface(step[f"{name}_height"].values / length)
         formed = map_sections.section(flat, z / length, elastic, across, at, DISPLACEMENTS)
-        for i, moved in enumerate(formed):
-            attributes = scales.attributes("length", "displacement that forms the topography")
-            dataset[f"formed_{i + 1}"] = (("z", along), moved * length, attributes)
+        add_formed(dataset, ("z", along), {f"formed_{i}": moved for i, moved in enumerate(formed, 1)}, scales)
     _add_pressure(dataset, step, name, scales, {across: node})
     return dataset
 
@@ -122,15 +121,9 @@ def _planes(
     values = np.stack([map_sections.plane(surface, float(height), elastic, _NAMES) for height in heights], axis=1)
     failed = int(step["status"]) != 0
     add_fields(dataset, dims, dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
-    _add_von_mises(dataset, dims, scales)
+    add_von_mises(dataset, dims, scales)
     _add_pressure(dataset, step, name, scales, {})
     return dataset
-
-
-def _add_von_mises(dataset: xr.Dataset, dims: tuple[str, ...], scales: Scales) -> None:
-    stresses = (dataset[f"stress_{i}"].values for i in range(1, 7))
-    attributes = scales.attributes("stress", "von Mises's equivalent stress")
-    dataset["von_mises"] = (dims, fields.von_mises(*stresses), attributes)
 
 
 def _add_pressure(dataset: xr.Dataset, step: xr.Dataset, name: str, scales: Scales, cut: dict[str, int]) -> None:

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
+from gfmd_numba.solvers.growing_wave import growing_wave
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stagnation import Stagnation
@@ -170,9 +170,13 @@ def equilibrate(
         result.wall_time[rows] = (time.perf_counter() - started) * share
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
         _add_tractions_of_laws(result, interface, punch, sliding)
-    if (result.status == Status.unstable).any():
-        return replace(result, growing_wave=_growing_wave(result, stiffness, load is not None))
-    return result
+    unstable = result.status == Status.unstable
+    if not unstable.any():
+        return result
+    sideways = None if result.tangential is None else result.tangential.displacement[unstable]
+    growing = np.full(realisations, -1, dtype=np.int64)
+    growing[unstable] = growing_wave(result.displacement[unstable], sideways, stiffness, load is not None)
+    return replace(result, growing_wave=growing)
 
 
 def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: Reals, sliding: Reals | float) -> None:
@@ -237,22 +241,6 @@ def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
     if pressure == np.inf:
         return np.zeros(rows.size, dtype=np.bool_)
     return np.asarray((result.pressure[rows] > pressure).reshape(rows.size, -1).any(axis=1))
-
-
-def _growing_wave(result: Equilibrium, stiffness: Stiffness, free_mean: bool) -> Indices:
-    """Index of the wave of the largest restoring tractions where a run ended unstable: it blew up from nothing."""
-    unstable = result.status == Status.unstable
-    normal = stiffness if isinstance(stiffness, np.ndarray) else stiffness.k33
-    tractions = np.abs(grid.coefficients(result.displacement[unstable], normal.ndim)) * normal
-    if free_mean:
-        tractions.reshape(len(tractions), -1)[:, 0] = 0.0
-    if not isinstance(stiffness, np.ndarray) and result.tangential is not None:
-        sideways = np.abs(grid.coefficients(result.tangential.displacement[unstable], normal.ndim)) * stiffness.k11
-        tractions = np.maximum(tractions, sideways if normal.ndim == 1 else sideways.max(axis=1))
-    growing = np.full(len(unstable), -1, dtype=np.int64)
-    index = grid.magnitudes(result.displacement.shape[1:]).ravel() / (2.0 * np.pi)
-    growing[unstable] = np.round(index[tractions.reshape(len(tractions), -1).argmax(axis=1)])
-    return growing
 
 
 def _with_free_mean(stiffness: Stiffness) -> Stiffness:

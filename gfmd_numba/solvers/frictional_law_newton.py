@@ -37,7 +37,7 @@ class FrictionalLawNewton:
     Before the first step, and where steps come no closer, the normal contact descends its energy under the
     tangential tractions found last (`TruncatedNewton`), so that an adhesive contact stays on its branch. A step of
     Newton's method then takes the law as linear about the last gap. The bound of friction is what the wall bears: the
-    traction of the law does not count.
+    traction of the law does not count. Raises ValueError unless friction, a law of the gap and a wall all act.
     """
 
     check_every = 1
@@ -224,7 +224,7 @@ class FrictionalLawNewton:
         guess.give[goes_on] = size[goes_on] / held[goes_on]
         bears = contact & ~leaves
         wrong = np.flatnonzero(leaves | joins | gives_way | turns_back)
-        self._tell(i, wrong.size)
+        self._judge_progress(i, wrong.size)
         if self._tries[i] > 0 and self._tries[i] % 3 == 0 and wrong.size > 1:
             others = wrong[:-1]
             leaves[others] = joins[others] = False
@@ -264,8 +264,8 @@ class FrictionalLawNewton:
         far = (forth > 0.0) & (size * self._near.tangential_of_a_node > held)
         return np.where(bears & ~far, anchor - against * shear, u)
 
-    def _tell(self, i: int, changed: int) -> None:
-        """Remember how far a step has come, and lose patience if that is no closer."""
+    def _judge_progress(self, i: int, changed: int) -> None:
+        """Remember how far a step has come; patience runs out where steps come no closer."""
         if changed > _FALLS * self._changed[i]:
             self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
         self._changed[i] = changed

@@ -1,4 +1,4 @@
-"""When a run no longer converges: rounding, say, keeps the residual where it is."""
+"""Whether a run has stopped converging, because rounding, say, keeps the residual where it is."""
 
 import numpy as np
 
@@ -12,17 +12,18 @@ _SHARE = 2.0  # looks without progress over those that it took to get there
 
 
 class Stagnation:
-    """Looks at the residuals of some rows, and which of them have stopped falling.
+    """Watch the residuals of some rows, and tell which of them have stopped falling.
 
-    A row has when its least residual was reached in the first third of the run, has not fallen by a tenth since, and
-    the residual has stayed near it. A run that converges as slowly as t^-0.1 still falls by more.
+    The residual of a row has stopped falling if its least value was reached in the first third of the run, has not
+    fallen by a tenth since, and the residual has stayed near it. A run that converges as slowly as t^-0.1 still falls
+    by more.
     """
 
     def __init__(self, rows: int) -> None:
         self._least, self._reached, self._looks = np.full(rows, np.inf), np.zeros(rows, dtype=np.int64), 0
 
     def look(self, residual: Reals, active: Indices) -> Flags:
-        """Return which of the active rows have stopped; once after each look at their residuals `[active]`."""
+        """Return which of the active rows have stopped, by their residuals `[active]`; to be called once a look."""
         self._looks += 1
         least = self._least[active]
         with np.errstate(invalid="ignore"):

@@ -114,3 +114,9 @@ def test_higher_orders_are_refused_by_name_beside_what_is_known_at_order_0_alone
     said = rf"numerics.topography_order: given 1; allowed: 0, or nothing, beside {beside}.* \(not built yet\)"
     with pytest.raises(InputError, match=said):
         plan(of(name, numerics={"topography_order": 1}))
+
+
+def test_a_higher_order_is_refused_where_the_grid_makes_friction_infinite():
+    grid = {"friction_coefficient": [0.3, float("inf")]}
+    with pytest.raises(InputError, match=r"given 2; allowed: 0, or nothing, beside friction with coefficient \.inf"):
+        plan(of("friction on a body at order 2", grid=grid))

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from gfmd_numba.contact.law_resolution import COARSEST, REFUSED, doubt, resolution
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.problem import CounterBody, Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -72,6 +72,23 @@ def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
     by_slip = LAW.slip_softening / min(slips_along, slips_across)
     assert resolution(map_) == pytest.approx(by_slip)
     assert resolution(map_) >= resolution(problem(64, LAW, body))
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_between_two_bodies_the_compliances_to_slip_add_up(dimension):
+    body, counter = ElasticBody(0.5, 0.02), CounterBody(ElasticBody(0.0, 3e-3), 0.9)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, 16), 64, 1, dimension=dimension)
+    found, facing = (each.stiffness_of_all(surface.shape) for each in (body, counter.body))
+    elements = found.in_series(facing, 0.9).elements
+    slips = [np.ravel(element[..., -1])[0] for element in elements]  # at Nyquist along x
+    by_slip = LAW.slip_softening / (slips[0] if dimension == 1 else min(slips[0], slips[2]))
+    assert resolution(replace(problem(64, LAW, body), surface=surface, counter=counter)) == pytest.approx(by_slip)
+
+
+def test_the_length_that_is_too_short_is_named_as_in_the_scene():
+    gap, slip = (problem(128, XuNeedlemanLaw(6e-3, *lengths)) for lengths in ((3e-3, 1.0), (1.0, 5e-3)))
+    assert "or a longer normal_length" in doubt(gap, None)
+    assert "or a longer tangential_length" in doubt(slip, None)
 
 
 def largest_drag(nodes):

@@ -1,5 +1,7 @@
 """Fields in the body below a solved map: sections and planes, as datasets, pictures and on the command line."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -167,10 +169,30 @@ def test_a_run_that_failed_has_no_fields():
         ({"z": [-0.1], "planes": [-0.1]}, "planes: given .* beside z; allowed: either"),
         ({"planes": [-0.6]}, "planes: given -0.6; allowed: one row of heights"),
         ({"planes": []}, "planes: given an array of shape"),
-        ({"planes": -np.linspace(0, 0.5, 10**6)}, "planes: given 1000000 heights; allowed: a grid that fits in"),
+        (
+            {"planes": -np.linspace(0, 0.5, 10**6)},
+            "planes: given 1000000 heights; allowed: fewer, or a grid that fits in",
+        ),
     ],
 )
 def test_sections_that_cannot_be_are_refused(contact, asked, message):
+    with pytest.raises(InputError, match=f"^{message}"):
+        gfmd_numba.body_fields(contact, **asked)
+
+
+@pytest.mark.parametrize(
+    ("total", "asked", "message"),
+    [
+        (1e6, {}, "contact: given 64 x 64 nodes; allowed: a grid that fits in .* where a section below it needs"),
+        (
+            2e6,
+            {"planes": [0.0, -0.1]},
+            "planes: given 2 heights; allowed: fewer, or a grid .* this stack of planes needs",
+        ),
+    ],
+)
+def test_fields_beyond_the_memory_are_refused_by_what_was_asked(contact, monkeypatch, total, asked, message):
+    monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=total))
     with pytest.raises(InputError, match=f"^{message}"):
         gfmd_numba.body_fields(contact, **asked)
 

@@ -67,7 +67,7 @@ class MapTractions:
         self._dragged = np.empty(0, dtype=np.int64)
 
     def order(self, flags: Flags) -> Indices:
-        """Return the nodes, first the first."""
+        """Return the nodes in ascending order."""
         return np.flatnonzero(flags)
 
     def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:

@@ -1,0 +1,92 @@
+"""Pictures of contacts, fields and surfaces say what they show, in one unit a quantity, with nothing cut off."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.analysis import plot_body, plot_contact
+from support.legible import faults
+
+BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
+ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
+SCENE = {
+    "length": 1e-4,
+    "body": BODY,
+    "roughness": ROUGH,
+    "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}},
+    "loading": {"reduced_pressure": 0.05},
+}
+GRID = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+
+
+@pytest.fixture(scope="module")
+def dragged():
+    return gfmd_numba.solve({"scene": SCENE, "discretisation": GRID, "path": [{"sliding": 5e-9}]})
+
+
+@pytest.fixture(scope="module")
+def dragged_map():
+    return gfmd_numba.solve(
+        {"scene": SCENE | {"dimension": 2}, "discretisation": GRID | {"eps_f": 1 / 4}, "path": [{"sliding": 5e-9}]}
+    )
+
+
+def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressure(dragged):
+    figure = plot_contact(dragged)
+    below = figure.axes[-1]
+    assert below.get_ylabel() == r"Tractions $p$, $\tau$ (MPa)"
+    drawn = {line.get_label(): line.get_ydata() for line in below.lines}
+    np.testing.assert_allclose(drawn[r"tangential $\tau$"], dragged["tangential_traction"][-1] / 1e6)
+    assert below.get_ylim()[0] < drawn[r"tangential $\tau$"].min() < 0.0
+    assert faults(figure) == []
+
+
+def test_the_punch_reaches_the_top_of_the_picture_however_far_the_close_up_goes(dragged):
+    dragged = dragged.copy()
+    dragged["gap"] = 0.0 * dragged["gap"]
+    whole = plot_contact(dragged).axes[0]
+    punch = whole.collections[0].get_paths()[0].vertices[:, 1]
+    assert punch.max() == pytest.approx(whole.get_ylim()[1], rel=1e-9)
+
+
+def test_a_section_without_contact_says_so_and_its_deep_maximum_leaves_the_title_whole(dragged_map):
+    fields = gfmd_numba.body_fields(dragged_map, y=50e-6).copy(deep=True)
+    fields["pressure"][:] = 0.0
+    fields["von_mises"][:, np.argmin(np.abs(fields["z"].values + 14e-6)), 7] = 1e9
+    figure = plot_body(fields)
+    assert [text.get_text() for text in figure.axes[0].texts] == ["no pressure along this section"]
+    assert figure.axes[0].get_ylabel() == "Pressure $p$"
+    assert faults(figure) == []
+
+
+@pytest.mark.parametrize("where", [{"y": 50e-6}, {"planes": [-1e-6, -5e-6]}])
+def test_fields_along_a_path_name_the_step_that_they_show(dragged_map, where):
+    figure = plot_body(gfmd_numba.body_fields(dragged_map, **where))
+    assert figure.get_suptitle() == plot_contact(dragged_map).get_suptitle() != ""
+    assert faults(figure) == []
+
+
+def test_the_pressure_lies_right_above_the_section(dragged):
+    figure = plot_body(gfmd_numba.body_fields(dragged))
+    figure.draw_without_rendering()
+    above, whole = (axis.get_window_extent() for axis in figure.axes[:2])
+    assert abs(above.x0 - whole.x0) < 2.0
+    assert abs(above.x1 - whole.x1) < 2.0
+
+
+def test_heights_of_a_map_are_called_those_of_both_surfaces_where_the_body_is_rough():
+    scene = {name: SCENE[name] for name in ("length", "loading")} | {"interface": {"hard_wall": {}}, "dimension": 2}
+    rough = gfmd_numba.solve({"scene": scene | {"body": BODY | {"roughness": ROUGH}}, "discretisation": GRID})
+    assert plot_contact(rough).axes[0].images[0].colorbar.ax.get_xlabel() == "Height of both surfaces together (nm)"
+
+
+@pytest.mark.parametrize(("tension", "extend"), [(0.0, "max"), (1e6, "both")])
+def test_a_tension_beyond_the_colours_of_the_pressure_has_an_arrow(dragged_map, tension, extend):
+    pulled = dragged_map.copy(deep=True)
+    pulled["pressure"] = pulled["pressure"] - tension * (pulled["gap"] > 0.0)
+    (bar,) = (
+        axis.images[0].colorbar
+        for axis in plot_contact(pulled).axes
+        if axis.images and "Pressure" in axis.images[0].colorbar.ax.get_xlabel()
+    )
+    assert bar.extend == extend

@@ -5,6 +5,10 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import plot_body, plot_contact
+from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.path import plot_path
+from gfmd_numba.analysis.plots.statistics import plot_statistics
+from gfmd_numba.analysis.plots.surface import plot_surface
 from support.legible import faults
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
@@ -90,3 +94,41 @@ def test_a_tension_beyond_the_colours_of_the_pressure_has_an_arrow(dragged_map, 
         if axis.images and "Pressure" in axis.images[0].colorbar.ax.get_xlabel()
     )
     assert bar.extend == extend
+
+
+def test_a_traction_left_by_a_residual_is_drawn_in_one_colour():
+    boundary = {"normal_traction": 1e6, "tangential_traction": 2e5}
+    loaded = gfmd_numba.solve(
+        {"scene": {"dimension": 2, "length": 1e-4, "body": BODY, "boundary": boundary}, "points": 16}
+    ).copy(deep=True)
+    loaded["tangential_traction_y"][:] = 1e-3 * np.random.default_rng(1).standard_normal((16, 16))
+    image = plot_loaded_body(loaded).axes[5].images[0]
+    assert np.ptp(image.norm(image.get_array())) < 1e-6
+    assert image.norm.vmax == pytest.approx(1.0)  # MPa, the largest component
+
+
+def test_wave_numbers_are_in_the_unit_of_lengths_and_their_labels_keep_apart():
+    surface = {"method": "psd", "hurst": 0.8, "rms_height": 3e-7, "points": 96, "cut_on": "3 um", "roll_off": "50 um"}
+    figure = plot_surface(gfmd_numba.make_surface({"surface": surface, "length": 96e-6, "dimension": 2}))
+    (spectrum,) = (axis for axis in figure.axes if "Wave number" in axis.get_xlabel())
+    assert spectrum.get_xlabel() == "Wave number $q$ (1/µm)"
+    assert spectrum.lines[0].get_xdata()[0] == pytest.approx(2.0 * np.pi / 96.0, rel=0.5)
+    assert faults(figure) == []
+
+
+def test_a_load_in_a_legend_has_four_digits(dragged):
+    statistics = gfmd_numba.contact_statistics(dragged.isel(step=0))
+    statistics["reduced_pressure"] = 0.0122897
+    (legend,) = plot_statistics(statistics).legends
+    assert legend.get_texts()[0].get_text() == r"$\bar{p}^* = 0.01229$"
+
+
+def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
+    campaign = {"name": "lost", "seed": 1, "realisations": 3, "scene": SCENE, "reference": GRID}
+    campaign |= {"grid": {"hurst": [0.3, 0.8]}, "path": [{"sliding": 4e-8}, {"sliding": 0.0}]}
+    found = gfmd_numba.run(campaign, tmp_path / "out").copy(deep=True)
+    spread = np.array([0.1, 0.2, 2.7]) * 9e-4  # J/m^2: one of three is above 1 mJ/m^2, their mean is not
+    found["hysteresis"][:] = spread
+    found["energy_lost"][:] = spread[:, None] * [0.0, 0.5, 0.5]
+    labels = [axis.get_ylabel() for axis in plot_path(found).axes if "Energy" in axis.get_ylabel()]
+    assert labels == ["Energy lost so far per area (µJ/m²)", "Energy lost per area (µJ/m²)"]

@@ -9,7 +9,7 @@ from support.eyes import contrast_to_white
 
 
 def faults(figure):
-    """Return what cannot be read in a picture on white: text below 4.5 : 1, ticks that collide, a legend cut off."""
+    """Return what cannot be read in a picture on white: text below 4.5 : 1, ticks that collide, what is cut off."""
     figure.draw_without_rendering()
     found = [
         f"faint: {each.get_text()}"
@@ -29,6 +29,11 @@ def faults(figure):
         box = legend.get_window_extent()
         if box.x0 < frame.x0 or box.y0 < frame.y0 or box.x1 > frame.x1 or box.y1 > frame.y1:
             found.append(f"cut off: {[text.get_text() for text in legend.get_texts()]}")
+    titles = [each for axis in figure.axes for each in (axis.title, axis.xaxis.label, axis.yaxis.label)]
+    for text in (each for each in titles if each.get_text() and each.get_visible()):
+        box = text.get_window_extent()
+        if box.x0 < frame.x0 or box.y0 < frame.y0 or box.x1 > frame.x1 or box.y1 > frame.y1:
+            found.append(f"cut off: {text.get_text()}")
     return found
 
 

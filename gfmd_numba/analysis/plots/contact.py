@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.contact_map import plot_map
+from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
 
@@ -18,37 +19,16 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
     """
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
-    title = _of_steps(dataset)
+    step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     figure = plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
-    if title:
-        figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+    if step:
+        figure.suptitle(step, fontsize=11, x=0.01, ha="left")
     return figure
 
 
-def _of_steps(dataset: xr.Dataset) -> str:
-    """Which step of a path is drawn, and its loading."""
-    if dataset.sizes.get("step", 1) == 1:
-        return ""
-    said = f"Step {dataset.sizes['step'] - 1}, the last"
-    for name, symbol, natural in _PRESCRIBED:
-        if name in dataset and dataset[name].any():
-            factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
-            times = r"$\times$" if unit.startswith("$10^") else " "
-            said += f", {symbol} = {factor * float(dataset[name][-1]):.4g}" + (f"{times}{unit}" if unit else "")
-    return said
-
-
-_PRESCRIBED = (
-    ("reduced_pressure", "$p^*$", ""),
-    ("punch_displacement", "punch displacement", "L_x"),
-    ("sliding", "sliding", "L_x"),
-    ("sliding_y", "sliding along $y$", "L_x"),
-)
-
-
 def _plot_profile(dataset: xr.Dataset) -> Figure:
-    """Punch and body over x, with the pressure below."""
+    """Punch and body over x, with the pressure below, and the tangential traction where there is one."""
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
@@ -56,19 +36,25 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
     factor, unit = prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
-    pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
+    tractions = {"$p$": dataset["pressure"]}
+    if "tangential_traction" in dataset:
+        tractions[r"$\tau$"] = dataset["tangential_traction"]
+    per_unit, unit_of_tractions = prefix(max(tractions.values(), key=lambda each: float(abs(each).max())), "E^*")
+    pressure, *tangential = (per_unit * each.values for each in tractions.values())
+    named = "Pressure $p$" if not tangential else r"Tractions $p$, $\tau$"
     with mpl.rc_context(STYLE):
         figure = Figure((9.0, 6.6), dpi=150, layout="constrained")
         whole, above, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 6, 4])
-        whole.fill_between(x, high, high.max(), color="0.82", lw=0)
+        # valleys of the punch rise far above the contact: the close-up below follows the body
+        span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
+        bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
+        highest = max(top, high.max())
+        whole.fill_between(x, high, highest, color="0.82", lw=0)
         whole.plot(x, high, color="0.35", lw=0.8)
         whole.plot(x, low, color=COLOURS[0], lw=1.2)
         whole.set(ylabel=f"Height ({unit})")
         whole.margins(y=0.0)
-        # valleys of the punch rise far above the contact: the close-up below follows the body
-        span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
-        bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
-        above.fill_between(x, high, max(top, high.max()), color="0.82", lw=0, label=above_it)
+        above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
         above.plot(x, high, color="0.35", lw=1.0)
         above.plot(x, low, color=COLOURS[0], lw=1.2)
@@ -78,9 +64,11 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
         below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         below.plot(x, pressure, color=COLOURS[1], lw=0.9)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
-        below.set(xlabel=x_label, ylabel=pressure_label)
-        if pressure.min() >= 0:
+        for traction in tangential:
+            below.plot(x, traction, color=COLOURS[0], lw=1.1, label=r"tangential $\tau$")
+        below.set(xlabel=x_label, ylabel=f"{named} ({unit_of_tractions})")
+        if min(each.min() for each in (pressure, *tangential)) >= 0:
             below.set_ylim(bottom=0)
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
-        figure.legend(handles=handles, loc="outside lower center", ncols=4)  # above stands the step
+        figure.legend(handles=handles, loc="outside lower center", ncols=4 + len(tangential))  # above stands the step
     return figure

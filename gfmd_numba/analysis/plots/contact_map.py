@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.plots.cohesion_map import draw_cohesion
 from gfmd_numba.analysis.plots.friction_map import draw_friction
-from gfmd_numba.analysis.plots.map_image import draw_image, most
+from gfmd_numba.analysis.plots.map_image import draw_image, draw_pressure, most
 from gfmd_numba.analysis.plots.statistics import draw_statistics
 from gfmd_numba.analysis.plots.style import STYLE, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
@@ -39,9 +39,11 @@ def plot_map(dataset: xr.Dataset) -> Figure:
         maps = figure.add_gridspec(rows, 3)
         heights, pressure, gap = (figure.add_subplot(maps[0, i]) for i in range(3))
         punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
-        values, label = scaled(punch, "Height of the punch", "L_x")
+        of = "both surfaces together" if "body_height" in dataset else "the punch"
+        values, label = scaled(punch, f"Height of {of}", "L_x")
         draw_image(heights, dataset, values, label, cmap="cividis")
-        _draw_pressure(pressure, dataset, touching)
+        draw_pressure(pressure, dataset)
+        _outline(pressure, dataset, touching)
         _draw_gap(gap, dataset, touching)
         if drags:
             draw = draw_friction if "slip" in dataset else draw_cohesion
@@ -51,12 +53,8 @@ def plot_map(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw_pressure(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
-    values, label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
-    colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
-    shown = np.where(values != 0.0, values, np.nan)
-    lowest = -(most(-values) or 0.0)  # adhesion pulls
-    draw_image(axis, dataset, shown, label, "max", cmap=colours, vmin=lowest, vmax=most(values))
+def _outline(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
+    """Surround the contact where its clusters are large enough for it."""
     sides = sum(np.count_nonzero(touching != np.roll(touching, 1, axis=i)) for i in (0, 1))
     if sides and 4.0 * touching.sum() / sides >= _LEAST_PATCH:
         (x, _), (y, _) = (scaled(dataset[dim], "", "") for dim in ("x", "y"))

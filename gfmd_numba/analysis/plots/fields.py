@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.planes import plot_planes
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
@@ -18,11 +19,17 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     if not {"x", "z", "von_mises", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("given no fields inside a body; allowed: what `gfmd fields` leaves")
+    step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     if not np.isfinite(dataset["von_mises"]).all():
         raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
-    if dataset["von_mises"].ndim == 3:
-        return plot_planes(dataset)
+    figure = plot_planes(dataset) if dataset["von_mises"].ndim == 3 else _plot_section(dataset)
+    if step:
+        figure.suptitle(step, fontsize=11, x=0.01, ha="left")
+    return figure
+
+
+def _plot_section(dataset: xr.Dataset) -> Figure:
     dim = str(dataset["von_mises"].dims[1])
     period = float(dataset[dim][-1] + dataset[dim][1])
     dataset = dataset.isel(z=dataset["z"].values >= -_DEEPEST * period)
@@ -33,19 +40,29 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
     deepest, beside = np.unravel_index(int(np.argmax(mises)), mises.shape)
     with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 9.0), dpi=150, layout="constrained")
-        above, whole, close = figure.subplots(3, 1, height_ratios=[1.2, 3, 2.4])
+        figure = Figure((9.0, 9.8), dpi=150, layout="constrained")
+        above, whole, close = figure.subplots(3, 1, height_ratios=[1.2, 3.3, 2.3])
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
-        above.set(ylabel=pressure_label, xlabel=x_label, xlim=(x[0], x[-1]), ylim=(min(0.0, pressure.min()), None))
+        above.set(
+            ylabel=pressure_label.replace(" (", "\n("),
+            xlabel=x_label,
+            xlim=(x[0], x[-1]),
+            ylim=(min(0.0, pressure.min()), None),
+        )
+        if not pressure.any():
+            above.set(yticks=[], ylabel="Pressure $p$")
+            above.text(0.5, 0.4, "no pressure along this section", ha="center", transform=above.transAxes)
         # stresses at the edges of contacts are far above all others: these colours follow the rest
         z_label = x_label.replace(f"Position ${dim}$", "Height $z$")
         _draw(figure, whole, x, z, mises, float(np.quantile(mises, 0.998)), mises_label)
         whole.set(xlabel=x_label, ylabel=z_label, aspect="equal")
         # and these show the largest one
-        width, peak = (x[-1] + x[1]) / 8.0, float(mises.max())
+        peak = float(mises.max())
+        depth = max(-1.5 * z[deepest], (x[-1] + x[1]) / 24.0, -np.sort(z)[-2])  # two levels at least
+        width = min(3.0 * depth, x[-1])  # flat, so that its title fits
         near = np.abs(x - np.clip(x[beside], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
-        shallow = z >= min(1.5 * z[deepest], -width / 3.0, np.sort(z)[-2])  # two depths at least
+        shallow = z >= -depth
         _draw(figure, close, x[near], z[shallow], mises[np.ix_(shallow, near)], peak, mises_label)
         close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")

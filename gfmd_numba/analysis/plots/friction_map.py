@@ -49,7 +49,7 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     pulled = np.hypot(along_x, along_y) > 0.0
     if pulled.any():
         arrows = (each[pulled] for each in (*places, along_x, along_y))
-        axis.quiver(*arrows, color="0.15", width=0.004, pivot="middle")
+        axis.quiver(*arrows, color="0.1", width=0.005, pivot="middle", edgecolor="white", linewidth=0.4)
 
 
 def _mean_of_squares(values: Reals, square: list[int]) -> Reals:

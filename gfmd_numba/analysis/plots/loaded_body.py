@@ -1,5 +1,7 @@
 """Picture of a body that is loaded without a punch: displacements above, tractions below."""
 
+from typing import Any
+
 import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
@@ -10,6 +12,8 @@ from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
 _OF_MAPS = (("normal", "", "out of the body"), ("tangential", "", "along $x$"), ("tangential", "_y", "along $y$"))
 _QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
+
+_ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
 def plot_loaded_body(dataset: xr.Dataset) -> Figure:
@@ -34,6 +38,13 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+def _limits(every: list[xr.DataArray], values: xr.DataArray, factor: float) -> dict[str, Any]:
+    """Limits of the colours of a component that is 0 to within the residual, which is then of one colour."""
+    largest = max(float(abs(each).max()) for each in every)
+    zero = float(abs(values).max()) <= _ZERO * largest
+    return {"vmin": -factor * largest, "vmax": factor * largest} if zero and largest else {}
+
+
 def _plot_map(dataset: xr.Dataset) -> Figure:
     """Draw a column for each component; a row has one unit, so that components can be compared."""
     with mpl.rc_context(STYLE):
@@ -43,5 +54,7 @@ def _plot_map(dataset: xr.Dataset) -> Figure:
             factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
             for axis, (_, _, way), values in zip(row, _OF_MAPS, every, strict=True):
                 label = f"{quantity.capitalize()} {way} ({unit})"
-                draw_image(axis, dataset, factor * values.values, label, cmap="cividis")
+                draw_image(
+                    axis, dataset, factor * values.values, label, cmap="cividis", **_limits(every, values, factor)
+                )
     return figure

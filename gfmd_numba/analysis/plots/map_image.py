@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -22,6 +23,15 @@ def draw_image(
     image = axis.imshow(values, origin="lower", extent=extent, interpolation="none", **look)
     axis.set(xlabel=x_label, ylabel=y_label)
     return axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
+
+
+def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure on the surface of a dataset: white where there is none, and colours from 0 or the tension."""
+    values, label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
+    colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
+    tension = most(-values) or 0.0
+    shown, extend = np.where(values != 0.0, values, np.nan), "both" if tension else "max"
+    draw_image(axis, dataset, shown, label, extend, cmap=colours, vmin=-tension, vmax=most(values))
 
 
 def most(values: Reals) -> float | None:

@@ -54,7 +54,8 @@ def plot_path(dataset: xr.Dataset) -> Figure:
             _draw(axis, dataset, panel, looks)
         for axis, name in zip(drawn[len(panels) :], of_path, strict=False):
             label, natural = _OF_PATH[name]
-            factor, unit = prefix(dataset[name].where(good(dataset, name)), natural)
+            drawn_values = dataset[name].where(good(dataset, name)).mean("realisation", keep_attrs=True)
+            factor, unit = prefix(drawn_values, natural)
             others = looks_of(dataset.drop_vars(varied or ""))
             draw_values(axis, dataset, partial(_scaled_mean, name, factor), varied or "", others)
             axis.set(ylabel=f"{label} ({unit})")

@@ -5,7 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.plots.map_image import draw_image, most
+from gfmd_numba.analysis.plots.map_image import draw_image, draw_pressure
 from gfmd_numba.analysis.plots.style import STYLE, scaled
 
 _COLUMNS = 3
@@ -21,14 +21,10 @@ def plot_planes(dataset: xr.Dataset) -> Figure:
     z, z_label = scaled(dataset["z"], "", "L_x")
     unit = z_label.strip(" ()")
     with mpl.rc_context(STYLE):
-        figure = Figure((4.7 * columns, 1.0 + 4.4 * rows), dpi=150, layout="constrained")
+        figure = Figure((4.7 * columns, 1.4 + 4.4 * rows), dpi=150, layout="constrained")
         places = figure.add_gridspec(rows, columns)
         axes = [figure.add_subplot(places[divmod(i, columns)]) for i in range(panels)]
-        values, label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
-        colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
-        draw_image(
-            axes[0], dataset, np.where(values != 0.0, values, np.nan), label, "max", cmap=colours, vmax=most(values)
-        )
+        draw_pressure(axes[0], dataset)
         for i, axis in enumerate(axes[1:]):
             level = dataset.isel(z=i)
             values, label = scaled(level["von_mises"], "von Mises stress", "E^*")

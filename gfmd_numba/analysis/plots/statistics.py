@@ -33,7 +33,7 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
     counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
     colours = ordered_colours(len(steps))
-    loads = [f"{float(step.reduced_pressure):g}" for step in steps if "reduced_pressure" in step]
+    loads = [f"{float(step.reduced_pressure):.4g}" for step in steps if "reduced_pressure" in step]
     for i, step in enumerate(steps):
         colour = colours[i]
         marker = MARKERS[i % len(MARKERS)]

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import gammaincinv
 
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix, scaled
 
 
 def plot_surface(dataset: xr.Dataset) -> Figure:
@@ -39,7 +39,8 @@ def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
 
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
-    q, density = dataset["wavenumber"].values, dataset["spectral_density"].values
+    per_length, unit = prefix(dataset["x"], "L_x")
+    q, density = dataset["wavenumber"].values / per_length, dataset["spectral_density"].values
     inside = density > 1e-14 * density.max()
     # the mean power of n independent waves is distributed as chi^2 with 2 n degrees of freedom
     waves, mean = dataset["waves"].values[inside], density[inside]
@@ -59,10 +60,9 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
         theory = dataset["spectral_density_theory"].values
         drawn = theory > 1e-14 * theory.max()
         axis.plot(q[drawn], theory[drawn], "--", color=COLOURS[1], lw=1.5, label="theory")
-    unit = dataset["wavenumber"].attrs["units"].replace("m-1", "1/m").replace("1/m", " (1/m)")
     density_unit = dataset["spectral_density"].attrs["units"]
     density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
-    axis.set(xscale="log", yscale="log", xlabel="Wave number $q$" + unit.strip("1"), ylabel="$C(q)$" + density_label)
+    axis.set(xscale="log", yscale="log", xlabel=f"Wave number $q$ (1/{unit})", ylabel="$C(q)$" + density_label)
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
 

@@ -1,0 +1,134 @@
+"""Pictures of contacts, fields and surfaces say what they show, in one unit a quantity, with nothing cut off."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.analysis import plot_body, plot_contact
+from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.path import plot_path
+from gfmd_numba.analysis.plots.statistics import plot_statistics
+from gfmd_numba.analysis.plots.surface import plot_surface
+from support.legible import faults
+
+BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
+ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
+SCENE = {
+    "length": 1e-4,
+    "body": BODY,
+    "roughness": ROUGH,
+    "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}},
+    "loading": {"reduced_pressure": 0.05},
+}
+GRID = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+
+
+@pytest.fixture(scope="module")
+def dragged():
+    return gfmd_numba.solve({"scene": SCENE, "discretisation": GRID, "path": [{"sliding": 5e-9}]})
+
+
+@pytest.fixture(scope="module")
+def dragged_map():
+    return gfmd_numba.solve(
+        {"scene": SCENE | {"dimension": 2}, "discretisation": GRID | {"eps_f": 1 / 4}, "path": [{"sliding": 5e-9}]}
+    )
+
+
+def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressure(dragged):
+    figure = plot_contact(dragged)
+    below = figure.axes[-1]
+    assert below.get_ylabel() == r"Tractions $p$, $\tau$ (MPa)"
+    drawn = {line.get_label(): line.get_ydata() for line in below.lines}
+    np.testing.assert_allclose(drawn[r"tangential $\tau$"], dragged["tangential_traction"][-1] / 1e6)
+    assert below.get_ylim()[0] < drawn[r"tangential $\tau$"].min() < 0.0
+    assert faults(figure) == []
+
+
+def test_the_punch_reaches_the_top_of_the_picture_however_far_the_close_up_goes(dragged):
+    dragged = dragged.copy()
+    dragged["gap"] = 0.0 * dragged["gap"]
+    whole = plot_contact(dragged).axes[0]
+    punch = whole.collections[0].get_paths()[0].vertices[:, 1]
+    assert punch.max() == pytest.approx(whole.get_ylim()[1], rel=1e-9)
+
+
+def test_a_section_without_contact_says_so_and_its_deep_maximum_leaves_the_title_whole(dragged_map):
+    fields = gfmd_numba.body_fields(dragged_map, y=50e-6).copy(deep=True)
+    fields["pressure"][:] = 0.0
+    fields["von_mises"][:, np.argmin(np.abs(fields["z"].values + 14e-6)), 7] = 1e9
+    figure = plot_body(fields)
+    assert [text.get_text() for text in figure.axes[0].texts] == ["no pressure along this section"]
+    assert figure.axes[0].get_ylabel() == "Pressure $p$"
+    assert faults(figure) == []
+
+
+@pytest.mark.parametrize("where", [{"y": 50e-6}, {"planes": [-1e-6, -5e-6]}])
+def test_fields_along_a_path_name_the_step_that_they_show(dragged_map, where):
+    figure = plot_body(gfmd_numba.body_fields(dragged_map, **where))
+    assert figure.get_suptitle() == plot_contact(dragged_map).get_suptitle() != ""
+    assert faults(figure) == []
+
+
+def test_the_pressure_lies_right_above_the_section(dragged):
+    figure = plot_body(gfmd_numba.body_fields(dragged))
+    figure.draw_without_rendering()
+    above, whole = (axis.get_window_extent() for axis in figure.axes[:2])
+    assert abs(above.x0 - whole.x0) < 2.0
+    assert abs(above.x1 - whole.x1) < 2.0
+
+
+def test_heights_of_a_map_are_called_those_of_both_surfaces_where_the_body_is_rough():
+    scene = {name: SCENE[name] for name in ("length", "loading")} | {"interface": {"hard_wall": {}}, "dimension": 2}
+    rough = gfmd_numba.solve({"scene": scene | {"body": BODY | {"roughness": ROUGH}}, "discretisation": GRID})
+    assert plot_contact(rough).axes[0].images[0].colorbar.ax.get_xlabel() == "Height of both surfaces together (nm)"
+
+
+@pytest.mark.parametrize(("tension", "extend"), [(0.0, "max"), (1e6, "both")])
+def test_a_tension_beyond_the_colours_of_the_pressure_has_an_arrow(dragged_map, tension, extend):
+    pulled = dragged_map.copy(deep=True)
+    pulled["pressure"] = pulled["pressure"] - tension * (pulled["gap"] > 0.0)
+    (bar,) = (
+        axis.images[0].colorbar
+        for axis in plot_contact(pulled).axes
+        if axis.images and "Pressure" in axis.images[0].colorbar.ax.get_xlabel()
+    )
+    assert bar.extend == extend
+
+
+def test_a_traction_left_by_a_residual_is_drawn_in_one_colour():
+    boundary = {"normal_traction": 1e6, "tangential_traction": 2e5}
+    loaded = gfmd_numba.solve(
+        {"scene": {"dimension": 2, "length": 1e-4, "body": BODY, "boundary": boundary}, "points": 16}
+    ).copy(deep=True)
+    loaded["tangential_traction_y"][:] = 1e-3 * np.random.default_rng(1).standard_normal((16, 16))
+    image = plot_loaded_body(loaded).axes[5].images[0]
+    assert np.ptp(image.norm(image.get_array())) < 1e-6
+    assert image.norm.vmax == pytest.approx(1.0)  # MPa, the largest component
+
+
+def test_wave_numbers_are_in_the_unit_of_lengths_and_their_labels_keep_apart():
+    surface = {"method": "psd", "hurst": 0.8, "rms_height": 3e-7, "points": 96, "cut_on": "3 um", "roll_off": "50 um"}
+    figure = plot_surface(gfmd_numba.make_surface({"surface": surface, "length": 96e-6, "dimension": 2}))
+    (spectrum,) = (axis for axis in figure.axes if "Wave number" in axis.get_xlabel())
+    assert spectrum.get_xlabel() == "Wave number $q$ (1/µm)"
+    assert spectrum.lines[0].get_xdata()[0] == pytest.approx(2.0 * np.pi / 96.0, rel=0.5)
+    assert faults(figure) == []
+
+
+def test_a_load_in_a_legend_has_four_digits(dragged):
+    statistics = gfmd_numba.contact_statistics(dragged.isel(step=0))
+    statistics["reduced_pressure"] = 0.0122897
+    (legend,) = plot_statistics(statistics).legends
+    assert legend.get_texts()[0].get_text() == r"$\bar{p}^* = 0.01229$"
+
+
+def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
+    campaign = {"name": "lost", "seed": 1, "realisations": 3, "scene": SCENE, "reference": GRID}
+    campaign |= {"grid": {"hurst": [0.3, 0.8]}, "path": [{"sliding": 4e-8}, {"sliding": 0.0}]}
+    found = gfmd_numba.run(campaign, tmp_path / "out").copy(deep=True)
+    spread = np.array([0.1, 0.2, 2.7]) * 9e-4  # J/m^2: one of three is above 1 mJ/m^2, their mean is not
+    found["hysteresis"][:] = spread
+    found["energy_lost"][:] = spread[:, None] * [0.0, 0.5, 0.5]
+    labels = [axis.get_ylabel() for axis in plot_path(found).axes if "Energy" in axis.get_ylabel()]
+    assert labels == ["Energy lost so far per area (µJ/m²)", "Energy lost per area (µJ/m²)"]

@@ -34,7 +34,8 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     lowest = min(0.0, float(pressure.where(touching).min()))  # an adhesive law may pull on touching nodes
     highest = float(pressure.max())  # below 0 where an adhesive law pulls and nothing touches
     pressures = np.linspace(lowest, highest if highest > lowest else lowest + 1.0, _BINS + 1)
-    gaps = np.linspace(0.0, float(gap.max()) or 1.0, _BINS + 1)
+    deepest, widest = min(0.0, float(gap.min())), float(gap.max())  # below 0 where a law lets surfaces overlap
+    gaps = np.linspace(deepest, widest if widest > deepest else deepest + 1.0, _BINS + 1)
     result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
     result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)

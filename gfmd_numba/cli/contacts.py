@@ -135,7 +135,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.cli.fits import naming
-    from gfmd_numba.cli.places import largest_stress, place
+    from gfmd_numba.cli.places import in_words_of_options, largest_stress, place
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_beside(output)
@@ -143,7 +143,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     contact = read_results(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
     planes = [place(contact, "plane", given) for given in plane] or None
-    with waiting("computing the fields"):
+    with in_words_of_options(file), waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write_dataset(output, dataset)
     click.echo(f"fields   {printable(output)}")

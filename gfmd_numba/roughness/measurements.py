@@ -34,9 +34,10 @@ class Measurement:
 def measurement(content: Content, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
     """Profile or map of what stands in a file, with `units` of x, y and z for what the file does not state.
 
-    Positions in descending order are turned round. Others that are not equidistant are refused, or interpolated
-    linearly to as many equidistant ones if `resample` is set. Raises ValueError, saying what is wrong, where, and what
-    to do, for files that cannot be read, units that are missing or contradict each other, and fewer than 4 heights.
+    Positions in descending order are turned round. Others that are not equidistant are refused, or, in a
+    profile, interpolated linearly to as many equidistant ones if `resample` is set. Raises ValueError, saying what is
+    wrong, where, and what to do, for files that cannot be read, units that are missing or contradict each other, and
+    fewer than 4 heights.
     """
     heights = _checked(content.heights)
     axes = AXES[-heights.ndim :]
@@ -44,7 +45,7 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
         for axis, (i, name) in zip(axes, enumerate(axes), strict=True):
-            line = equidistant(content.positions[axis], name, interpolate=resample)
+            line = equidistant(content.positions[axis], name, interpolate=resample, of_map=len(axes) == 2)
             heights, along = _laid_out(heights, i, line)
             done += along
             sizes.append(line.size)
@@ -92,8 +93,6 @@ def _laid_out(heights: Reals, axis: int, line: Line) -> tuple[Reals, tuple[str, 
         return np.flip(heights, axis), (f"turned round along {line.name}, as its positions descend",)
     if line.uneven is None:
         return heights, ()
-    if heights.ndim == 2:
-        raise ValueError(f"positions {line.name} of a map that are not equidistant, which are not interpolated")
     return interpolated(heights, line.uneven), (line.said,)
 
 

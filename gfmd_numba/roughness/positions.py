@@ -26,8 +26,8 @@ class Line:
     said: str = ""
 
 
-def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool) -> Line:
-    """Look at the positions `[n]` along an axis, which may be uneven only if they are to be interpolated.
+def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool, of_map: bool) -> Line:
+    """Look at the positions `[n]` along an axis, which may be uneven only in a profile that is interpolated.
 
     Raises ValueError, with the index, for positions that are not distinct finite numbers.
     """
@@ -43,14 +43,15 @@ def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool) -> Li
     off = abs(steps - mean) > _UNEVEN * abs(mean) + rounding
     if mean != 0.0 and not off.any():
         return Line(name, abs(mean) * len(x), turned=mean < 0.0)
-    if interpolate:
+    if interpolate and not of_map:
         return _uneven(x, name)
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
         wrong = f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
     else:
         wrong = f"positions {name} that are in no order from index {_turn(steps)} on"
-    raise ValueError(f"{wrong}; give points to have them sorted and interpolated")
+    remedy = "interpolate the map to a regular grid" if of_map else "give points to have them sorted and interpolated"
+    raise ValueError(f"{wrong}; {remedy}")
 
 
 def interpolated(heights: Reals, x: Reals) -> Reals:

@@ -93,7 +93,7 @@ class Step(BaseModel):
         """Raise a located error if this step `i` of a path changes what the loading does not prescribe."""
         for name in CONTROLS:
             if name != loading.control and getattr(self, name) is not None:
-                raise broken_rule(("path", i, name), f"what the loading prescribes, which is not {name}")
+                raise broken_rule(("path", i, name), f"what the loading prescribes, which is {loading.control}")
 
 
 def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> None:

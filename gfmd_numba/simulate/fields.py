@@ -34,8 +34,8 @@ def body_fields(
     interface of layers stresses are those above it. Stresses are in Pa (E* without a modulus), numbered as Voigt does.
 
     Below a map the fields are on the vertical section nearest to `y` `(z, x)` or to `x` `(z, y)`, without either on
-    the one through the largest von Mises stress, or on whole horizontal `planes` at these z `(z, y, x)`; `peak_...`
-    `(z)` is the largest stress of each whole plane, and its place.
+    the one through the largest von Mises stress of all steps, or on whole horizontal `planes` at these z `(z, y, x)`;
+    `peak_...` `(z)` is the largest stress of each whole plane, and its place.
 
     (x, z) of a rough body are labels, its places while it was flat: `formed_1` and `formed_3` (u'' of thesis 5.2) take
     them to the stress-free body; `formed_2`, along y, is there below maps. A `counter_body` is seen in axes of its own,
@@ -50,8 +50,9 @@ def body_fields(
     elastic = elastic_body(asked, scene.length)
     if z is not None and planes is not None:
         raise InputError(f"planes: given {brief(planes)} beside z; allowed: either of them")
-    given = planes if planes is not None else z
-    heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, planes is not None)
+    name, given = ("z", z) if planes is None else ("planes", planes)
+    unit = "L_x" if scene.length is None else "m"
+    heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     if len(nodes_of(scene)) == 2:
         wanted = map_fields.Wanted(heights, x, y, planes is not None)
@@ -60,8 +61,8 @@ def body_fields(
         every = (whole.isel(step=i) for i in range(whole.sizes["step"]))
         steps = [_one(asked, elastic, length, order, step, heights, body) for step in every]
     else:
-        name, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
-        raise InputError(f"{name}: given {brief(value)}; allowed: nothing for a profile, which is one section")
+        argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
+        raise InputError(f"{argument}: given {brief(value)}; allowed: nothing for a profile, which is one section")
     if "step" not in contact.dims:
         return steps[0]
     joined = xr.concat(steps, "step", data_vars="all", coords="minimal", compat="override", join="exact")
@@ -74,8 +75,7 @@ def _levels(body: ElasticBody, length: float) -> Reals:
     return 0.0 - lowest * length * np.linspace(0.0, 1.0, _LEVELS) ** 2
 
 
-def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, of_planes: bool) -> Reals:
-    name = "planes" if of_planes else "z"
+def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str, unit: str) -> Reals:
     try:
         z = np.atleast_1d(np.asarray(given_z, dtype=np.float64))
     except (TypeError, ValueError):
@@ -84,7 +84,7 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, of_planes
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
     if z.ndim != 1 or z.size == 0 or outside.any():
         given = f"{z[outside][0]:g}" if z.ndim == 1 and z.size else f"an array of shape {z.shape}"
-        allowed = f"one row of heights from the surface, in the unit of x, {lowest:g} (the base) to 0"
+        allowed = f"one row of heights from {lowest:g} (the base) to 0 (the surface), in {unit}"
         raise InputError(f"{name}: given {given}; allowed: {allowed}")
     return z
 

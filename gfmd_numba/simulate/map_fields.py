@@ -63,7 +63,8 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
             raise InputError(f"{name}: given {brief(given)} beside {beside}; allowed: one section x, y, or planes")
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= length:
-            raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in the unit of x")
+            unit = "m" if contact["x"].attrs["units"] == "m" else "L_x"
+            raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in {unit}")
     ny, nx, levels = contact.sizes["y"], contact.sizes["x"], wanted.z.size
     if allowed := beyond_memory(ny * nx, _ARRAYS, "a section below it"):
         raise InputError(f"contact: given {ny} x {nx} nodes; allowed: {allowed}")

@@ -25,7 +25,8 @@ _FIELDS = ("pressure", *_TRACTIONS, *(_PRESCRIBED + each for each in _TRACTIONS)
 def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     """Scene of a dataset and the order its topography was followed to; raises InputError."""
     found = contact.variables.keys()
-    if "scene" not in contact.attrs or not ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found):
+    solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
+    if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
         raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
     if "normal_traction" in contact:
         scene: Scene | LoadedBody = _recorded(BoundaryFile, contact).scene

@@ -57,6 +57,21 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension, tmp_path):
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
 
 
+def test_a_contact_under_a_displacement_is_not_called_a_step(rough):
+    held = rough.drop_vars("reduced_pressure")  # which a displacement leaves out
+    _, (pressure, _) = panels(plot_contact(held))
+    assert [text.get_text() for text in pressure.get_legend().get_texts()] == ["Simulation", "Persson"]
+
+
+@pytest.mark.parametrize("overlap", ["some nodes", "all nodes"])
+def test_surfaces_that_overlap_under_a_cohesive_law_are_counted_and_drawn(rough, overlap, tmp_path):
+    shift = rough["gap"].mean() if overlap == "some nodes" else 2.0 * rough["gap"].max()
+    apart = rough.assign(gap=(rough["gap"] - shift).assign_attrs(rough["gap"].attrs))
+    statistics = gfmd_numba.contact_statistics(apart)
+    assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
+    plot_contact(apart).savefig(tmp_path / "overlap.png", dpi=40)
+
+
 def test_touching_nodes_have_a_colour_that_no_gap_has(rough):
     gap = panels(plot_contact(rough))[0][2]
     touching = rough["gap"].values == 0.0

@@ -102,7 +102,7 @@ def test_a_load_that_makes_no_sense_is_refused_where_it_stands(name, tmp_path):
 
 def test_a_step_changes_no_other_load(tmp_path):
     expected = (
-        "bad.yaml:8:19: path[0].pressure: given '1 MPa'; allowed: what the loading prescribes, which is not pressure"
+        "bad.yaml:8:19: path[0].pressure: given '1 MPa'; allowed: what the loading prescribes, which is line_load"
     )
     assert_complaint(tmp_path, load_checked, SCENE, ("{line_load: 2 kN/m}", "{pressure: 1 MPa}"), expected)
 

@@ -178,7 +178,7 @@ path: []
         (
             "path: []",
             "path: [{displacement: 1e-7}]",
-            "9:23: path[0].displacement: given 1e-07; allowed: what the loading prescribes, which is not displacement",
+            "9:23: path[0].displacement: given 1e-07; allowed: what the loading prescribes, which is reduced_pressure",
         ),
         (
             "path: []",

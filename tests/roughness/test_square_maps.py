@@ -134,6 +134,14 @@ def test_points_on_no_grid_are_refused(tmp_path, points, problem):
         read(tmp_path / "m.txt", units=UNITS)
 
 
+@pytest.mark.parametrize("points", [None, 16])
+def test_uneven_maps_are_to_be_made_even_first(tmp_path, points):
+    x, y = np.meshgrid(np.arange(6) ** 1.1, np.arange(5))
+    np.savetxt(tmp_path / "m.txt", np.stack([x.ravel(), y.ravel(), np.arange(30)], 1))
+    with pytest.raises(ValueError, match="not equidistant; interpolate the map to a regular grid"):
+        read(tmp_path / "m.txt", units=UNITS, points=points)
+
+
 def test_a_period_of_many_metres_is_doubted(tmp_path):
     found = read(written(tmp_path, nx=16, ny=16, dx=1.0, dy=1.0))
     assert any("a period of 16 m: check the units" in doubt for doubt in found.doubts)

@@ -124,7 +124,7 @@ def test_a_body_that_is_just_touched_is_drawn():
     [
         (
             [0.0, -0.6],
-            "z: given -0.6; allowed: one row of heights from the surface, in the unit of x, -0.5 (the base) to 0",
+            "z: given -0.6; allowed: one row of heights from -0.5 (the base) to 0 (the surface), in L_x",
         ),
         (0.1, "z: given 0.1; allowed"),
         ([np.nan], "z: given nan; allowed"),

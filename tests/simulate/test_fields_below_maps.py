@@ -8,7 +8,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, plot_body
-from gfmd_numba.cli.places import place
+from gfmd_numba.cli.places import largest_stress, place
 from gfmd_numba.roughness.statistics import rms_gradient
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd
@@ -161,7 +161,7 @@ def test_a_run_that_failed_has_no_fields():
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"x": 1.5}, "x: given 1.5; allowed: a number from 0 to 1, in the unit of x"),
+        ({"x": 1.5}, "x: given 1.5; allowed: a number from 0 to 1, in L_x"),
         ({"y": "middle"}, "y: given 'middle'; allowed: a number from 0 to 1"),
         ({"y": float("nan")}, "y: given nan; allowed: a number"),
         ({"x": 0.1, "y": 0.1}, "y: given 0.1 beside x; allowed: one section"),
@@ -226,14 +226,32 @@ def test_sections_and_planes_on_the_command_line(contact, tmp_path, options, dim
 def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path):
     contact.to_netcdf(tmp_path / "contact.nc")
     for options, message in (
-        (("--y", "5um"), "a number in L_x"),
-        (("--y", "deep"), "a number in L_x"),
-        (("--plane", "nan"), "a number in L_x"),
-        (("--plane", "-3"), "one row of heights"),
+        (("--y", "5um"), "--y: given '5um'; allowed: a number in L_x"),
+        (("--y", "deep"), "--y: given 'deep'; allowed: a number in L_x"),
+        (("--x", "1.5"), "--x: given 1.5; allowed: a number from 0 to 1, in L_x"),
+        (("--plane", "nan"), "--plane: given 'nan'; allowed: a number in L_x"),
+        (("--plane", "0.1"), "--plane: given 0.1; allowed: one row of heights from -0.5 (the base) to 0 (the surface)"),
+        (("--body", "punch"), "--body: given 'punch'; allowed: 'body'"),
     ):
         said = gfmd("fields", tmp_path / "contact.nc", "-o", tmp_path / "none.nc", *options)
         assert said.exit_code == 2
-        assert message in said.output
+        assert f"gfmd: {message}" in said.output
+
+
+def test_a_file_that_is_no_contact_is_named_and_not_doubted_for_its_length(contact, tmp_path):
+    gfmd_numba.body_fields(contact, [-0.1]).to_netcdf(tmp_path / "fields.nc")
+    contact.drop_vars(["x", "pressure"]).to_netcdf(tmp_path / "other.nc")
+    for name in ("fields.nc", "other.nc"):
+        said = gfmd(
+            "fields", tmp_path / name, "-o", tmp_path / "none.nc", "--x", "3um" if name == "other.nc" else "0.3"
+        )
+        assert f"gfmd: {tmp_path / name}: given no results of a contact" in said.output
+
+
+def test_the_largest_stress_of_a_path_is_said_to_be_that_of_its_last_step(contact):
+    fields = gfmd_numba.body_fields(contact.expand_dims(step=2), [-0.1])
+    assert largest_stress(fields).startswith("von Mises stress of these depths, in the last step, ")
+    assert "step" not in largest_stress(fields.isel(step=-1))
 
 
 def test_places_have_units_where_the_scene_has_a_length():

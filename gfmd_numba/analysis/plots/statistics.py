@@ -37,7 +37,8 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     for i, step in enumerate(steps):
         colour = colours[i]
         marker = MARKERS[i % len(MARKERS)]
-        label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else f"step {i}"
+        unloaded = f"step {i}" if "step" in mean.dims else "Simulation"
+        label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else unloaded
         pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
         pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)
         gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)

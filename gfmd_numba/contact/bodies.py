@@ -9,6 +9,7 @@ from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.scene import Body, LoadedBody, Scene
 from gfmd_numba.scene.layer_records import Layer
 from gfmd_numba.scene.layer_records import Material as MaterialRecord
+from gfmd_numba.scene.reduced_units import rounded
 
 
 def effective_modulus(body: Body) -> float:
@@ -23,20 +24,22 @@ def effective_modulus(body: Body) -> float:
 
 @lru_cache(maxsize=4096)
 def elastic_body(body: Body, length: float | None) -> ElasticBody:
-    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known."""
+    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known.
+
+    Heights and moduli of layers have 12 digits, so that they are the same in all units.
+    """
     if body.layers is None:
         nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
         return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
     top = body.layers[0]
 
     def material(part: Layer | MaterialRecord) -> Material:
-        # a quotient of Young's moduli does not depend on their unit, to the last digit
         shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
         modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
-        return Material(modulus, body.effective_poissons_ratio(part.poissons_ratio))
+        return Material(rounded(modulus), body.effective_poissons_ratio(part.poissons_ratio))
 
     return ElasticBody.layered(
-        tuple(layer.height / (length or 1.0) for layer in body.layers),
+        tuple(rounded(layer.height / (length or 1.0)) for layer in body.layers),
         tuple(material(layer) for layer in body.layers),
         None if body.base is None or body.base == "rigid" else material(body.base),
     )
@@ -49,9 +52,14 @@ def contact_modulus(scene: Scene | LoadedBody) -> float:
     return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
 
 
+def compliance_share(scene: Scene, body: Body) -> float:
+    """Part E*/E_i* that a body of a scene has in the compliance 1/E*, to 12 digits: it is the same in all units."""
+    return rounded(contact_modulus(scene) / effective_modulus(body))
+
+
 def stiffness_scale(scene: Scene | LoadedBody) -> float:
     """Factor by which all that deforms is stiffer than its moduli say."""
     if isinstance(scene, LoadedBody) or scene.counter_body is None:
         return scene.body.stiffness_scale
     softness = sum(body.stiffness_scale / effective_modulus(body) for body in scene.deformable)
-    return contact_modulus(scene) * softness
+    return rounded(contact_modulus(scene) * softness)

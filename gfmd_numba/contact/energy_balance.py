@@ -17,6 +17,7 @@ class Balance:
 
     `force` is what the load is conjugate to, the mean pressure or minus the mean displacement. `sliding` and the mean
     tangential `traction` are `[component]`. `potential` is the stored energy, less the work of a prescribed pressure.
+    `wall` is the pressure of the hard wall and `gap` the gap, over the nodes.
     """
 
     load: float
@@ -24,6 +25,8 @@ class Balance:
     sliding: Reals
     traction: Reals
     potential: float
+    wall: Reals
+    gap: Reals
 
     @classmethod
     def of(cls, problem: Problem, contact: Contact) -> "Balance":
@@ -46,17 +49,37 @@ class Balance:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(gap, slip).mean())
+        wall = wall_pressure(problem, contact)
         load, mean = problem.load, float(u.mean())
         if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean)
+            return cls(load, -mean, sliding, traction, potential - load * mean, wall, gap)
         force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean)
+        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, wall, gap)
 
     def lost(self, before: "Balance") -> float:
-        """Work since an earlier contact, forces linear between the two, less what the potential has gained."""
+        """Work since an earlier contact, forces linear between the two, less what the potential has gained.
+
+        A hard wall does no work: it presses where there is no gap. What it does if pressure and gap of a node that
+        opens or closes are linear between the two contacts is taken off.
+        """
         work = 0.5 * (before.force + self.force) * (self.load - before.load)
         work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
+        work += 0.5 * float(((before.wall + self.wall) * (self.gap - before.gap)).mean())
         return work - (self.potential - before.potential)
+
+
+def wall_pressure(problem: Problem, contact: Contact) -> Reals:
+    """Pressure of the hard wall `[(y,) x]` in g E*, of the first realisation: that of the contact without a law's.
+
+    It is 0 under a law of gap and slip, whose own pressure keeps the surfaces apart.
+    """
+    found, laws = contact.equilibrium, problem.interface
+    if laws.cohesive is not None:
+        return np.zeros_like(found.pressure[0])
+    wall: Reals = found.pressure[0]
+    if laws.normal_law is not None:
+        wall = wall + laws.normal_law.traction(contact.punch[0] - found.displacement[0])
+    return wall
 
 
 def components(sideways: Reals, field: Reals) -> Reals:

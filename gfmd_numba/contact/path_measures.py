@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.contact.energy_balance import Balance, components
+from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure
 from gfmd_numba.contact.load_path import solve_steps
 from gfmd_numba.contact.observables import Observable, recorded
@@ -80,9 +80,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
         return nan
     if found.tangential is None or friction is None or isinf(friction):
         return 1.0
-    wall, law = found.pressure[0], problem.interface.normal_law
-    if law is not None:
-        wall = wall + law.traction(contact.punch[0] - found.displacement[0])
+    wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
     sticks = rubbing < friction * wall - slack

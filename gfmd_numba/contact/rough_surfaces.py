@@ -9,7 +9,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
-from gfmd_numba.contact.bodies import contact_modulus, effective_modulus, elastic_body
+from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
 from gfmd_numba.contact.two_step import RoughBody, rough_body
@@ -119,7 +119,7 @@ def ensemble_of_rough_bodies(
     bodies = tuple(
         DeformableBody(
             elastic_body(body, scene.length),
-            contact_modulus(scene) / effective_modulus(body),
+            compliance_share(scene, body),
             places.index((name, "roughness")) if (name, "roughness") in parts else None,
             1 if name == "body" else -1,
         )

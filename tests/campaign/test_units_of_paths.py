@@ -148,3 +148,27 @@ def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
         said.add(results.attrs["validity"])
     assert len(said) == 1
     assert "does not resolve the interaction law" in said.pop()
+
+
+def bodies(kind, period, modulus):
+    """Two rough bodies, or one of three layers, whose lengths and moduli are multiples of a period and of a modulus."""
+    rough = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
+    if kind == "two bodies":
+        lower = {"youngs_modulus": 0.91 * modulus, "poissons_ratio": 0.3, "aspect_ratio": 0.5, "roughness": rough}
+        upper = {"youngs_modulus": 2.7 * modulus, "poissons_ratio": 0.1, "aspect_ratio": 0.9, "roughness": rough}
+        return {"body": lower, "counter_body": upper}
+    parts = ((0.06, 1.3, 0.3), (0.031, 2.5, 0.2), (0.13, 0.9, 0.45))
+    layers = [{"height": h * period, "youngs_modulus": e * modulus, "poissons_ratio": nu} for h, e, nu in parts]
+    return {"body": {"layers": layers, "base": "rigid"}, "roughness": rough}
+
+
+@pytest.mark.parametrize("kind", ["two bodies", "layers"])
+def test_bodies_have_one_identity_and_no_stiffness_scale_that_nobody_asks_for(kind):
+    identities = set()
+    for period, modulus in ((1.0, 1.0), (1e-4, 1e9), (3.7, 2.3e-3), (30.0, 1.3e4)):
+        acts = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.2}}, "loading": {"reduced_pressure": 0.05}}
+        scene = {"length": period, **bodies(kind, period, modulus), **acts}
+        path = load_path(read_contact(*load_scene({"scene": scene, "discretisation": EPS, "seed": 4})))
+        assert "stiffness scale" not in {effect.name for effect in path.effects}
+        identities.update(problem.identity for problem in path.problems)
+    assert len(identities) == 1

@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
+from gfmd_numba.text.si_prefix import si_prefix
 from support.legible import faults
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
@@ -132,3 +133,8 @@ def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
     found["energy_lost"][:] = spread[:, None] * [0.0, 0.5, 0.5]
     labels = [axis.get_ylabel() for axis in plot_path(found).axes if "Energy" in axis.get_ylabel()]
     assert labels == ["Energy lost so far per area (µJ/m²)", "Energy lost per area (µJ/m²)"]
+
+
+def test_what_rounding_leaves_just_below_a_prefix_has_it():
+    assert si_prefix(1e9 * (1.0 - 1e-14), "Pa") == (1e-9, "GPa")
+    assert si_prefix(0.99999e9, "Pa") == (1e-6, "MPa")

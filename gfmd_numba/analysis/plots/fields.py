@@ -24,8 +24,9 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     if not np.isfinite(dataset["von_mises"]).all():
         raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
     figure = plot_planes(dataset) if dataset["von_mises"].ndim == 3 else _plot_section(dataset)
-    if step:
-        figure.suptitle(step, fontsize=11, x=0.01, ha="left")
+    of_other = "Counter body" if dataset.attrs.get("body") == "counter_body" else ""
+    if step or of_other:
+        figure.suptitle(". ".join(filter(None, (of_other, step))), fontsize=11, x=0.01, ha="left")
     return figure
 
 

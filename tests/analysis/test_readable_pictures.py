@@ -82,6 +82,14 @@ def test_fields_inside_the_counter_body_are_called_so(body, said):
     assert faults(figure) == []
 
 
+@pytest.mark.parametrize("where", [{"y": 0.5}, {"planes": [-0.01]}])
+def test_powers_of_ten_are_multiplied_in_titles(dragged_map, where):
+    fields = gfmd_numba.body_fields(dragged_map, **{name: 1e-4 * np.array(place) for name, place in where.items()})
+    fields["von_mises"] = (1e-11 * fields["von_mises"]).assign_attrs(units="1")
+    titles = " ".join(axis.get_title() for axis in plot_body(fields).axes)
+    assert r"$\times$$10^{" in titles
+
+
 def test_the_pressure_lies_right_above_the_section(dragged):
     figure = plot_body(gfmd_numba.body_fields(dragged))
     figure.draw_without_rendering()

@@ -63,6 +63,8 @@ def body_fields(
     else:
         argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
         raise InputError(f"{argument}: given {brief(value)}; allowed: nothing for a profile, which is one section")
+    for step in steps:
+        step.attrs |= {"title": f"fields inside the {body.replace('_', ' ')}", "body": body}
     if "step" not in contact.dims:
         return steps[0]
     joined = xr.concat(steps, "step", data_vars="all", coords="minimal", compat="override", join="exact")

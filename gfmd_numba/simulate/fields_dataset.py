@@ -68,7 +68,7 @@ def begun(contact: xr.Dataset, z: Reals, scales: Scales) -> xr.Dataset:
     nodes = {str(dim): contact[dim] for dim in ("y", "x") if dim in contact.dims}
     dataset = xr.Dataset(coords={"z": z, **nodes})
     dataset["z"].attrs = scales.attributes("length", "height above the undeformed surface")
-    dataset.attrs = {"Conventions": CONVENTIONS, "title": "fields inside the body", "scene": contact.attrs["scene"]}
+    dataset.attrs = {"Conventions": CONVENTIONS, "scene": contact.attrs["scene"]}
     return dataset
 
 

@@ -15,6 +15,7 @@ _PREFIXED = {"m": "m", "Pa": "Pa", "N": "N"} | dict.fromkeys(("N m-1", "N/m"), "
 _PREFIXED |= dict.fromkeys(("J m-2", "J/m^2"), "J/m²")
 _OTHERS = {"Pa m-1": (1e-12, "MPa/µm")}
 _LEAST = 1e-15  # below which a number of the smallest prefix would be no shorter than one without
+_NEARLY = 1.0 - 1e-9  # what rounding leaves just below a prefix has it: 1 GPa, not 1000 MPa
 
 
 def si_prefix(largest: float, unit: str) -> tuple[float, str]:
@@ -25,5 +26,5 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     if unit not in _PREFIXED:
         return _OTHERS.get(unit, (1.0, unit))
     smallest = _PREFIXES[-1] if largest > _LEAST else (1.0, "")
-    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s), smallest)
+    scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s * _NEARLY), smallest)
     return 1 / scale, letter + _PREFIXED[unit]

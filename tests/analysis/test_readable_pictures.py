@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
+from gfmd_numba.text.si_prefix import si_prefix
 from support.legible import faults
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
@@ -68,6 +69,25 @@ def test_fields_along_a_path_name_the_step_that_they_show(dragged_map, where):
     figure = plot_body(gfmd_numba.body_fields(dragged_map, **where))
     assert figure.get_suptitle() == plot_contact(dragged_map).get_suptitle() != ""
     assert faults(figure) == []
+
+
+@pytest.mark.parametrize(("body", "said"), [("body", ""), ("counter_body", "Counter body")])
+def test_fields_inside_the_counter_body_are_called_so(body, said):
+    both = {name: SCENE[name] for name in ("length", "loading")} | {"interface": {"hard_wall": {}}}
+    both |= {"body": BODY | {"roughness": ROUGH}, "counter_body": BODY}
+    fields = gfmd_numba.body_fields(gfmd_numba.solve({"scene": both, "discretisation": GRID}), body=body)
+    assert fields.attrs["title"] == f"fields inside the {said.lower() or 'body'}"
+    figure = plot_body(fields)
+    assert figure.get_suptitle() == said
+    assert faults(figure) == []
+
+
+@pytest.mark.parametrize("where", [{"y": 0.5}, {"planes": [-0.01]}])
+def test_powers_of_ten_are_multiplied_in_titles(dragged_map, where):
+    fields = gfmd_numba.body_fields(dragged_map, **{name: 1e-4 * np.array(place) for name, place in where.items()})
+    fields["von_mises"] = (1e-11 * fields["von_mises"]).assign_attrs(units="1")
+    titles = " ".join(axis.get_title() for axis in plot_body(fields).axes)
+    assert r"$\times$$10^{" in titles
 
 
 def test_the_pressure_lies_right_above_the_section(dragged):
@@ -132,3 +152,8 @@ def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
     found["energy_lost"][:] = spread[:, None] * [0.0, 0.5, 0.5]
     labels = [axis.get_ylabel() for axis in plot_path(found).axes if "Energy" in axis.get_ylabel()]
     assert labels == ["Energy lost so far per area (µJ/m²)", "Energy lost per area (µJ/m²)"]
+
+
+def test_what_rounding_leaves_just_below_a_prefix_has_it():
+    assert si_prefix(1e9 * (1.0 - 1e-14), "Pa") == (1e-9, "GPa")
+    assert si_prefix(0.99999e9, "Pa") == (1e-6, "MPa")

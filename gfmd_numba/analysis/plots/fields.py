@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.planes import plot_planes
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled, told
 from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
@@ -24,8 +24,9 @@ def plot_body(dataset: xr.Dataset) -> Figure:
     if not np.isfinite(dataset["von_mises"]).all():
         raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
     figure = plot_planes(dataset) if dataset["von_mises"].ndim == 3 else _plot_section(dataset)
-    if step:
-        figure.suptitle(step, fontsize=11, x=0.01, ha="left")
+    of_other = "Counter body" if dataset.attrs.get("body") == "counter_body" else ""
+    if step or of_other:
+        figure.suptitle(". ".join(filter(None, (of_other, step))), fontsize=11, x=0.01, ha="left")
     return figure
 
 
@@ -67,12 +68,12 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
         close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")
         length = x_label.partition("(")[2].rstrip(")")
-        at = f"${dim}$ = {x[beside]:.4g}, $z$ = {z[deepest]:.3g} {length}"
+        at = f"${dim}$ = {told(x[beside], length)}, $z$ = {told(z[deepest], length, 3)}"
         other = "y" if dim == "x" else "x"
         if other in dataset.coords:  # a section below a map
-            place = f"{float(dataset[other]) * unit:.4g} {length}"
+            place = told(float(dataset[other]) * unit, length)
             above.set_title(f"Section at ${other}$ = {place}", fontsize=11)
-        close.set_title(f"Close-up of the largest stress, {peak:.4g} {unit_of_stress} at {at}", fontsize=11)
+        close.set_title(f"Close-up of the largest stress, {told(peak, unit_of_stress)} at {at}", fontsize=11)
         close.set(xlabel=x_label, ylabel=z_label, aspect="equal")
     return figure
 

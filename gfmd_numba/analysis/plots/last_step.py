@@ -2,7 +2,7 @@
 
 import xarray as xr
 
-from gfmd_numba.analysis.plots.style import prefix
+from gfmd_numba.analysis.plots.style import prefix, told
 
 _PRESCRIBED = (
     ("reduced_pressure", "$p^*$", ""),
@@ -20,6 +20,5 @@ def named_last_step(dataset: xr.Dataset) -> str:
     for name, symbol, natural in _PRESCRIBED:
         if name in dataset and dataset[name].any():
             factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
-            times = r"$\times$" if unit.startswith("$10^") else " "
-            said += f", {symbol} = {factor * float(dataset[name][-1]):.4g}" + (f"{times}{unit}" if unit else "")
+            said += f", {symbol} = {told(factor * float(dataset[name][-1]), unit)}"
     return said

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.map_image import draw_image, draw_pressure
-from gfmd_numba.analysis.plots.style import STYLE, scaled
+from gfmd_numba.analysis.plots.style import STYLE, scaled, told
 
 _COLUMNS = 3
 _MOST = 8  # planes that are drawn: the highest
@@ -33,5 +33,5 @@ def plot_planes(dataset: xr.Dataset) -> Figure:
             (x, _), (y, _) = (scaled(level[dim], "", "") for dim in ("x", "y"))
             axis.plot(x[column], y[row], "+", color="#D55E00", ms=10, mew=2)
             stress = label.partition("(")[2].rstrip(")")
-            axis.set_title(f"$z$ = {z[i]:.3g} {unit}, at most {values.max():.4g} {stress}", fontsize=11)
+            axis.set_title(f"$z$ = {told(z[i], unit, 3)}, at most {told(values.max(), stress)}", fontsize=11)
     return figure

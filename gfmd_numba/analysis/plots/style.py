@@ -63,6 +63,12 @@ def with_unit(text: str, variable: xr.DataArray) -> str:
     return text if unit == "1" else f"{text} ({unit})"
 
 
+def told(value: float, unit: str, digits: int = 4) -> str:
+    """Return a number with its unit for a sentence; a unit that begins with a power of ten is multiplied."""
+    times = r"$\times$" if unit.startswith("$10^") else " "
+    return f"{value:.{digits}g}" + (times + unit if unit else "")
+
+
 def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]:
     """Values in the SI prefix that suits them, and their label; `natural` stands for the unit 1."""
     factor, unit = prefix(variable, natural)

@@ -54,8 +54,10 @@ class Axis:
 
     def value(self, scene: Scene, discretisation: Discretisation | None) -> float | str | None:
         """Value of a case; None if it has no such parameter, as layers have ratios and heights of their own."""
-        if len(self.place) == 2 and self.place[0] == "body" and scene.body.layers is not None:
-            return None
+        if len(self.place) == 2 and self.place[0] in ("body", "counter_body"):
+            body = getattr(scene, self.place[0])
+            if body is not None and body.layers is not None:
+                return None
         try:
             found: float | str | None = self._found(scene if self.place else discretisation)
         except AttributeError:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from gfmd_numba.campaign.axes import present
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice, run
@@ -114,6 +115,17 @@ def test_higher_orders_are_refused_by_name_beside_what_is_known_at_order_0_alone
     said = rf"numerics.topography_order: given 1; allowed: 0, or nothing, beside {beside}.* \(not built yet\)"
     with pytest.raises(InputError, match=said):
         plan(of(name, numerics={"topography_order": 1}))
+
+
+@pytest.mark.parametrize("layered", ["body", "counter_body"])
+def test_layers_have_no_thickness_of_one_body_in_either_place(layered):
+    bodies = {"body": SLAB | {"roughness": ROUGH}, "counter_body": OTHER}
+    bodies[layered] = COATING | {"roughness": ROUGH}
+    case = plan(of("friction between two bodies", scene=LOADED | bodies | {"interface": FRICTION}, path=[])).cases[0]
+    axes = {axis.name for axis in present(case.scene, case.discretisation)}
+    assert axes & {"aspect_ratio", "counter_body_aspect_ratio"} == (
+        {"counter_body_aspect_ratio"} if layered == "body" else {"aspect_ratio"}
+    )
 
 
 def test_a_higher_order_is_refused_where_the_grid_makes_friction_infinite():

@@ -46,7 +46,8 @@ def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
-    reduced = dataset["mean_pressure"] / dataset["full_contact_pressure"]
+    # a hard wall bears no tension, of which Persson's formulas would make a negative contact area
+    reduced = (dataset["mean_pressure"] / dataset["full_contact_pressure"]).clip(min=0.0)
     result["pressure_density_persson"] = xr.apply_ufunc(
         persson.pressure_density, result["pressure"], reduced, 1.0
     ).transpose(*result["pressure_density"].dims, missing_dims="ignore")

@@ -72,6 +72,12 @@ def test_surfaces_that_overlap_under_a_cohesive_law_are_counted_and_drawn(rough,
     plot_contact(apart).savefig(tmp_path / "overlap.png", dpi=40)
 
 
+def test_a_punch_that_is_drawn_off_has_no_contact_in_perssons_theory(rough):
+    statistics = gfmd_numba.contact_statistics(rough.assign(mean_pressure=-rough["mean_pressure"]))
+    assert float(statistics["contact_area_fraction_persson"]) == 0.0
+    assert not statistics["pressure_density_persson"].any()
+
+
 def test_touching_nodes_have_a_colour_that_no_gap_has(rough):
     gap = panels(plot_contact(rough))[0][2]
     touching = rough["gap"].values == 0.0

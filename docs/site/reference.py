@@ -125,7 +125,7 @@ def commands_page(group: click.Group) -> str:
     """Return the page of all commands, as `gfmd COMMAND --help` prints them."""
     parts = ["# Commands\n", "Exit codes: 0 all is well, 2 bad input, 3 some cases failed, 130 interrupted.\n"]
     for name, command in sorted(group.commands.items()):
-        with click.Context(command, info_name=f"gfmd {name}") as context:
+        with click.Context(command, info_name=f"gfmd {name}", **group.context_settings) as context:
             parts.append(f"## gfmd {name}\n\n```text\n{command.get_help(context)}\n```\n")
     return "\n".join(parts)
 

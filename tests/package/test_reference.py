@@ -18,6 +18,7 @@ from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.scene import BoundaryFile, SceneFile
 from gfmd_numba.scene.surface_file import SurfaceFile
+from support.command_line import gfmd
 
 FILES = {"campaign": Campaign, "scene": SceneFile, "boundary": BoundaryFile, "surface": SurfaceFile, "cluster": Cluster}
 
@@ -89,3 +90,9 @@ def test_every_observable_is_documented():
     for name, row in (OBSERVABLES | PATH_OBSERVABLES).items():
         assert f"| `{name}` |" in page
         assert row.long_name in page
+
+
+def test_the_page_of_commands_shows_their_help_as_they_print_it():
+    page = reference.commands_page(main)
+    assert page.count("-h, --help") == len(main.commands)
+    assert gfmd("accuracy", "-h").exit_code == 0  # making the page leaves the commands as they were

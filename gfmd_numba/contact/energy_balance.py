@@ -49,7 +49,7 @@ class Balance:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(gap, slip).mean())
-        wall = wall_pressure(problem, contact)
+        wall = wall_pressure(problem, contact, slip)
         load, mean = problem.load, float(u.mean())
         if problem.mean_pressure is not None:
             return cls(load, -mean, sliding, traction, potential - load * mean, wall, gap)
@@ -68,17 +68,18 @@ class Balance:
         return work - (self.potential - before.potential)
 
 
-def wall_pressure(problem: Problem, contact: Contact) -> Reals:
+def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:
     """Pressure of the hard wall `[(y,) x]` in g E*, of the first realisation: that of the contact without a law's.
 
-    It is 0 under a law of gap and slip, whose own pressure keeps the surfaces apart.
+    A law of gap and slip has to know the `slip` `[(y,) x]` over the nodes.
     """
     found, laws = contact.equilibrium, problem.interface
-    if laws.cohesive is not None:
-        return np.zeros_like(found.pressure[0])
+    gap: Reals = contact.punch[0] - found.displacement[0]
     wall: Reals = found.pressure[0]
     if laws.normal_law is not None:
-        wall = wall + laws.normal_law.traction(contact.punch[0] - found.displacement[0])
+        return np.asarray(wall + laws.normal_law.traction(gap))
+    if laws.cohesive is not None and slip is not None:
+        return np.asarray(wall + laws.cohesive.normal_traction(gap, slip))
     return wall
 
 

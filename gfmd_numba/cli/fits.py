@@ -88,7 +88,11 @@ def plot(
     if has_rounds(dataset):
         check_output(picture_of_rounds(picture), file, file.parent / "campaign.yaml")
     with naming(file):
-        fitted = None if picture_of(dataset) is not None else _fit(dataset, fixed, variable, exponents)
+        has_fit = picture_of(dataset) is None
+        for option, given in (("--variable", variable), ("--exponents", exponents), ("--fixed", fixed)):
+            if given and not has_fit:
+                raise click.UsageError(f"{option}: given for {file}; allowed: nothing, as its picture has no fit")
+        fitted = _fit(dataset, fixed, variable, exponents) if has_fit else None
         draw(dataset, fitted, picture)
         if has_rounds(dataset):
             draw_rounds(dataset, picture_of_rounds(picture))

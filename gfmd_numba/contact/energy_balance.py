@@ -17,7 +17,7 @@ class Balance:
 
     `force` is what the load is conjugate to, the mean pressure or minus the mean displacement. `sliding` and the mean
     tangential `traction` are `[component]`. `potential` is the stored energy, less the work of a prescribed pressure.
-    `wall` is the pressure of the hard wall and `gap` the gap, over the nodes.
+    `lossless` is the pressure of what only repels, the hard wall or a law, and `gap` the gap, over the nodes.
     """
 
     load: float
@@ -25,7 +25,7 @@ class Balance:
     sliding: Reals
     traction: Reals
     potential: float
-    wall: Reals
+    lossless: Reals
     gap: Reals
 
     @classmethod
@@ -45,26 +45,27 @@ class Balance:
             potential += 0.5 * float(traction @ sideways.mean(axis=1))
             slip = sliding[:, np.newaxis] - sideways
             slip = np.reshape(slip[0] if len(slip) == 1 else vector_slip.length(slip), u.shape)
-        if laws.normal_law is not None:
+        repels = laws.normal_law is not None and laws.normal_law.softening == 0.0
+        if laws.normal_law is not None and not repels:
             potential += float(laws.normal_law.energy(gap).mean())
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(gap, slip).mean())
-        wall = wall_pressure(problem, contact, slip)
+        lossless = pressure if repels else wall_pressure(problem, contact, slip)
         load, mean = problem.load, float(u.mean())
         if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean, wall, gap)
+            return cls(load, -mean, sliding, traction, potential - load * mean, lossless, gap)
         force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, wall, gap)
+        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, lossless, gap)
 
     def lost(self, before: "Balance") -> float:
         """Work since an earlier contact, forces linear between the two, less what the potential has gained.
 
-        A hard wall does no work: it presses where there is no gap. What it does if pressure and gap of a node that
-        opens or closes are linear between the two contacts is taken off.
+        What only repels loses nothing: a hard wall does no work, and a contact never jumps over a law that repels.
+        Their work, if pressure and gap of each node were linear between the two contacts, is therefore taken off.
         """
         work = 0.5 * (before.force + self.force) * (self.load - before.load)
         work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
-        work += 0.5 * float(((before.wall + self.wall) * (self.gap - before.gap)).mean())
+        work += 0.5 * float(((before.lossless + self.lossless) * (self.gap - before.gap)).mean())
         return work - (self.potential - before.potential)
 
 

@@ -16,10 +16,12 @@ from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.validation import validate
+from gfmd_numba.text.input_error import InputError
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")
 _OF_A_PUNCH = {"roughness", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
+_OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
 
 
 def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | BoundaryFile, Document]:
@@ -31,6 +33,10 @@ def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | B
         document = Document(None, "", source.model_dump())
         return _checked(source, document), document
     document = _nested(document_of(source, "scene"))
+    campaign = [key for key in _OF_CAMPAIGNS if isinstance(document.data, dict) and key in document.data]
+    if len(campaign) > 1:  # one alone may be a slip
+        allowed = "the keys of a scene; gfmd run and gfmd plan take a campaign"
+        raise InputError(document.key_line((campaign[0],), "a key of campaigns", allowed))
     if _has_no_punch(document):
         return _checked(validate(document, BoundaryFile), document), document
     return _checked(validate(document, SceneFile), document), document

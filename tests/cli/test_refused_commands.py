@@ -5,6 +5,7 @@ import os
 import pytest
 import xarray as xr
 
+from support.campaigns import campaign
 from support.command_line import gfmd, refused
 from support.scenes import SCENE
 
@@ -75,3 +76,19 @@ def test_an_output_that_cannot_be_written_is_told_before_solving(tmp_path, monke
     assert f"allowed: a file in a folder that exists, unlike {tmp_path / 'no'}" in message
     monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
     assert "which you may not write" in refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+
+
+def test_a_campaign_is_no_scene_and_says_what_takes_it(tmp_path):
+    message = refused("solve", campaign(tmp_path), "-o", tmp_path / "out.nc")
+    assert (
+        "realisations: given a key of campaigns; allowed: the keys of a scene; gfmd run and gfmd plan take" in message
+    )
+    assert message.count("given") == 1
+
+
+@pytest.mark.parametrize("option", [("--variable", "kappa"), ("--exponents", "shared"), ("--fixed", "eps_c=1")])
+def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, option):
+    message = refused("plot", contact, *option, "-o", tmp_path / "contact.png")
+    assert f"{option[0]}: given for" in message
+    assert "allowed: nothing, as its picture has no fit" in message
+    assert not (tmp_path / "contact.png").exists()

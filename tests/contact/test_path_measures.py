@@ -34,10 +34,13 @@ def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps, tolerance):
 
 
 @pytest.mark.parametrize(("there", "back"), [(1, 4), (16, 4)])
-def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back):
-    """Also where the way back has other steps: the wall itself takes no energy, however long the steps are."""
+@pytest.mark.parametrize("law", [{}, {"exponential": {"work_of_adhesion": -1e-6, "range": 1e-3}}], ids=["wall", "law"])
+def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law):
+    """Also where the way back has other steps: what only repels takes no energy, however long the steps are."""
     loads = [*np.linspace(0.02, 0.1, there + 1)[1:], *np.linspace(0.1, 0.02, back + 1)[1:]]
-    path = gfmd_numba.solve(FILE | {"path": [{"reduced_pressure": float(load)} for load in loads]})
+    scene = SCENE | {"interface": SCENE["interface"] | law}
+    path = gfmd_numba.solve(FILE | {"scene": scene, "path": [{"reduced_pressure": float(load)} for load in loads]})
+    assert (path["status"] == 0).all()
     traction, slip = path["tangential_traction"], -path["tangential_displacement"].diff("step")
     taken = (0.5 * (traction + traction.shift(step=1)).isel(step=slice(1, None)) * slip).mean("x")
     np.testing.assert_allclose(path["energy_lost"][1:], taken, atol=1e-3 * float(taken.sum()))

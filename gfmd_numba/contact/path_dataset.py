@@ -109,7 +109,9 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
-    return "\n".join([*implausible, *filter(None, (rough, coarse, _beyond_elasticity(given, dataset)))])
+    return "\n".join(
+        [*implausible, *filter(None, (rough, coarse, _beyond_elasticity(given, dataset), _overlap(given, dataset)))]
+    )
 
 
 def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:
@@ -118,6 +120,18 @@ def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:
     if not ratio > 1.0:
         return ""
     return f"the mean pressure is {ratio:.3g} E*, where elasticity is not linear: check the units of load and moduli"
+
+
+def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
+    law = given.file.scene.interface.cohesive
+    deepest = 0.0 if law is None else -float(dataset["gap"].min()) / law.normal_length
+    if not deepest > 1.0:
+        return ""
+    return (
+        f"the surfaces overlap by up to {deepest:.3g} times normal_length, and without a hard_wall no area counts as "
+        "contact: add one to the interface unless you mean that"
+    )
 
 
 def _joined(steps: list[xr.Dataset]) -> xr.Dataset:

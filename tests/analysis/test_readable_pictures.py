@@ -46,6 +46,17 @@ def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressu
     assert faults(figure) == []
 
 
+def test_tractions_prescribed_beside_a_punch_are_drawn_with_its_pressure():
+    boundary = {"normal_traction": -2e6, "tangential_traction": 3e6}
+    scene = SCENE | {"boundary": boundary, "loading": {"displacement": 5e-8}}
+    figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))
+    drawn = {line.get_label(): line.get_ydata() for line in figure.axes[-1].lines}
+    np.testing.assert_allclose(drawn["prescribed, outwards"], -2.0, rtol=1e-9)
+    np.testing.assert_allclose(drawn["prescribed, along $x$"], 3.0, rtol=1e-9)
+    assert figure.axes[-1].get_ylabel() == "Tractions (MPa)"
+    assert faults(figure) == []
+
+
 def test_the_punch_reaches_the_top_of_the_picture_however_far_the_close_up_goes(dragged):
     dragged = dragged.copy()
     dragged["gap"] = 0.0 * dragged["gap"]

@@ -10,6 +10,12 @@ from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 from gfmd_numba.analysis.selection import UnusableDataError
 
+_BESIDE = {  # tractions beside the pressure: label, colour, dashes
+    "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
+    "prescribed_normal_traction": ("prescribed, outwards", COLOURS[2], "--"),
+    "prescribed_tangential_traction": ("prescribed, along $x$", COLOURS[3], "-."),
+}
+
 
 def plot_contact(dataset: xr.Dataset) -> Figure:
     """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps with their statistics.
@@ -28,7 +34,7 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
 
 
 def _plot_profile(dataset: xr.Dataset) -> Figure:
-    """Punch and body over x, with the pressure below, and the tangential traction where there is one."""
+    """Punch and body over x, with the pressure below, and other tractions where there are any."""
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
@@ -36,12 +42,12 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
     factor, unit = prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
-    tractions = {"$p$": dataset["pressure"]}
-    if "tangential_traction" in dataset:
-        tractions[r"$\tau$"] = dataset["tangential_traction"]
-    per_unit, unit_of_tractions = prefix(max(tractions.values(), key=lambda each: float(abs(each).max())), "E^*")
-    pressure, *tangential = (per_unit * each.values for each in tractions.values())
-    named = "Pressure $p$" if not tangential else r"Tractions $p$, $\tau$"
+    beside = [name for name in _BESIDE if name in dataset and (name == "tangential_traction" or dataset[name].any())]
+    every = [dataset[name] for name in ("pressure", *beside)]
+    per_unit, unit_of_tractions = prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
+    pressure, *tractions = (per_unit * each.values for each in every)
+    rubs = r"Tractions $p$, $\tau$" if beside == ["tangential_traction"] else "Tractions"
+    named = rubs if beside else "Pressure $p$"
     with mpl.rc_context(STYLE):
         figure = Figure((9.0, 6.6), dpi=150, layout="constrained")
         whole, above, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 6, 4])
@@ -64,11 +70,13 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
         below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         below.plot(x, pressure, color=COLOURS[1], lw=0.9)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
-        for traction in tangential:
-            below.plot(x, traction, color=COLOURS[0], lw=1.1, label=r"tangential $\tau$")
+        for (label, colour, dashes), traction in zip((_BESIDE[name] for name in beside), tractions, strict=True):
+            below.plot(x, traction, dashes, color=colour, lw=1.1, label=label)
         below.set(xlabel=x_label, ylabel=f"{named} ({unit_of_tractions})")
-        if min(each.min() for each in (pressure, *tangential)) >= 0:
+        if min(each.min() for each in (pressure, *tractions)) >= 0:
             below.set_ylim(bottom=0)
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
-        figure.legend(handles=handles, loc="outside lower center", ncols=4 + len(tangential))  # above stands the step
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=4 + (len(beside) == 1)
+        )  # above stands the step
     return figure

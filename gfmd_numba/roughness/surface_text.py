@@ -105,6 +105,7 @@ def _parsed(rows: list[str], layout: Layout) -> Reals | None:
                 skipinitialspace=True,
                 skip_blank_lines=False,  # an empty line of one column is an empty cell
                 engine="c",
+                float_precision="round_trip",  # the default of older versions is off by the last digit
             )
     except (ValueError, pd.errors.ParserError, OverflowError):
         return None

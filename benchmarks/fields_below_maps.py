@@ -10,7 +10,7 @@ import warnings
 import numpy as np
 
 import gfmd_numba
-from gfmd_numba.elasticity import map_fields, map_sections
+from gfmd_numba.elasticity import map_fields, map_rough_fields, map_sections
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
 
@@ -18,19 +18,22 @@ LEVELS = -(np.linspace(0.0, 1.0, 101) ** 2)
 
 
 def time_and_memory():
-    print("nodes   section, s   scan, s   bytes a node, peak of both")
+    print("nodes   order   section, s   scan, s   bytes a node, peak of both")
     body, rng = ElasticBody(0.3, None), np.random.default_rng(1)
-    for n in (256, 512, 1024, 2048):
-        tractions = rng.standard_normal((3, n, n))
+    for n, order in ((256, 0), (512, 0), (1024, 0), (2048, 0), (256, 1), (256, 2), (256, 3), (512, 2)):
+        tractions, heights = rng.standard_normal((3, n, n)), 0.01 / n * rng.standard_normal((n, n))
         tracemalloc.start()
-        surface = map_fields.surface_under_tractions(tractions, body)
+        if order == 0:
+            surface = map_fields.surface_under_tractions(tractions, body)
+        else:
+            surface = map_rough_fields.rough_surface(tractions, heights - heights.mean(), body, order)
         begun = time.perf_counter()
         map_sections.section(surface, LEVELS, body, "y", 0.5, DISPLACEMENTS + STRAINS + STRESSES)
         between = time.perf_counter()
         map_sections.largest_von_mises(surface, LEVELS, body)
         ended, peak = time.perf_counter(), tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
-        print(f"{n:5}   {between - begun:10.2f}   {ended - between:7.2f}   {peak / n**2:12.0f}")
+        print(f"{n:5}   {order:5}   {between - begun:10.2f}   {ended - between:7.2f}   {peak / n**2:12.0f}")
 
 
 def hertz():

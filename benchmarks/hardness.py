@@ -1,6 +1,6 @@
 """What a wall of finite hardness costs to solve, and how far its contact area depends on the grid.
 
-python benchmarks/hardness.py [costs | area]
+python benchmarks/hardness.py [costs | area | paths]
 """
 
 import sys
@@ -10,8 +10,12 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_area import contact_area_fraction, contact_area_fraction_counted
+from gfmd_numba.contact.load_path import solve_steps
+from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -72,7 +76,53 @@ def _sinusoid(nx: int, hardness: float, shifts: Reals) -> tuple[Reals, Reals]:
     return contact_area_fraction_counted(made), contact_area_fraction(made)
 
 
+def paths() -> None:
+    """How 400 random paths of eight loads end, two of which are repeated, and what growing loads leave in one step."""
+    ended, transforms = {"active_set_newton": 0, "conjugate_gradients": 0}, []
+    draw = np.random.default_rng(0)
+    for seed in range(400):
+        n, is_map = int(draw.choice([32, 64, 256])), draw.random() < 0.4
+        make = self_affine.maps if is_map else self_affine.profiles
+        heights = make(float(draw.choice([0.3, 0.8])), 2, n // 4, n, seed, range(1))[0]
+        body = ElasticBody(float(draw.choice([0.3, 0.45, 0.5])), float(draw.choice([0.5, 0.05])))
+        hardness, displaced = 10.0 ** draw.uniform(-2.0, 0.3), draw.random() < 0.3
+        solver = str(draw.choice(list(ended)))
+        surface = given_surface(heights)[0]
+        loads = (
+            draw.uniform(0.0, 0.4, 8) * surface.heights.max() if displaced else draw.uniform(0.01, 0.95, 8) * hardness
+        )
+        loads[4], loads[6] = loads[2], loads[1]
+        for contact in along(surface, body, hardness, loads, solver, displaced):
+            ended[solver] += int(contact.equilibrium.status[0] == 0)
+            transforms.append(int(contact.equilibrium.n_transforms[0]))
+    print(
+        f"steps that are ok, of {len(transforms)}: {ended}; transforms: mean {np.mean(transforms):.0f}, most ", end=""
+    )
+    print(max(transforms))
+    worst = 0.0
+    for body in (ElasticBody(None, None), ElasticBody(0.3, 0.05), ElasticBody(0.5, 0.05), ElasticBody(0.49, 0.02)):
+        for hurst in (0.3, 0.8):
+            for make, n in ((self_affine.profiles, 512), (self_affine.maps, 64)):
+                surface = given_surface(make(hurst, 2, n // 4, n, 3, range(1))[0])[0]
+                for hardness in (0.05, 0.3):
+                    loads = 0.6 * hardness * np.arange(1, 9) / 8.0
+                    many = along(surface, body, hardness, loads, "active_set_newton")[-1].plastic_depth
+                    (one,) = along(surface, body, hardness, loads[-1:], "active_set_newton")
+                    worst = max(worst, float(abs(many - one.plastic_depth).max() / np.max(one.plastic_depth)))
+    print(f"eight growing loads and one: depths differ by {worst:.1e} of the largest, of 32 contacts")
+
+
+def along(
+    surface: GivenSurface, body: ElasticBody, hardness: float, loads: Reals, solver: str, displaced: bool = False
+) -> list[Contact]:
+    """The contacts along a path of mean pressures, or of displacements."""
+    wall, options = Interactions(True, hardness=hardness), Options(solver)
+    prescribed = ((None, float(load)) if displaced else (float(load), None) for load in loads)
+    problems = [Problem(surface, body, wall, *each, options) for each in prescribed]
+    return [each for each in solve_steps(problems, [(0.0,)] * len(problems), 0) if isinstance(each, Contact)]
+
+
 if __name__ == "__main__":
-    chosen = sys.argv[1:] or ["costs", "area"]
+    chosen = sys.argv[1:] or ["costs", "area", "paths"]
     for name in chosen:
-        {"costs": costs, "area": area}[name]()
+        {"costs": costs, "area": area, "paths": paths}[name]()

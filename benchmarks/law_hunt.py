@@ -2,8 +2,9 @@
 
 `python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
 are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction, friction_and_law (of
-attraction), friction_and_repulsion, rigid_friction_and_law, and three in which touching nodes stick: sticking,
-sticking_and_law and rigid_sticking. A further argument names a solver in place of the automatic one.
+attraction), friction_and_repulsion, rigid_friction_and_law, three in which touching nodes stick: sticking,
+sticking_and_law and rigid_sticking, and hardness (beside an exponential law). A further argument names a solver in
+place of the automatic one.
 """
 
 import sys
@@ -22,7 +23,7 @@ from gfmd_numba.solvers.status import Status
 
 KINDS = (
     *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
-    *("rigid_friction_and_law", "sticking", "sticking_and_law", "rigid_sticking"),
+    *("rigid_friction_and_law", "sticking", "sticking_and_law", "rigid_sticking", "hardness"),
 )
 NEWTON = 100  # steps after which damped dynamics takes over
 
@@ -53,17 +54,22 @@ def random_scene(kind, seed):
             "tangential_length": float(range_ * g * ratio),
         }
     elif law not in ("friction", "sticking"):
-        if "repulsion" in law or (law == "exponential" and rng.random() < 0.4):
+        if "repulsion" in law or (law in ("exponential", "hardness") and rng.random() < 0.4):
             work = -(10 ** rng.uniform(-5, 1)) * max(range_, 1e-3)
         interface["exponential"] = {"work_of_adhesion": float(work * g * g), "range": float(range_ * g)}
     if rubs:
         coefficient = float(10 ** rng.uniform(-2, 0.3))
         interface["friction"] = {"coefficient": np.inf if "sticking" in law else coefficient}
-    if rubs or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
+    if kind == "hardness" or rubs or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
         interface["hard_wall"] = {}
-    deepest = 0.2 if nu < 0.5 else 0.05
+    deepest, least, most = 0.2 if nu < 0.5 else 0.05, np.log(1e-3), 1.0
+    if kind == "hardness":  # above what the law pulls, so that there is a load that it bears
+        pull = work / range_
+        hardness = 10 ** rng.uniform(-2.0, 0.3) + 1.5 * max(pull, 0.0)
+        interface["hard_wall"] = {"hardness": float(hardness * g)}
+        least, most = np.log(1e-2), 0.9 * (hardness - pull)
     if loaded:
-        path = [{"reduced_pressure": float(each)} for each in np.exp(rng.uniform(np.log(1e-3), 0, 4))]
+        path = [{"reduced_pressure": float(most * each)} for each in np.exp(rng.uniform(least, 0, 4))]
     elif interface.keys() & {"exponential", "cohesive"}:
         path = [{"displacement": float(each)} for each in rng.uniform(-0.5 * deepest, deepest, 4) * g]
     else:
@@ -88,9 +94,10 @@ def random_scene(kind, seed):
     }
 
 
-def unbalanced(bears, touching):
-    """Largest traction that the wall cannot bear."""
-    return np.where(touching, np.maximum(-bears, 0.0), np.abs(bears)).max()
+def unbalanced(bears, gap, touching, hardness):
+    """Largest traction that the wall cannot bear: from 0 to the hardness, and just that where it is penetrated."""
+    least, most = np.where(touching & (gap < 0.0), hardness, 0.0), np.where(touching, hardness, 0.0)
+    return np.maximum(least - bears, bears - most).max()
 
 
 def unrubbed(bears, touching, shear, slid, friction):
@@ -118,8 +125,10 @@ def violation(problem, contact, sliding, before):
     elastic = np.fft.irfft(k33 * c3 - 1j * k13 * c1, n)
     shear = np.fft.irfft(k11 * c1 + 1j * k13 * c3, n)
     pull, drag = np.zeros(n), np.zeros(n)
+    hardness = np.inf if laws.hardness is None else laws.hardness
     if laws.normal_law is not None:
-        pull = laws.normal_law.work / laws.normal_law.length * np.exp((u - punch) / laws.normal_law.length)
+        gap = punch - u if laws.hardness is None else np.maximum(punch - u, 0.0)
+        pull = laws.normal_law.work / laws.normal_law.length * np.exp(-gap / laws.normal_law.length)
     if laws.cohesive is not None:
         g, s = (punch - u) / laws.cohesive.normal, (sliding - u1) / laws.cohesive.tangential
         decay = laws.cohesive.work * np.exp(-np.maximum(g, 0.0) - s * s)
@@ -135,23 +144,24 @@ def violation(problem, contact, sliding, before):
     def wrong(load):
         bears = load - elastic + pull
         rubbed = 0.0 if laws.friction is None else unrubbed(bears, touching, shear, slid, laws.friction)
-        return max(unbalanced(bears, touching), rubbed)
+        return max(unbalanced(bears, punch - u, touching, hardness), rubbed)
 
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
         load += min(1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 401), key=lambda by: wrong(load + by))
     bears, worst = load - elastic + pull, wrong(load)
-    overlap = laws.hard_wall and (u > punch).any()
-    largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
+    overlap = laws.hard_wall and laws.hardness is None and (u > punch).any()
+    largest = max(min(bears.max(), hardness), np.abs(pull).max(), np.abs(drag).max())
     if laws.friction is None:
         worst = max(worst, np.abs(shear - drag).max())
     if rigid:
         worst = max(worst, k33.max() * abs(u.mean()))
-    pressure = np.where(touching, bears, 0.0) - pull
+    borne = np.where(u > punch, hardness, np.minimum(bears, hardness)) if laws.hardness is not None else bears
+    pressure = np.where(touching, borne, 0.0) - pull
     worst = max(worst, 0.1 * np.abs(found.pressure[0] - pressure).max(), np.inf if overlap else 0.0)
     if problem.mean_pressure is not None:
         worst = max(worst, largest * abs(pressure.mean() / problem.mean_pressure - 1.0))
     rounding = max(k33.max(), k11.max()) * np.spacing(max(np.abs(u).max(), np.abs(u1).max())) / largest
-    return worst / largest, rounding
+    return (worst / largest if worst > 1e-140 or problem.mean_pressure else 0.0), rounding  # or nothing is left
 
 
 def follow(kind, seed, solver="auto"):

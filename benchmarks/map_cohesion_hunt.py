@@ -60,13 +60,13 @@ def violation(problem, contact, sliding):
     pull = g / law.normal * np.where(g < 0.0, law.work * np.exp(-np.minimum(g, 0.0)), decay)
     drag = 2.0 * s / law.tangential * (1.0 + np.maximum(g, 0.0)) * decay
     load = float(found.pressure[0].mean()) if rigid else problem.mean_pressure or 0.0
-    touching, unbalanced = (u[2] >= punch) & laws.hard_wall, PROFILES["unbalanced"]
+    touching, wall = (u[2] >= punch) & laws.hard_wall, PROFILES["unbalanced"]
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
         shifts = 1e-8 * np.abs(load - elastic).max() * np.linspace(-1.0, 1.0, 41)
-        load += min(shifts, key=lambda shift: unbalanced(load + shift - elastic + pull, touching))
+        load += min(shifts, key=lambda shift: wall(load + shift - elastic + pull, punch - u[2], touching, np.inf))
     bears = load - elastic + pull
     largest = max(bears.max(), np.abs(pull).max(), np.abs(drag).max())
-    worst = max(unbalanced(bears, touching), np.hypot(*(shear - drag)).max())
+    worst = max(wall(bears, punch - u[2], touching, np.inf), np.hypot(*(shear - drag)).max())
     if laws.hard_wall and (u[2] > punch).any():
         worst = np.inf
     if rigid:

@@ -47,12 +47,8 @@ def file(dimension, law, nx, load, more):
     }
 
 
-def main(case, log2_nodes, load=0.1, more=0.0):
-    """Print the bytes a node that a case takes, and those counted."""
-    dimension, law = int(case[0]), case[2:]
-    nx = 2 ** (int(log2_nodes) // dimension)
-    gfmd_numba.solve(file(dimension, law, 64, float(load), float(more)))  # compiles
-    measured = file(dimension, law, nx, float(load), float(more))
+def peak_while(solve):
+    """What `solve` returns, and by how many bytes this process has grown meanwhile at most."""
     before, peak, over = resident(), [0], threading.Event()
 
     def watch():
@@ -62,12 +58,22 @@ def main(case, log2_nodes, load=0.1, more=0.0):
 
     watching = threading.Thread(target=watch)
     watching.start()
-    gfmd_numba.solve(measured)
+    found = solve()
     over.set()
     watching.join()
+    return found, peak[0] - before
+
+
+def main(case, log2_nodes, load=0.1, more=0.0):
+    """Print the bytes a node that a case takes, and those counted."""
+    dimension, law = int(case[0]), case[2:]
+    nx = 2 ** (int(log2_nodes) // dimension)
+    gfmd_numba.solve(file(dimension, law, 64, float(load), float(more)))  # compiles
+    measured = file(dimension, law, nx, float(load), float(more))
+    _, grown = peak_while(lambda: gfmd_numba.solve(measured))
     laws, steps = measured["scene"]["interface"], len(measured["path"])
     counted = 8 * (arrays_per_realisation(dimension, laws) + arrays_of_path(dimension, laws, steps))
-    print(f"{case} {nx} nodes a side: {(peak[0] - before) / nx**dimension:.0f} of {counted} bytes a node")
+    print(f"{case} {nx} nodes a side: {grown / nx**dimension:.0f} of {counted} bytes a node")
 
 
 if __name__ == "__main__":

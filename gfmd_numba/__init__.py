@@ -166,21 +166,22 @@ def open_campaign(path: str | Path) -> xr.Dataset:
 
 def fit_tfc(
     dataset: xr.Dataset | str | Path,
-    variable: Literal["kappa", "kappa_counted", "kappa_r"] = "kappa",
+    variable: str = "kappa",
     exponents: Literal["shared", "free"] = "shared",
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
+    step: int | None = None,
 ) -> xr.Dataset:
     """Extrapolate kappa of a campaign to the thermodynamic, fractal and continuum limit.
 
     `dataset` holds the results of the campaign, or is their path. `exponents` are shared by all groups of cases or free
     in each. `fixed` holds exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5,
-    1.0)}`. The returned dataset is that of `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no
-    sense.
+    1.0)}`. Along a loading path every step is fitted, or the given one alone. The returned dataset is that of
+    `gfmd_numba.analysis.fit_tfc`. Raises InputError for options that make no sense.
     """
     from gfmd_numba.analysis import fit_tfc as fit
 
-    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist)
+    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist, step)
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:

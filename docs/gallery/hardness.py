@@ -1,7 +1,8 @@
 """Asperities that yield: the pressure under a wall of finite hardness.
 
 Without a hardness, the pressure of an elastic contact has no upper limit. With one, spots at the hardness give
-way, their neighbours carry more, and the contact area grows.
+way, their neighbours carry more, and the contact area grows. Spots that have given way stay flat when the load falls:
+the contact comes back on another way.
 """
 
 from matplotlib.figure import Figure
@@ -24,10 +25,18 @@ plastic = gfmd_numba.solve(scene)
 for name, contact in (("elastic", elastic), ("plastic", plastic)):
     print(f"{name}: {100 * float(contact['contact_area_fraction']):.1f} % of the surface touch")
 
-figure = Figure((7, 4), layout="constrained")
-axis = figure.subplots()
+loads = [50, 100, 200, 350, 500, 350, 200, 100, 50, 20, 50, 100, 200, 350, 500]  # MPa
+scene["scene"]["loading"] = {"pressure": "20 MPa"}
+path = gfmd_numba.solve(scene | {"path": [{"pressure": f"{load} MPa"} for load in loads]})
+
+figure = Figure((10, 4), layout="constrained")
+axis, loop = figure.subplots(1, 2, width_ratios=[3, 2])
 axis.plot(1e6 * elastic["x"], 1e-9 * elastic["pressure"], color="0.2", lw=1, ls="--", label="elastic")
 axis.plot(1e6 * plastic["x"], 1e-9 * plastic["pressure"], color="#D55E00", lw=1.4, label="hardness of 4 GPa")
 axis.set(xlabel="Position $x$ (µm)", ylabel="Pressure (GPa)")
 axis.legend()
+loop.plot(1e6 * path["mean_gap"], 1e-6 * path["mean_pressure"], "o-", color="#0072B2", ms=3.5, lw=1.2)
+loop.set(
+    xlabel="Mean gap (µm)", ylabel="Mean pressure (MPa)", title="loaded, unloaded, and loaded again", ylim=(0, None)
+)
 figure.savefig("hardness.png", dpi=80)

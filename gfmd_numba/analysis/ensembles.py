@@ -14,6 +14,7 @@ from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.steps_of_paths import steps_of
 from gfmd_numba.arrays import Reals
 
 FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
@@ -60,7 +61,11 @@ def _level_of_each(pilot: xr.Dataset) -> list[Level]:
 
 
 def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
-    """Return what results say of each group; UnusableDataError where they do not tell."""
+    """Return what results say of each group, along a path at every step; UnusableDataError where they do not tell."""
+    steps = steps_of(pilot, variable)
+    if len(steps) > 1:
+        return [each for step, one in enumerate(steps) for each in _at_step(step, one, variable, fixed)]
+    (pilot,) = steps
     given = {limit: exponent_range(limit, value, LIMITS) for limit, value in fixed.items()}
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
@@ -74,6 +79,17 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
             raise UnusableDataError(why)
         found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
     return found
+
+
+def _at_step(
+    step: int, pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]
+) -> list[Ensemble]:
+    """Return what one step of a path says, which an error names."""
+    try:
+        return ensembles(pilot, variable, fixed)
+    except UnusableDataError as error:
+        advice = "`fit: {step: ...}` names a step that is fitted alone, and `fit: {variable: ...}` something else"
+        raise UnusableDataError(f"{variable} at step {step} of the path: {error}; {advice}") from None
 
 
 def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:

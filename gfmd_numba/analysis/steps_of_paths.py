@@ -5,6 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.text.input_error import brief
+
 _PATH_STEP = {
     "long_name": "step of the path, from the first loading",
     "units": "1",
@@ -15,13 +18,21 @@ _PATH_STEP = {
 }
 
 
-def steps_of(dataset: xr.Dataset, variable: str) -> list[xr.Dataset]:
+def steps_of(dataset: xr.Dataset, variable: str, step: int | None = None) -> list[xr.Dataset]:
     """Datasets `(case, realisation)` in which a variable of a path stands: one for each step, told by `path_step`.
 
-    What is known of the path as a whole stands once, beside the contact of the step with the largest area.
+    With `step` that one alone. What is known of the path as a whole stands once, beside the contact of the step with
+    the largest area. A dataset without a path stands for itself. UnusableDataError for a step that there is not.
     """
-    if variable in dataset and "step" in dataset[variable].dims:
-        return [_at(dataset, step) for step in range(dataset.sizes["step"])]
+    along = {"case", "step"} <= set(dataset.dims)
+    at_steps = along and variable in dataset and "step" in dataset[variable].dims
+    if step is not None and not (at_steps and type(step) is int and 0 <= step < dataset.sizes["step"]):
+        steps = f"a step from 0 to {dataset.sizes['step'] - 1}" if at_steps else f"nothing, as {variable} has no steps"
+        raise UnusableDataError(f"step: given {brief(step)}; allowed: {steps}")
+    if not along:
+        return [dataset]
+    if at_steps:
+        return [_at(dataset, each) for each in (range(dataset.sizes["step"]) if step is None else [step])]
     largest = 0
     if "contact_area_fraction" in dataset:
         area = dataset["contact_area_fraction"]

@@ -51,6 +51,7 @@ def fit_tfc(
     exponents: Literal["shared", "free"] = "shared",
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
+    step: int | None = None,
 ) -> xr.Dataset:
     """Fit thesis (4.3), with interactions of the limits, to each group's case means.
 
@@ -66,16 +67,16 @@ def fit_tfc(
     attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is not identified; ValueError
     for an unknown variable, mode or limit, or a wrong fixed exponent.
 
-    Each step of a loading path is fitted for itself, so that groups also differ in `path_step`; what is known of the
-    path as a whole, like `pull_off_pressure`, is fitted once.
+    Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
+    in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
     """
     if exponents not in ("shared", "free"):
         raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
     if not isinstance(fixed, Mapping | None):
         raise ValueError(f"fixed is a mapping like {{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}}, not {fixed!r}")
     given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
-    if {"case", "step"} <= set(dataset.dims):
-        steps = steps_of(dataset, variable)
+    if step is not None or {"case", "step"} <= set(dataset.dims):
+        steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
     members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]

@@ -12,13 +12,14 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
 from gfmd_numba.campaign.axis import Place
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
+from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
 from gfmd_numba.campaign.prescribed_tractions import PrescribedTractions
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions
@@ -32,7 +33,7 @@ Range = tuple[int, int]  # first realisation, and the one after the last
 
 @dataclass(frozen=True, slots=True)
 class GridPoint:
-    """Values at one point of a campaign's grid, beside the scene that is `common` to all; `punch` if it was measured.
+    """Values at one point of a campaign's grid, beside the scene that is `common` to all, and what was `measured`.
 
     A scene takes more memory than all the rest of a case, and there may be a million: it is made when asked for.
     """
@@ -40,13 +41,13 @@ class GridPoint:
     common: Scene
     places: tuple[Place, ...]
     values: tuple[Any, ...]
-    punch: MeasuredPunch | None
+    measured: MeasuredPunch | MeasuredBodies | None
 
     @property
     def scene(self) -> Scene:
         """The scene with these values."""
         scene = with_values(self.common, dict(zip(self.places, self.values, strict=True)))
-        return scene if self.punch is None else self.punch.under(scene)
+        return scene if self.measured is None else self.measured.under(scene)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +90,7 @@ class Block:
 def expand(
     campaign: Campaign,
     punches: Punches = MappingProxyType({}),
-    measured: MeasuredSurfaces = MappingProxyType({}),
+    measured: Bodies = MappingProxyType({}),
     document: Document | None = None,
 ) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits.
@@ -103,19 +104,20 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of, tractions_of = _RoughBodies(campaign, measured, document), PrescribedTractions(document, campaign.scene)
+    bodies_of, tractions_of = _RoughBodies(campaign, document), PrescribedTractions(document, campaign.scene)
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
         punch = punches.get(scene.roughness)
-        point = GridPoint(campaign.scene, places, values, punch)
-        if punch is not None:
+        bodies = measured.get(scene.roughness) or measured.get(None)
+        point = GridPoint(campaign.scene, places, values, punch or bodies)
+        if point.measured is not None:
             scene = point.scene
         for level in levels:
             surface: ProblemSurface
             rough = None
             if scene.follows_topography:
-                surface, rough = bodies_of(scene, level.discretisation)
+                surface, rough = bodies_of(scene, level.discretisation, bodies)
                 rms_gradient = surface.rms_gradient
             elif punch is None:
                 surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
@@ -154,17 +156,20 @@ def _surface(
 class _RoughBodies:
     """Rough bodies of a campaign's scenes, the first realisation of each sum of surfaces checked once."""
 
-    def __init__(self, campaign: Campaign, measured: MeasuredSurfaces, document: Document):
-        self._campaign, self._measured, self._document = campaign, measured, document
-        self._checked: set[tuple[SummedSurface, tuple[float | None, ...]]] = set()
+    def __init__(self, campaign: Campaign, document: Document):
+        self._campaign, self._document = campaign, document
+        self._checked: set[tuple[SummedSurface, tuple[tuple[float, float, int], ...]]] = set()
 
-    def __call__(self, scene: Scene, discretisation: Discretisation | None) -> tuple[SummedSurface, RoughBodies]:
-        """All surfaces of a scene, and its bodies; raises InputError for surfaces that cannot be used."""
+    def __call__(
+        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredBodies | None
+    ) -> tuple[SummedSurface, RoughBodies]:
+        """All surfaces of a scene, the measured ones `given`, and its bodies; raises InputError for unusable ones."""
+        measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
         order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
-        summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, self._measured, self._document)
-        known = summed, tuple(body.elastic.aspect_ratio for body in rough.bodies)
+        summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
+        known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
         if known not in self._checked:
-            check_drawn(scene, summed, rough, 0, self._document)
+            check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
         return summed, rough
 

@@ -147,8 +147,8 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
     for parameters, cases in groups(results):
         where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
         if identities not in known:
-            (expected,) = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)
-            promise = target * expected.caution
+            expected = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)  # along a path of every step
+            promise = target * min(each.caution for each in expected)
             try:
                 design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
             except UnusableDataError:
@@ -207,7 +207,8 @@ def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
 def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
     """Why the most realisations do not reach a target, and what helps."""
     least, further = (
-        predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed)[0] for number in (MOST, 100 * MOST)
+        max(predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed), key=lambda each: each.error)
+        for number in (MOST, 100 * MOST)
     )
     if least.error <= target:
         return UnusableDataError(

@@ -13,15 +13,18 @@ import xarray as xr
 import yaml
 
 from gfmd_numba.analysis import Design, best_design, cheapest_design
+from gfmd_numba.analysis.steps_of_paths import steps_of
+from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, distinct, expand, groups
 from gfmd_numba.campaign.collection import Measures, in_file_units, recorded_of
-from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.cost import Told
 from gfmd_numba.campaign.cross_levels import added
 from gfmd_numba.campaign.ensemble import measured
 from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
+from gfmd_numba.campaign.fit_record import Fit
 from gfmd_numba.campaign.limits import CROSS, Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.regression import features, kinds_of, regression
@@ -66,7 +69,7 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
     found: dict[str, Measures] = {}
     seconds: dict[str, float] = {}
     solved: set[tuple[str, ...]] = set()
-    for group in _most_scattered_first(list(alike.values()), planned.campaign.fit.variable):
+    for group in _most_scattered_first(list(alike.values()), planned.campaign.fit):
         spent = REALISATIONS * sum(seconds.values())
         if len(solved) >= _GROUPS and spent * (1 + 1 / len(solved)) > _SECONDS:
             break
@@ -83,7 +86,10 @@ def pilot(planned: Plan, told: Told | None = None) -> Pilot:
     rows = recorded_of(cases)
     values = [in_file_units(case, rows, found[case.problem.identity]) for case in cases]
     scene = planned.campaign.scene
-    results = campaign_dataset(described_coordinates(scene, cases), rows, values, units(scene))
+    coordinates = described_coordinates(scene, cases) | steps_of_paths(cases, planned.campaign.path)
+    results = campaign_dataset(coordinates, rows, values, units(scene))
+    if (step := planned.campaign.fit.step) is not None:
+        (results,) = steps_of(results, planned.campaign.fit.variable, step)
     n_solved = sum(_identities(group) in solved for group in members)
     return Pilot(results.drop_vars("realisations"), _in_all_groups(planned, cases, seconds), len(members), n_solved)
 
@@ -117,8 +123,8 @@ def designed(planned: Plan, chosen: Design) -> Plan:
     """Plan of the campaign with the realisations of a design."""
     asked_for = Realisations(reference=chosen.reference, **_counts(planned.campaign, chosen))
     campaign = planned.campaign.model_copy(update={"realisations": asked_for})
-    cases = expand(campaign)
-    return Plan(campaign, planned.document, cases, distinct(cases))
+    cases = expand(campaign, planned.punches, planned.measured, planned.document)
+    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
 
 
 def loosest_residual(planned: Plan, target: float) -> float:
@@ -127,10 +133,10 @@ def loosest_residual(planned: Plan, target: float) -> float:
     Measured on the reference case of the first group.
     """
     problem = next(case.problem for case in planned.cases if case.limit == "reference")
-    variable = planned.campaign.fit.variable
-    tight = _mean(problem, _RESIDUALS[-1], variable)
+    fit = planned.campaign.fit
+    tight = _means(problem, _RESIDUALS[-1], fit)
     for residual in _RESIDUALS:
-        if abs(_mean(problem, residual, variable) / tight - 1.0) <= _RESIDUAL_SHARE * target:
+        if (abs(_means(problem, residual, fit) - tight) <= _RESIDUAL_SHARE * target * abs(tight)).all():
             return residual
     return _RESIDUALS[-1]
 
@@ -187,20 +193,27 @@ def _counts(campaign: Campaign, chosen: Design) -> dict[str, tuple[int, ...]]:
     return {limit: numbers for limit, numbers in counts.items() if numbers}
 
 
-def _mean(problem: Problem, residual: float, variable: str) -> float:
+def _means(problem: Problem, residual: float, fit: Fit) -> Reals:
+    """Mean of what is fitted, `[step]` of those steps of a path that are fitted."""
     looser = replace(problem, numerics=replace(problem.numerics, residual=residual, precision="double"))
-    return float(np.mean(measured(looser, REALISATIONS)[variable]))
+    return np.asarray(np.mean(_fitted(measured(looser, REALISATIONS), fit), axis=0))
 
 
-def _most_scattered_first(members: list[list[Case]], variable: str) -> list[list[Case]]:
+def _fitted(values: Measures, fit: Fit) -> Reals:
+    """What is fitted `[realisation, step]`, without steps `[realisation, 1]`."""
+    found = values[fit.variable].reshape(len(values["status"]), -1)
+    return found if fit.step is None else found[:, [fit.step]]
+
+
+def _most_scattered_first(members: list[list[Case]], fit: Fit) -> list[list[Case]]:
     """Groups by the relative scatter of their cheapest case, the largest first."""
     if len(members) <= _GROUPS:
         return members
     scatter = []
     for group in members:
         cheapest = min((case.problem for case in group), key=lambda problem: problem.surface.nodes)
-        values = measured(cheapest, _SCOUTED)[variable]
-        scatter.append(np.nanstd(values) / abs(np.nanmean(values)))
+        values = _fitted(measured(cheapest, _SCOUTED), fit)
+        scatter.append(np.max(np.nanstd(values, axis=0) / abs(np.nanmean(values, axis=0))))
     return [members[i] for i in np.argsort(-np.array(scatter), kind="stable")]
 
 

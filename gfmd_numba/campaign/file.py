@@ -4,17 +4,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of
-from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.fit_record import Fit, check_recorded
+from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
+from gfmd_numba.campaign.limits import COUNT, CROSS, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
-from gfmd_numba.contact.refusal import check_combination, check_keys
+from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.scene.checks import (
     check_anisotropy_fits,
     check_discretisation,
@@ -26,7 +27,7 @@ from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
-from gfmd_numba.scene.records import Discretisation, Numerics, Scene
+from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
 from gfmd_numba.scene.scene_file import located_boundary
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Random
@@ -36,15 +37,6 @@ from gfmd_numba.text.input_error import ABSENT
 
 MOST_CASES = 1_000_000
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
-
-
-class Fit(BaseModel):
-    """How the results are fitted to their limit."""
-
-    model_config = RECORD
-    variable: Literal["kappa", "kappa_counted", "kappa_r"] = Field("kappa", description="What is fitted")
-    exponents: Literal["shared", "free"] = Field("shared", description="One set for all groups, or one for each")
-    fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
 
 
 class PlacedDiscretisation(NamedTuple):
@@ -161,6 +153,9 @@ class Campaign(BaseModel):
             check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
+        if "path" in self.model_fields_set and not self.path:
+            raise broken_rule(("path",), "at least one loading, or no path where nothing follows the first loading")
+        self.fit.check(len(self.path))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None:
             raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
@@ -182,10 +177,8 @@ class Campaign(BaseModel):
             counts, levels = getattr(self.realisations, name), getattr(self.limits, name) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", name), f"{len(levels)} numbers, as limits.{name} has so many levels")
-        for place, surface in self.scene.surfaces.items():
-            wrong = surface.misfit(self.scene.length or 1.0)
-            if wrong is not None:
-                raise broken_rule(("scene", *place, wrong[0]), wrong[1])
+        if not self.scene.awaits_period:
+            check_waves(self.scene.surfaces, self.scene.length)
         return self
 
 
@@ -196,12 +189,14 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
     )
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
-    check_keys(document)
     document = _with_a_file(document)
     campaign = validate(document, Campaign)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
+    if campaign.fit.is_of_path:
+        scenes = (campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid)))
+        check_recorded(document, campaign.fit, [(each, campaign.numerics.slope_order(each)) for each in scenes])
     _check_files(document, campaign)
     if document.path is None:
         document = replace(document, text=written(campaign))
@@ -231,6 +226,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
     try:
+        check_waves(scene.surfaces, scene.length)
         check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
         check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
     except PydanticCustomError as error:

@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
 
-Variable = Literal["kappa", "kappa_counted", "kappa_r"]
+Variable = Literal["kappa", "kappa_counted", "kappa_r", "contact_area_fraction", "hysteresis", "pull_off_pressure"]
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 from gfmd_numba.campaign.axes import with_values
+from gfmd_numba.campaign.axis import Place
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.campaign.grid import surfaces_of_grid
 from gfmd_numba.contact.contact_input import with_measured
@@ -16,7 +17,7 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
 from gfmd_numba.scene.source import existing_file
 
-_FILE = ("roughness", "file")
+FILE = ("roughness", "file")
 _UNITS = {"m": "m", "1": "L_x"}
 
 
@@ -56,18 +57,17 @@ def measured_punches(campaign: Campaign, document: Document) -> dict[Surface | N
         record = scene.roughness
         assert isinstance(record, Measured)  # as the campaign's own
         placed = replace(document, elsewhere={("scene", *place): at for place, at in locations.items()})
-        scene, measured = _read(record, scene, placed, read)
+        scene, surfaces = read_surfaces(record, scene, placed, read)
+        measured = surfaces["roughness",]
         first = first or (record, measured)
-        if measured.unit != first[1].unit:
-            allowed = f"a surface with lengths in {_UNITS[first[1].unit]}, as {first[0].shown} has them"
-            raise _refused(placed, f"{record.shown} (lengths in {_UNITS[measured.unit]})", allowed)
+        check_unit(placed, record, measured, *first)
         try:
             surface, rms_gradient = given_surface(measured.in_periods)
         except ValueError as error:
             raise _refused(placed, f"{record.shown} ({error})", "heights that are not all equal") from None
         check_scene(document, campaign, scene)
         found[record] = MeasuredPunch(
-            name=", ".join(value if place == _FILE else f"{place[-1]} {value:.10g}" for place, value in values.items()),
+            name=name_of(values),
             surface=surface,
             rms_gradient=rms_gradient,
             dimension=scene.dimension,
@@ -87,26 +87,45 @@ def said_of(punches: Punches, of: Literal["done", "doubts"]) -> list[str]:
     ]
 
 
-def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurface]:
-    """Scene of the dimension and period that a record tells, and its surface.
+def name_of(values: Mapping[Place, Any]) -> str:
+    """What a grid calls a measured surface, by its values."""
+    return ", ".join(value if place == FILE else f"{place[-1]} {value:.10g}" for place, value in values.items())
+
+
+def check_unit(
+    document: Document, record: Measured, surface: MeasuredSurface, first: Measured, like: MeasuredSurface
+) -> None:
+    """Raise InputError for a surface whose lengths are not in the unit of the first one."""
+    if surface.unit != like.unit:
+        allowed = f"a surface with lengths in {_UNITS[like.unit]}, as {first.shown} has them"
+        raise _refused(document, f"{record.shown} (lengths in {_UNITS[surface.unit]})", allowed)
+
+
+def read_surfaces(
+    record: Measured, scene: Scene, document: Document, read: Reader
+) -> tuple[Scene, dict[Place, MeasuredSurface]]:
+    """Scene of the dimension and period that a record of the punch tells, and its measured surfaces.
 
     An InputError names the value that is to blame: one of the grid beside the file, if without it all is well.
     """
-    file = ("scene", *_FILE)
+    file = ("scene", *FILE)
     assert record.file is not None  # the campaign's promise
     located = record.model_copy(update={"file": existing_file(document, file, record.file, ())})
     try:
         return _told(located, scene, document, read)
     except InputError:
         for place, at in document.elsewhere.items():
-            if place != file and _is_usable(located.model_copy(update={str(place[-1]): None}), scene, document, read):
+            beside = place not in (file, file[:-1])
+            if beside and _is_usable(located.model_copy(update={str(place[-1]): None}), scene, document, read):
                 _told(located, scene, replace(document, elsewhere={**document.elsewhere, file: at}), read)
         raise
 
 
-def _told(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurface]:
+def _told(
+    record: Measured, scene: Scene, document: Document, read: Reader
+) -> tuple[Scene, dict[Place, MeasuredSurface]]:
     told, measured = with_measured(scene.model_copy(update={"roughness": record}), document, read)
-    return told, measured["roughness",]
+    return told, dict(measured)
 
 
 def _is_usable(record: Measured, scene: Scene, document: Document, read: Reader) -> bool:
@@ -118,4 +137,4 @@ def _is_usable(record: Measured, scene: Scene, document: Document, read: Reader)
 
 
 def _refused(document: Document, given: str, allowed: str) -> InputError:
-    return InputError(document.line(("scene", *_FILE), given, allowed))
+    return InputError(document.line(("scene", *FILE), given, allowed))

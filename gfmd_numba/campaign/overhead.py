@@ -71,7 +71,9 @@ def _rehearsed(planned: Plan) -> float:
     asked = max(case.realisations for case in cases)
     fewer = [replace(case, realisations=min(case.realisations, _REALISATIONS)) for case in cases]
     results = _made_up(fewer, planned.campaign)
-    options = json.loads(planned.campaign.fit.model_dump_json(exclude_none=True))
+    fit = planned.campaign.fit
+    options = json.loads(fit.model_dump_json(exclude_none=True, exclude={"step"}))
+    steps = 1 if fit.is_of_path or fit.step is not None else 1 + len(planned.campaign.path)  # each of which is fitted
     seconds: list[float] = []
     try:
         for _ in range(2):  # the first one imports
@@ -80,7 +82,7 @@ def _rehearsed(planned: Plan) -> float:
             seconds.append(time.thread_time() - begun)
     except UnusableDataError:
         return 0.0
-    return seconds[1] * len(members) / min(len(members), _REHEARSED) * asked / min(asked, _REALISATIONS)
+    return steps * seconds[1] * len(members) / min(len(members), _REHEARSED) * asked / min(asked, _REALISATIONS)
 
 
 def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:

@@ -17,14 +17,13 @@ from gfmd_numba.campaign.cost import Cost, Told, predict
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
-from gfmd_numba.campaign.measured_bodies import said_of_bodies, with_measured_bodies
-from gfmd_numba.campaign.measured_punches import Punches, measured_punches, said_of
+from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies, measured_bodies, said_of_bodies
+from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches, measured_punches, said_of
 from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.source import Source
 
@@ -42,7 +41,7 @@ class Plan:
     cases: list[Case]
     problems: list[Problem]
     punches: Punches = field(default_factory=dict)
-    measured: MeasuredSurfaces = field(default_factory=dict)
+    measured: Bodies = field(default_factory=dict)
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -131,11 +130,11 @@ class Plan:
 def plan(source: Source | Campaign) -> Plan:
     """Plan of a campaign file or mapping; raises InputError."""
     campaign, document = load_campaign(source)
-    measured: MeasuredSurfaces = {}
-    if campaign.scene.follows_topography:
-        campaign, measured = with_measured_bodies(campaign, document)
-    punches = {} if campaign.scene.follows_topography else measured_punches(campaign, document)
-    scenes = {(punch.dimension, punch.period): punch.under(campaign.scene) for punch in punches.values()}
+    follows = campaign.scene.follows_topography
+    measured = measured_bodies(campaign, document) if follows else {}
+    punches = {} if follows else measured_punches(campaign, document)
+    told: tuple[MeasuredPunch | MeasuredBodies, ...] = (*punches.values(), *measured.values())
+    scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in told}
     if len(scenes) == 1:
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
     cases = expand(campaign, punches, measured, document)

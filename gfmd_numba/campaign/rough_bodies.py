@@ -36,10 +36,11 @@ def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
     for surface, rough in bodies:
         if rough.order == 0 and any(_is_film(body) for body in rough.bodies):
             drawn = surface.drawn(0)
-            films += [rough_body(body, drawn) for body in rough.bodies]
+            films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
     return too_thin(films)
 
 
 def _is_film(body: DeformableBody) -> bool:
     """Whether it is a film to the longest waves."""
-    return body.elastic.aspect_ratio is not None and 2.0 * pi * body.elastic.aspect_ratio <= 1.0
+    thickness = body.elastic.top.aspect_ratio
+    return thickness is not None and 2.0 * pi * thickness <= 1.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.steps_of_paths import steps_of
 from gfmd_numba.campaign import rounds
 from gfmd_numba.campaign.block_work import Failures
 from gfmd_numba.campaign.cases import Block
@@ -143,7 +144,8 @@ class _Run:
         fitted = fit_tfc(results, **json.loads(results.attrs["fit"]))
         fit = planned.campaign.fit
         known = {name: exponent for name, exponent in fit.fixed if exponent is not None}
-        return after(state, results, fitted, Fit(fit.variable, known))
+        judged = results if fit.step is None else steps_of(results, fit.variable, fit.step)[0]
+        return after(state, judged, fitted, Fit(fit.variable, known))
 
     def _collected(self, state: Rounds, planned: Plan) -> Outcome:
         rounds.write(self.directory, state)
@@ -154,11 +156,6 @@ class _Run:
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
-    if planned.campaign.path:
-        raise InputError(
-            "until: given for a path; allowed: a campaign without one, as numbers of realisations are planned for "
-            "contacts under one load (not built yet)"
-        )
     fitted = planned.campaign.fit.variable
     if goal.variable != fitted:
         raise InputError(

@@ -1,22 +1,35 @@
 """Error against seconds, one setting at a time around a campaign's reference case (work-precision studies)."""
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf, nan
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.cases import Case, expand
+from gfmd_numba.campaign.divided_path import divided
 from gfmd_numba.campaign.ensemble import measured
+from gfmd_numba.campaign.grid import Grid
+from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact.dataset import cf_attributes
-from gfmd_numba.contact.problem import Problem, random_surface
-from gfmd_numba.contact.refusal import check_where
-from gfmd_numba.contact.solution import solve
+from gfmd_numba.campaign.study_points import (
+    AREA,
+    KAPPA,
+    OF_PATHS,
+    Point,
+    errors_of_paths,
+    relative_error,
+    sampling_error,
+)
+from gfmd_numba.contact.path_observables import recorded_along
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.refusal import check_where, refusals
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
 from gfmd_numba.solvers.table import able
@@ -29,6 +42,8 @@ _DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
 _OF_EACH_PRECISION = ("active_set_newton", "verlet")
 _FINER = 4  # times as fine as the reference, the level that others are compared with
 _SLABS = (1.0, 0.5, 0.2, 0.1)
+_DIVISIONS, _FINEST_DIVISION = (1, 2, 4), 8  # of each step of a path
+_ORDERS, _HIGHEST_ORDER = (0, 1, 2), 3  # in the slope of rough bodies
 _MOST_NODES = {1: 2**17, 2: 2**20}  # of a level, by dimension
 _SURFACES = (4, 16)  # of a study: the most unless they have more nodes than these, which take seconds,
 _NODES = 2**19
@@ -36,178 +51,249 @@ _SAMPLED = 16  # times as many of the study of their number, unless they have mo
 _SAMPLED_NODES = 2**23
 
 
-@dataclass(frozen=True)
-class Point:
-    """One setting: its relative error in kappa and the seconds a surface takes.
-
-    `study` is what is varied, `curve` what else differs, `setting` its value; `failed` surfaces did not end ok.
-    """
-
-    study: str
-    curve: str
-    setting: float
-    error: float
-    seconds: float
-    transforms: float
-    failed: int
-
-
-_NAMES = {
-    "study": ("what is varied", "1"),
-    "curve": ("what else differs within the study", "1"),
-    "setting": ("value of what is varied", "1"),
-    "error": ("relative error of kappa", "1"),
-    "seconds": ("processor time of one surface", "s"),
-    "transforms": ("Fourier transforms of one surface", "1"),
-    "failed": ("surfaces that did not end ok", "1"),
-}
-
-
 def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     """Work-precision studies of the first reference case of a campaign, one thread, in this process.
 
-    Without `realisations` a study has 16, fewer on a large grid but 4 at least. Raises InputError for a campaign of
-    measured surfaces, or along a path.
+    Without `realisations` a study has 16, fewer on a large grid or along a path, but 4 at least. Raises InputError for
+    a campaign of measured surfaces, or beside tractions from a file.
     """
-    check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.numerics, planned.campaign.path)
+    study = study_of(planned, realisations)
+    yield from study.solvers()
+    for axis in DISCRETISATIONS:
+        yield from study.discretisation(axis)
+    yield from study.sampling()
+    yield from study.load_steps()
+    yield from study.orders()
+    yield from study.effects()
+
+
+def study_of(planned: Plan, realisations: int | None = None) -> "Study":
+    """Study of the first reference case of a campaign; raises as `studies` does."""
+    check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.numerics)
     case = next(case for case in planned.cases if case.limit == "reference")
-    exact = replace(case.problem.numerics, precision="double")
-    case = replace(case, problem=replace(case.problem, numerics=exact))
-    nodes = case.problem.surface.nodes
     if realisations is None:
-        realisations = min(_SURFACES[1], max(_SURFACES[0], _NODES // nodes))
-    yield from _solvers(case.problem, realisations)
-    seed = planned.campaign.seed
-    if case.discretisation is not None and seed is not None:
-        for axis in DISCRETISATIONS:
-            yield from _discretisation(case, case.discretisation, axis, seed, realisations)
-    yield from _sampling(case.problem, min(_SAMPLED * realisations, max(realisations, _SAMPLED_NODES // nodes)))
-    yield from _effects(case.problem, realisations)
+        realisations = min(_SURFACES[1], max(_SURFACES[0], _NODES // _nodes(case.problem)))
+    numerics = planned.campaign.numerics.model_copy(update={"precision": "double"})
+    campaign = planned.campaign.model_copy(update={"numerics": numerics})
+    return Study(replace(planned, campaign=campaign), _exactly(case), realisations)
 
 
-def dataset(points: Iterable[Point]) -> xr.Dataset:
-    """Studies as a dataset over (point), for netCDF."""
-    rows = list(points)
-    found = xr.Dataset()
-    for name, (long_name, units) in _NAMES.items():
-        found[name] = ("point", [getattr(point, name) for point in rows], cf_attributes(long_name, units))
-    return found
+def _nodes(problem: Problem) -> int:
+    """Nodes of all loads of a realisation."""
+    return problem.surface.nodes * problem.n_loads
 
 
-def _solvers(problem: Problem, realisations: int) -> Iterator[Point]:
-    """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
-    exact = _run(problem, realisations, residual=_TIGHT)["kappa"]
-    solvers = able((f"dimension {len(problem.surface.shape)}", *problem.interface.abilities))
-    for solver in solvers:
-        for residual in _RESIDUALS:
-            values = _run(problem, realisations, solver=solver, residual=residual, max_iterations=_PATIENCE)
-            yield _point("solver residual", solver.replace("_", " "), residual, values, exact)
-    if "active_set_newton" in solvers and problem.interface.hardness is None:
-        yield from _precision(problem, exact, [name for name in _OF_EACH_PRECISION if name in solvers])
-    if "verlet" not in solvers:
-        return
-    for damping in _DAMPINGS:
-        for step in _TIME_STEPS:
-            settings = {"solver": "verlet", "time_step": step, "damping": damping, "max_iterations": _PATIENCE}
-            values = _run(problem, realisations, **settings)
-            yield _point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
+def _exactly(case: Case) -> Case:
+    exact = replace(case.problem.numerics, precision="double")
+    return replace(case, problem=replace(case.problem, numerics=exact))
 
 
-def _precision(problem: Problem, exact: Reals, solvers: Iterable[str]) -> Iterator[Point]:
-    """Single precision beside double, as far down as its certificate goes."""
-    for solver in solvers:
-        for precision in ("double", "single"):
-            for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
-                settings = {"solver": solver, "residual": residual, "precision": precision, "max_iterations": _PATIENCE}
-                values = _run(problem, len(exact), **settings)
-                yield _point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
+@dataclass(frozen=True)
+class Study:
+    """The reference case of a campaign, and how many of its surfaces a study has."""
 
+    planned: Plan
+    case: Case
+    realisations: int
 
-def _discretisation(case: Case, at: Discretisation, axis: str, seed: int, realisations: int) -> Iterator[Point]:
-    """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""
-    reference = getattr(at, axis)
-    dimension = len(case.problem.surface.shape)
-    levels = []
-    for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
-        level = at.model_copy(update={axis: reference * factor})
-        small = factor >= 1.0 or level.nx**dimension <= _MOST_NODES[dimension]
-        if reference * factor <= 1.0 and level.misfit is None and small:
-            surface = random_surface(case.scene, level, seed)[0]
-            levels.append((reference * factor, _run(replace(case.problem, surface=surface), realisations)))
-    estimators, best = {"corrected on average": "kappa"}, "kappa"
-    if axis == "eps_c":
-        estimators |= {"counted": "kappa_counted"}
-        if dimension == 1:  # the edges of a map's contact are not located
-            estimators, best = estimators | {"each edge located": "kappa_edges"}, "kappa_edges"
-    finest = levels[-1][1][best]
-    for label, variable in estimators.items():
-        for eps, values in levels if variable != best else levels[:-1]:
-            yield _point(axis, label, eps, values, finest, variable=variable, of_means=True)
+    @property
+    def problem(self) -> Problem:
+        """Problem of the case."""
+        return self.case.problem
 
+    @cached_property
+    def of_path(self) -> tuple[str, ...]:
+        """What the path of the case has as a whole."""
+        rough = self.problem.rough
+        rows = recorded_along(self.case.scene, 0 if rough is None else rough.order) if self.problem.path else {}
+        return tuple(name for name in OF_PATHS if name in rows)
 
-def _sampling(problem: Problem, most: int) -> Iterator[Point]:
-    """Number of surfaces against the standard error of their mean."""
-    values = _run(problem, most)
-    kappa, seconds = values["kappa"], float(values["seconds"])
-    n = 4
-    while n <= most:
-        error = float(np.nanstd(kappa, ddof=1) / np.sqrt(n) / np.nanmean(kappa))
-        yield Point(
-            study="surfaces",
-            curve="reference discretisation",
-            setting=n,
-            error=error,
-            seconds=n * seconds,
-            transforms=np.nan,
-            failed=0,
+    def solvers(self) -> Iterator[Point]:
+        """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
+        exact = self.run(self.problem, residual=_TIGHT)
+        solvers = [name for name in self._able() if self._allowed(solver=name)]
+        for solver in solvers:
+            for residual in _RESIDUALS:
+                values = self.run(self.problem, solver=solver, residual=residual, max_iterations=_PATIENCE)
+                yield self.point("solver residual", solver.replace("_", " "), residual, values, exact)
+        if "active_set_newton" in solvers and self.problem.interface.hardness is None:
+            names = [name for name in _OF_EACH_PRECISION if name in solvers]
+            yield from self._precision(exact, [name for name in names if self._allowed(solver=name, single=True)])
+        if "verlet" not in solvers:
+            return
+        for damping in _DAMPINGS:
+            for step in _TIME_STEPS:
+                settings: dict[str, Any] = {
+                    "solver": "verlet",
+                    "time_step": step,
+                    "damping": damping,
+                    "max_iterations": _PATIENCE,
+                }
+                values = self.run(self.problem, **settings)
+                yield self.point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
+
+    def _able(self) -> tuple[str, ...]:
+        return able((f"dimension {len(self.problem.surface.shape)}", *self.problem.interface.abilities))
+
+    def _allowed(self, *, single: bool = False, **changed: Any) -> bool:
+        """Whether the campaign could have these numerics."""
+        own = {"time_step": None, "damping": None, "precision": "single" if single else "double"}
+        residual = {"residual": SINGLE_RESIDUAL} if single else {}
+        numerics = self.planned.campaign.numerics.model_copy(update=own | residual | changed)
+        return not any(refusals(self.case.scene, numerics, self.planned.campaign.path, {}))
+
+    def _precision(self, exact: dict[str, Reals], solvers: list[str]) -> Iterator[Point]:
+        """Single precision beside double, as far down as its certificate goes."""
+        for solver in solvers:
+            for precision in ("double", "single"):
+                for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
+                    settings: dict[str, Any] = {
+                        "residual": residual,
+                        "precision": precision,
+                        "max_iterations": _PATIENCE,
+                    }
+                    values = self.run(self.problem, solver=solver, **settings)
+                    yield self.point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
+
+    def discretisation(self, axis: str) -> Iterator[Point]:
+        """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""
+        at = self.case.discretisation
+        if at is None or self.planned.campaign.seed is None:
+            return
+        reference = getattr(at, axis)
+        dimension = len(self.problem.surface.shape)
+        levels = []
+        for factor in (8.0, 4.0, 2.0, 1.0, 0.5, 1.0 / _FINER):
+            level = at.model_copy(update={axis: reference * factor})
+            small = factor >= 1.0 or level.nx**dimension <= _MOST_NODES[dimension]
+            if reference * factor <= 1.0 and level.misfit is None and small:
+                levels.append((reference * factor, self.run(self._at(level))))
+        finest = levels[-1][1]
+        best = _variable(finest)
+        estimators = {"corrected on average": best}
+        if axis == "eps_c":
+            estimators |= {"counted": f"{best}_counted"}
+            if dimension == 1 and best == KAPPA:  # the edges of a map's contact are not located
+                estimators, best = estimators | {"each edge located": "kappa_edges"}, "kappa_edges"
+        for label, name in estimators.items():
+            for eps, values in levels if name != best else levels[:-1]:
+                yield self.point(axis, label, eps, values, finest, estimator=(name, best), of_means=True)
+
+    def _at(self, level: Discretisation) -> Problem:
+        """The problem of the case at another discretisation, as a campaign has it there."""
+        changed = {"scene": self.case.scene, "reference": level, "grid": Grid(), "limits": Limits()}
+        campaign = self.planned.campaign.model_copy(update=changed)
+        return expand(campaign, document=self.planned.document)[0].problem
+
+    def sampling(self) -> Iterator[Point]:
+        """Number of surfaces against the standard error of their mean."""
+        most = min(_SAMPLED * self.realisations, max(self.realisations, _SAMPLED_NODES // _nodes(self.problem)))
+        values = self.run(self.problem, most)
+        variable = _variable(values)
+        n = 4
+        while n <= most:
+            yield Point(
+                study="surfaces",
+                curve="reference discretisation",
+                setting=n,
+                error=sampling_error(values[variable], n),
+                seconds=n * float(values["seconds"]),
+                transforms=nan,
+                failed=0,
+                variable=variable,
+                next_order=self._next_order(values),
+                **{f"{name}_error": sampling_error(values[name], n) for name in self.of_path},
+            )
+            n *= 4
+
+    def load_steps(self) -> Iterator[Point]:
+        """Each step of a path that a contact remembers, divided into several, against the finest division."""
+        if not self.problem.path or not recorded_along(self.case.scene):
+            return
+        exact = self._divided(_FINEST_DIVISION)
+        for number in _DIVISIONS:
+            yield self.point("load steps", "each step divided", number, self._divided(number), exact, of_means=True)
+
+    def _divided(self, number: int) -> dict[str, Reals]:
+        """Measures at the steps of the path, each of which is walked in so many equal ones."""
+        values = self.run(replace(self.problem, path=divided(self.problem, number)))
+        return {name: each[:, ::number] if each.ndim == 2 else each for name, each in values.items()}
+
+    def orders(self) -> Iterator[Point]:
+        """Orders in the slope of rough bodies, where more than order 0 is known, against the highest."""
+        rough = self.problem.rough
+        if rough is None or not self._allowed(topography_order=_HIGHEST_ORDER):
+            return
+        if any(body.elastic.stack is not None for body in rough.bodies):
+            return  # interfaces follow the surface at order 0 and are flat above, which is no error of either
+        exact = self.run(replace(self.problem, rough=replace(rough, order=_HIGHEST_ORDER)))
+        for order in _ORDERS:
+            values = self.run(replace(self.problem, rough=replace(rough, order=order)))
+            yield self.point("topography order", "each order", order, values, exact, of_means=True)
+
+    def effects(self) -> Iterator[Point]:
+        """What a slab changes and costs over the half-space."""
+        problem = self.problem
+        loaded = problem.mean_pressure is None or problem.tractions is not None
+        if problem.interface.couples or loaded or problem.body.stack is not None or problem.rough is not None:
+            return
+        nu = 0.33 if problem.body.poissons_ratio is None else problem.body.poissons_ratio
+        half_space = self.run(replace(problem, body=ElasticBody(None, None)))
+        study = "effects", "half-space for a slab"
+        yield self.point(*study, inf, half_space, half_space, of_means=True)
+        for aspect_ratio in _SLABS:
+            slab = self.run(replace(problem, body=ElasticBody(nu, aspect_ratio)))
+            yield self.point(*study, aspect_ratio, half_space, slab, of_means=True)
+
+    def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> dict[str, Reals]:
+        """Measures of so many surfaces, and the seconds that one takes."""
+        number = self.realisations if realisations is None else realisations
+        if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
+            settings = {"time_step": None, "damping": None} | settings  # the other solver's own
+        changed = replace(problem, numerics=replace(problem.numerics, **settings))
+        measured(changed, 1)  # kernels compiled, plans made
+        begun = time.thread_time()
+        values = measured(changed, number)
+        return values | {"seconds": np.asarray((time.thread_time() - begun) / number)}
+
+    def point(
+        self,
+        study: str,
+        curve: str,
+        setting: float,
+        values: dict[str, Reals],
+        exact: dict[str, Reals],
+        *,
+        estimator: tuple[str, str] | None = None,
+        of_means: bool = False,
+    ) -> Point:
+        """Error against the exact values, of an estimator against the best one, and what the setting costs."""
+        variable = _variable(exact)
+        name, best = estimator or (variable, variable)
+        known = {name: exact[name] for name in self.of_path if values is not exact}
+        return Point(
+            study=study,
+            curve=curve,
+            setting=float(setting),
+            error=relative_error(values[name], exact[best], of_means=of_means),
+            seconds=float(values["seconds"]),
+            transforms=float(values["n_transforms"].mean()),
+            failed=int((values["status"] != 0).sum()),
+            variable=variable,
+            next_order=self._next_order(values),
+            **errors_of_paths(values, known, of_means=of_means),
         )
-        n *= 4
+
+    def _next_order(self, values: dict[str, Reals]) -> float:
+        """Mean over the surfaces of what the next order would add to a displacement (L_x), the largest of a path."""
+        surface = self.problem.surface
+        if not isinstance(surface, SummedSurface):
+            return nan
+        error = values["expected_error"].reshape(len(values["status"]), -1)
+        means = [column[np.isfinite(column)].mean() for column in error.T if np.isfinite(column).any()]
+        return float(surface.rms_gradient * max(means)) if means else nan
 
 
-def _effects(problem: Problem, realisations: int) -> Iterator[Point]:
-    """What a slab changes and costs over the half-space."""
-    if problem.interface.couples or problem.mean_pressure is None or problem.body.stack is not None:
-        return
-    nu = 0.33 if problem.body.poissons_ratio is None else problem.body.poissons_ratio
-    half_space = _run(replace(problem, body=ElasticBody(None, None)), realisations)
-    yield _point("effects", "half-space for a slab", np.inf, half_space, half_space["kappa"], of_means=True)
-    for aspect_ratio in _SLABS:
-        slab = _run(replace(problem, body=ElasticBody(nu, aspect_ratio)), realisations)
-        yield _point("effects", "half-space for a slab", aspect_ratio, half_space, slab["kappa"], of_means=True)
-
-
-def _run(problem: Problem, realisations: int, **settings: Any) -> dict[str, Reals]:
-    if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
-        settings = {"time_step": None, "damping": None} | settings  # the other solver's own
-    changed = replace(problem, numerics=replace(problem.numerics, **settings))
-    solve(changed, range(1))  # kernels compiled, plans made
-    begun = time.thread_time()
-    values = measured(changed, realisations)
-    return values | {"seconds": np.asarray((time.thread_time() - begun) / realisations)}
-
-
-def _point(
-    study: str,
-    curve: str,
-    setting: float,
-    values: dict[str, Reals],
-    exact: Reals,
-    *,
-    variable: str = "kappa",
-    of_means: bool = False,
-) -> Point:
-    """Error of the surfaces that ended ok, rms or, where it is a bias that counts, of their mean."""
-    difference = values[variable] / np.nanmean(exact) - exact / np.nanmean(exact)
-    good = np.isfinite(difference)
-    error = np.nan
-    if good.any():
-        error = float(abs(difference[good].mean()) if of_means else np.sqrt((difference[good] ** 2).mean()))
-    return Point(
-        study=study,
-        curve=curve,
-        setting=float(setting),
-        error=error,
-        seconds=float(values["seconds"]),
-        transforms=float(values["n_transforms"].mean()),
-        failed=int((values["status"] != 0).sum()),
-    )
+def _variable(values: dict[str, Reals]) -> str:
+    """What errors are about: kappa, or the contact area where no mean pressure is above 0."""
+    return KAPPA if np.isfinite(values[KAPPA]).any() else AREA

@@ -17,7 +17,7 @@ from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.work_precision import Point
+    from gfmd_numba.campaign.study_points import Point
 from gfmd_numba.text.printable import printable
 
 
@@ -27,19 +27,20 @@ from gfmd_numba.text.printable import printable
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write [NAME-accuracy.nc]"
 )
 @click.option(
-    "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids]"
+    "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
 )
 def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     """Measure on this machine what accuracy costs.
 
     The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
     processor time: solver and residual, precision, time step and damping, each discretisation, the number of surfaces,
-    and a slab in place of a half-space. If the campaign has limits, the last lines say what an error of 10, 3, 1 and
+    the length of the steps of a loading path, the order in the slope of rough bodies, and a slab in place of a
+    half-space. If the campaign has limits, the last lines say what an error of 10, 3, 1 and
     0.3 % in the limit costs.
     """
     from gfmd_numba.analysis import UnusableDataError, plot_accuracy
     from gfmd_numba.campaign import design as targets
-    from gfmd_numba.campaign import work_precision
+    from gfmd_numba.campaign import study_points, work_precision
     from gfmd_numba.campaign.cross_levels import with_cross_levels
     from gfmd_numba.campaign.plan import plan
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
@@ -48,12 +49,12 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
     picture = picture_beside(results)
     check_output(results, file)
-    points: list[work_precision.Point] = []
+    points: list[study_points.Point] = []
     for point in work_precision.studies(planned, realisations):
         if not points or points[-1].study != point.study:
             click.echo(f"study    {point.study}", err=True)
         points.append(point)
-    dataset = work_precision.dataset(points)
+    dataset = study_points.dataset(points)
     write_dataset(results, dataset)
     with waiting("drawing"):
         write_picture(picture, plot_accuracy(dataset), dpi=120)
@@ -74,13 +75,31 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     click.echo(f"picture  {printable(picture)}")
 
 
+_OF_SOME = {
+    "error of hysteresis": "hysteresis_error",
+    "error of pull-off": "pull_off_pressure_error",
+    "order error (L_x)": "next_order",
+}
+_ERRORS = {"relative error": "error"} | _OF_SOME
+
+
+def _figure(value: float) -> str:
+    return "-" if isnan(value) else f"{value:.2g}"
+
+
 def _show_study(study: str, points: list[Point]) -> None:
     """Print what one setting costs, and how far off kappa is."""
     settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
+    names = _ERRORS if points[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
     found = {
-        "relative error": [f"{point.error:.2g}" for point in points],
+        heading: [_figure(getattr(point, name)) for point in points]
+        for heading, name in names.items()
+        if name == "error" or not all(isnan(getattr(point, name)) for point in points)
+    }
+    found |= {
         "processor time": [duration(point.seconds) for point in points],
         "transforms": ["-" if isnan(point.transforms) else f"{point.transforms:.0f}" for point in points],
-        "failed": [str(point.failed) for point in points],
     }
+    if any(point.failed for point in points):
+        found["failed"] = [str(point.failed) for point in points]
     print_table(f"what accuracy costs: {study}", settings, found)

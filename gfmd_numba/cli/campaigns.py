@@ -173,10 +173,13 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
         fitted = gfmd_numba.fit_tfc(dataset, **options)
     if "step" in dataset.dims:
         show_paths(dataset)
-        for variable in (name for name in OF_PATHS if name in dataset):
-            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": variable}))
-        if not (fitted["fit_status"] == "ok").any():  # kappa under tension
-            fitted = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
+        whole = {name: value for name, value in options.items() if name != "step"}
+        for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
+            show_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
+        if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
+            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"}))
+            show_goal(dataset, fitted)
+            return _draw(dataset, fitted, picture)
     show_fit(fitted)
     show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)

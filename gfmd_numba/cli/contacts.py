@@ -73,6 +73,9 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "elastic_energy",
     "kappa",
     "kappa_r",
+    "plastic_area_fraction",
+    "mean_plastic_depth",
+    "energy_lost",
 )
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),

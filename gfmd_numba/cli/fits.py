@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gfmd_numba.cli.arguments import (
+    OF_PATHS,
     Fixed,
     check_output,
     check_picture,
@@ -128,6 +129,8 @@ def fit_options(
     options["fixed"] = options.get("fixed", {}) | dict(fixed)
     if variable is not None:
         options["variable"] = variable
+        if variable in OF_PATHS:
+            options.pop("step", None)  # which the path as a whole has not
     if exponents is not None:
         options["exponents"] = exponents
     return options

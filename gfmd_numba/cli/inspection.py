@@ -93,6 +93,11 @@ def _check_scene(document: Document) -> tuple[str, str]:
 
     file, document = load_scene(document)
     if isinstance(file, BoundaryFile):
+        if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
+            from gfmd_numba.contact.contact_input import with_measured
+
+            scene = with_measured(file.scene, document)[0]
+            file = file.model_copy(update={"scene": scene})
         check_combination(document, file.scene, file.numerics)
         return "a loaded body", ""
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):

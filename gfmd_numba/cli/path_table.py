@@ -13,7 +13,10 @@ from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters
 if TYPE_CHECKING:
     import xarray as xr
 
-_SHOWN = ("pull_off_pressure", "hysteresis", "mean_tangential_traction", "stick_fraction", "contact_area_fraction")
+_SHOWN = (
+    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "stick_fraction", "contact_area_fraction"),
+    "mean_plastic_depth",
+)
 
 
 def show_paths(dataset: xr.Dataset) -> None:

@@ -121,12 +121,6 @@ def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tup
 def _check_target(planned: Plan, name: str) -> None:
     from gfmd_numba.scene import InputError
 
-    if planned.campaign.path:
-        option = "--target" if name else "--budget"
-        raise InputError(
-            f"{option}: given for a path; allowed: a campaign without one, as numbers of realisations are "
-            "planned for contacts under one load"
-        )
     fitted = planned.campaign.fit.variable
     if name not in ("", fitted):
         raise InputError(

@@ -29,9 +29,14 @@ WORDS = {
     "elastic_energy": "elastic energy",
     "kappa": "kappa",
     "kappa_r": "kappa_r",
+    "plastic_area_fraction": "plastic area fraction",
+    "mean_plastic_depth": "mean plastic depth",
+    "energy_lost": "energy lost",
     "residual": "residual",
 }
-_PRESSURES, _LENGTHS = {"mean_pressure", "peak_pressure"}, {"punch_displacement", "sliding", "sliding_y", "mean_gap"}
+_PRESSURES = {"mean_pressure", "peak_pressure"}
+_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "mean_gap", "mean_plastic_depth"}
+_ENERGIES = {"elastic_energy", "energy_lost"}
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:
@@ -40,7 +45,7 @@ def unit(dataset: xr.Dataset, name: str) -> str:
     length = _units(dataset, "mean_gap", "L_x")
     if name == "contact_stiffness":
         return "Pa m-1" if (pressure, length) == ("Pa", "m") else f"{pressure}/{length}"
-    if name == "elastic_energy":
+    if name in _ENERGIES:
         return "J m-2" if (pressure, length) == ("Pa", "m") else f"{pressure} {length}"
     if name in _PRESSURES | _LENGTHS:
         return pressure if name in _PRESSURES else length

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from re import sub
 from typing import TYPE_CHECKING
 
 import click
@@ -52,19 +54,32 @@ def run_rounds(
     from gfmd_numba.campaign.until import InterruptedRunError, run_until
 
     variable, target = until
-    goal = goal_of({variable or load_campaign(file)[0].fit.variable: target}, budget)
+    with _options_named():
+        goal = goal_of({variable or load_campaign(file)[0].fit.variable: target}, budget)
     caption = ["blocks"]
 
     def told(rounds: Rounds, planned: Plan, left: int) -> None:
         caption[0] = _tell(rounds, planned, left)
 
     try:
-        with progress_bar(lambda: caption[0]) as watch:
+        with _options_named(), progress_bar(lambda: caption[0]) as watch:
             outcome = run_until(file, goal, output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
         _show(interrupted.outcome, show)
         raise
     return _show(outcome, show) and outcome.reached
+
+
+@contextmanager
+def _options_named() -> Iterator[None]:
+    """Name the options of the command in errors that name the arguments of the Python function."""
+    from gfmd_numba.text.input_error import InputError
+
+    try:
+        yield
+    except InputError as error:
+        lines = (sub(r"^(until|budget):", r"--\1:", str(line)) for line in error.args)
+        raise InputError(*lines, more=error.more) from None
 
 
 def _tell(rounds: Rounds, planned: Plan, left: int) -> str:

@@ -52,7 +52,7 @@ def contact_modulus(scene: Scene | LoadedBody) -> float:
     return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
 
 
-def compliance_share(scene: Scene, body: Body) -> float:
+def compliance_share(scene: Scene | LoadedBody, body: Body) -> float:
     """Part E*/E_i* that a body of a scene has in the compliance 1/E*, to 12 digits: it is the same in all units."""
     return rounded(contact_modulus(scene) / effective_modulus(body))
 

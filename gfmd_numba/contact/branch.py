@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import NOTHING_LOST, Contact, Followed
@@ -60,7 +61,8 @@ class _Point:
 def stability(problem: Problem, contact: Contact) -> float | None:
     """Smallest curvature of the energy over that of the bodies alone, not-a-number unless in equilibrium.
 
-    It may take as long as the equilibrium itself. None under a law of gap and slip, for which it is not built yet.
+    Touching nodes do not move, nor do plastic ones, as when the punch is drawn off. It may take as long as the
+    equilibrium itself. None under a law of gap and slip, for which it is not built yet.
     """
     law, found = problem.interface.normal_law, contact.equilibrium
     if law is None:
@@ -70,7 +72,7 @@ def stability(problem: Problem, contact: Contact) -> float | None:
     stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):
         stiffness.flat[0] = 0.0  # a rigid mean stores no energy
-    return smallest_curvature(contact.punch[0] - found.displacement[0], found.touching[0], stiffness, law)
+    return smallest_curvature(gap(contact)[0], found.touching[0], stiffness, law)
 
 
 def is_followed(problem: Problem) -> bool:
@@ -87,7 +89,8 @@ def follow(
     """
     if before is None:
         first = _Point(problem, solution.solve(problem, realisations, sliding=sliding), sliding)
-        return replace(first.contact, followed=replace(NOTHING_LOST, least_pressure=first.pressure))
+        yielded = float(plastic_work(first.contact)[0])
+        return replace(first.contact, followed=replace(NOTHING_LOST, lost=yielded, least_pressure=first.pressure))
     spent: list[_Point] = []
     point, steps = _advance(_Point(*before), problem, sliding, realisations, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
@@ -112,10 +115,12 @@ def _advance(
     spent: list[_Point],
 ) -> tuple[_Point, list[Followed]]:
     """Go from a point to a problem in one step, or in two if it loses energy; `curved` may seem to be lost."""
-    contact = solution.solve(problem, realisations, start.contact.equilibrium, sliding)
+    dented = start.contact.plastic_depth
+    contact = solution.solve(problem, realisations, start.contact.equilibrium, sliding, dented=dented)
     end = _Point(problem, contact, sliding)
     spent.append(end)
-    gained = end.balance.potential - start.balance.potential
+    yielded = float(plastic_work(contact)[0])  # is lost for good, jump or not
+    gained = end.balance.potential - start.balance.potential + yielded
     least, most = sorted(start.work(end))  # of a branch of monotonic force: the work between them
     lost = 0.5 * (least + most) - gained
     if divisions == _DIVISIONS:
@@ -125,10 +130,11 @@ def _advance(
     halfway = 0.5 * (start.problem.load + end.problem.load)
     middle_of = tuple(0.5 * (here + there) for here, there in zip(start.sliding, sliding, strict=True))
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
-        return end, [Followed(lost, np.nan)]
+        return end, [Followed(lost + yielded, np.nan)]
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
-        return end, [Followed(lost, halfway, jump_sliding=middle_of[0]) if jumps else Followed(lost, np.nan)]
+        at = Followed(lost + yielded, halfway, jump_sliding=middle_of[0])
+        return end, [at if jumps else Followed(lost + yielded, np.nan)]
     half = problem.under(halfway)
     middle, first = _advance(start, half, middle_of, realisations, divisions - 1, curved, spent)
     end, second = _advance(middle, problem, sliding, realisations, divisions - 1, curved, spent)

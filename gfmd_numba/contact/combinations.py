@@ -9,7 +9,6 @@ from itertools import combinations
 from typing import Literal
 
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.solvers.table import able
 
 
 @dataclass(frozen=True)
@@ -28,16 +27,14 @@ class Refusal:
 
 
 _AT_ORDER_0 = {
-    "friction on maps": "friction on a map",
     "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
-    "friction by dynamics": "friction with coefficient .inf, beside a law of the gap, or by solver verlet",
-    **{name: f"a {name} law" for name, law in LAWS.items() if law.tangential and name != "friction"},
-    "hardness": "a hardness",
-    "prescribed tractions": "a boundary",
-    "layers": "layers",
+    "cohesion on inclined surfaces": "a cohesive law under a rough punch or between two elastic bodies",
 }
-_DOUBLE = "'double'; 'single' needs a frictionless hard wall between a rigid punch and a smooth body"
 _NO_REFERENCE = "as a half-space has no reference for displacement"
+_JUNCTIONS_GROW = (
+    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
+    "the pressure alone would let it bear both"
+)
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
@@ -68,15 +65,9 @@ REFUSALS = (
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_beside_each_other(),
     *(
-        Refusal("hardness", law, f"a hard_wall without hardness beside {law}", "not built yet")
+        Refusal("hardness", law, f"a hard_wall without hardness beside {law}, {_JUNCTIONS_GROW}", "physics")
         for law in LAWS
-        if not able(("hardness", LAWS[law].ability))
-    ),
-    Refusal(
-        "hardness",
-        "path",
-        "nothing beside a hardness, as plastic nodes keep their dents when they are unloaded",
-        "not built yet",
+        if LAWS[law].tangential
     ),
     Refusal(
         "displacement",
@@ -107,43 +98,20 @@ REFUSALS = (
         "physics",
     ),
     Refusal(
-        "cohesive",
-        "prescribed tractions",
-        "no boundary beside a cohesive law, as its slip counts from the unloaded body",
-        "not built yet",
-    ),
-    Refusal(
-        "topography",
-        "varied measured punch",
-        "nothing where a deformable body is rough or both deform; there a punch has one measured surface",
-        "not built yet",
-    ),
-    Refusal("loaded body", "rough body", "nothing without a punch: the loaded body is flat", "not built yet"),
-    *(
-        Refusal(feature, "single", _DOUBLE, "not built yet")
-        for feature in (*_BEYOND_HARD_WALL, "topography", "loaded body")
-    ),
-    Refusal(
-        "path",
-        "target",
-        "nothing beside a path, as numbers of realisations are planned for contacts under one load; write them into "
-        "`realisations`",
-        "not built yet",
-    ),
-    Refusal("accuracy", "path", "nothing for `gfmd accuracy`, which studies contacts under one load", "not built yet"),
-    Refusal(
         "accuracy",
-        "prescribed tractions",
-        "nothing for `gfmd accuracy`, whose grids are finer and coarser than that of the tractions",
-        "not built yet",
+        "tractions of a file",
+        "numbers for `gfmd accuracy`, as a file gives the tractions at its own nodes and nobody knows them between "
+        "these, where a finer grid has nodes",
+        "physics",
     ),
+    Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     Refusal(
-        "accuracy",
-        "topography",
-        "a rigid punch on a smooth body for `gfmd accuracy`",
-        "not built yet",
+        "loaded by tractions alone",
+        "single",
+        "nothing where tractions alone are prescribed on a body without a punch: one transform, in double precision, "
+        "tells what they do",
+        "without effect",
     ),
-    Refusal("accuracy", "measured punch", "a random surface for `gfmd accuracy`", "physics"),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -151,10 +119,11 @@ REFUSALS = (
         "without effect",
     ),
     Refusal(
-        "fields inside",
-        "higher topography_order of a map",
-        "0, as the fields below a map are those of order 0",
-        "not built yet",
+        "hardness on inclined surfaces",
+        "higher topography_order",
+        "0, or nothing, beside a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
+        "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
+        "physics",
     ),
     *(
         Refusal(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from pydantic_core import PydanticCustomError
@@ -17,8 +18,10 @@ from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Document, Scene, SceneFile
+from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location
+
+Described = TypeVar("Described", Scene, LoadedBody)
 
 
 @dataclass(frozen=True)
@@ -58,22 +61,24 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
     """
     scene, measured = with_measured(file.scene, document)
     file = file.model_copy(update={"scene": scene})
-    _check(file.check_period, document, ())
+    check_rules(file.check_period, document, ())
     return file, measured
 
 
-def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
+def with_measured(
+    scene: Described, document: Document, read: Reader = read_content
+) -> tuple[Described, MeasuredSurfaces]:
     """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
     measured, length = measured_surfaces(scene, document, read)
     dimensions = {surface.heights.ndim for surface in measured.values()}
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
     scene = scene if length is None else scene.model_copy(update={"length": length})
-    _check(scene.check_period, document, ("scene",))
+    check_rules(scene.check_period, document, ("scene",))
     return scene, measured
 
 
-def _check(rules: Callable[[], None], document: Document, place: Location) -> None:
+def check_rules(rules: Callable[[], None], document: Document, place: Location) -> None:
     """Raise InputError where rules of a record at a place of the document are broken."""
     try:
         rules()

@@ -131,6 +131,9 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
         "gap": ("height", "gap between the surfaces", gap(contact)[0]),
     }
+    if problem.interface.hardness is not None:
+        of_punch = "depth by which the punch has been flattened, kept when it is unloaded"
+        fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
     if problem.tractions is not None:
         sideways = np.reshape(problem.tractions.tangential, (-1, *contact.heights.shape[1:]))

@@ -1,11 +1,12 @@
 """The energy of one contact, and the forces that do work on it along a path."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.evaluation import elastic_energy
+from gfmd_numba.contact.evaluation import elastic_energy, gap
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.interface import vector_slip
@@ -17,7 +18,8 @@ class Balance:
 
     `force` is what the load is conjugate to, the mean pressure or minus the mean displacement. `sliding` and the mean
     tangential `traction` are `[component]`. `potential` is the stored energy, less the work of a prescribed pressure.
-    `lossless` is the pressure of what only repels, the hard wall or a law, and `gap` the gap, over the nodes.
+    `lossless` is the pressure of what only repels, the hard wall or a law, and `gap` the gap, over the nodes. `rubbing`
+    tells of the nodes that a finite friction drags, None without one.
     """
 
     load: float
@@ -27,14 +29,20 @@ class Balance:
     potential: float
     lossless: Reals
     gap: Reals
+    rubbing: "Rubbing | None" = None
 
     @classmethod
     def of(cls, problem: Problem, contact: Contact) -> "Balance":
-        """Balance of flat bodies without prescribed tractions, whose displacements are relative to each other."""
+        """Balance of flat bodies, whose displacements are relative to each other.
+
+        Those that prescribed tractions caused before are no part of them: by reciprocity, these tractions do the work
+        on what the punch adds that the elastic energy of both together has more than that of each.
+        """
         found, laws = contact.equilibrium, problem.interface
-        u, pressure = found.displacement[0], found.pressure[0]
-        gap, slip = contact.punch[0] - u, np.zeros(u.shape)
+        u, pressure = (np.asarray(each[0], dtype=np.float64) for each in (found.displacement, found.pressure))
+        apart, slip = gap(contact)[0], np.zeros(u.shape)
         sliding = traction = np.zeros(u.ndim)
+        rubbing = None
         potential = float(elastic_energy(contact)[0])  # of all waves but the mean
         if found.tangential is not None:
             sliding, traction = (
@@ -44,29 +52,56 @@ class Balance:
             sideways = components(found.tangential.displacement, u)
             potential += 0.5 * float(traction @ sideways.mean(axis=1))
             slip = sliding[:, np.newaxis] - sideways
+            if laws.friction is not None and isfinite(laws.friction):
+                dragged = components(found.tangential.traction, u)
+                rubbing = Rubbing(wall_pressure(problem, contact).ravel(), dragged, slip)
             slip = np.reshape(slip[0] if len(slip) == 1 else vector_slip.length(slip), u.shape)
         repels = laws.normal_law is not None and laws.normal_law.softening == 0.0
         if laws.normal_law is not None and not repels:
-            potential += float(laws.normal_law.energy(gap).mean())
+            potential += float(laws.normal_law.energy(apart).mean())
         if laws.cohesive is not None:
-            potential += float(laws.cohesive.energy(gap, slip).mean())
+            potential += float(laws.cohesive.energy(apart, slip).mean())
         lossless = pressure if repels else wall_pressure(problem, contact, slip)
         load, mean = problem.load, float(u.mean())
         if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean, lossless, gap)
+            return cls(load, -mean, sliding, traction, potential - load * mean, lossless, apart, rubbing)
         force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, lossless, gap)
+        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, lossless, apart, rubbing)
 
     def lost(self, before: "Balance") -> float:
         """Work since an earlier contact, forces linear between the two, less what the potential has gained.
 
         What only repels loses nothing: a hard wall does no work, and a contact never jumps over a law that repels.
-        Their work, if pressure and gap of each node were linear between the two contacts, is therefore taken off.
+        Their work, if pressure and gap of each node were linear between the two contacts, is therefore taken off. What
+        slips loses its friction instead of what tractions linear between the two would take.
         """
         work = 0.5 * (before.force + self.force) * (self.load - before.load)
         work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
         work += 0.5 * float(((before.lossless + self.lossless) * (self.gap - before.gap)).mean())
+        if self.rubbing is not None and before.rubbing is not None:
+            work += self.rubbing.beyond_linear(before.rubbing)
         return work - (self.potential - before.potential)
+
+
+@dataclass(frozen=True)
+class Rubbing:
+    """Nodes under friction: the `wall` pressure on them `[node]`, `traction` and `slip` `[component, node]`."""
+
+    wall: Reals
+    traction: Reals
+    slip: Reals
+
+    def beyond_linear(self, before: "Rubbing") -> float:
+        """What friction takes since an earlier contact, less what tractions linear between the two would take.
+
+        A node that slips begins under the traction that it had, but at least under the friction of the smaller of its
+        two pressures: where slip has turned round, the tractions of the two contacts would cancel. It ends under the
+        traction that it has; one that opens, under none.
+        """
+        slipped = self.slip - before.slip
+        first, last = ((each.traction * slipped).sum(axis=0) for each in (before, self))
+        share = np.divide(np.minimum(before.wall, self.wall), self.wall, out=np.zeros_like(last), where=self.wall > 0.0)
+        return 0.5 * float((np.maximum(first, share * last) - first).mean())
 
 
 def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:
@@ -75,12 +110,12 @@ def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None)
     A law of gap and slip has to know the `slip` `[(y,) x]` over the nodes.
     """
     found, laws = contact.equilibrium, problem.interface
-    gap: Reals = contact.punch[0] - found.displacement[0]
+    apart: Reals = gap(contact)[0]
     wall: Reals = found.pressure[0]
     if laws.normal_law is not None:
-        return np.asarray(wall + laws.normal_law.traction(gap))
+        return np.asarray(wall + laws.normal_law.traction(apart))
     if laws.cohesive is not None and slip is not None:
-        return np.asarray(wall + laws.cohesive.normal_traction(gap, slip))
+        return np.asarray(wall + laws.cohesive.normal_traction(apart, slip))
     return wall
 
 

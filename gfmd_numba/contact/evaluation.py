@@ -127,6 +127,19 @@ def mean_gap(contact: Contact) -> Reals:
     return mean_of_nodes(gap(contact))
 
 
+def mean_plastic_depth(contact: Contact) -> Reals:
+    """Mean depth in g L_x by which the punch has been flattened since it was first loaded `[realisation]`."""
+    return mean_of_nodes(np.asarray(contact.plastic_depth))
+
+
+def plastic_work(contact: Contact) -> Reals:
+    """Work per nominal area that flattened the punch in this step, in g^2 E* L_x `[realisation]`.
+
+    A node that gives way bears what it bears at the end of the step, all the way.
+    """
+    return mean_of_nodes(contact.equilibrium.pressure * contact.flattened)
+
+
 def nayak(contact: Contact) -> Reals:
     """Nayak's parameter m0 m4 / m2^2 of the punch `[realisation]`."""
     m0, m2, m4 = (_moment(contact, order) for order in (0, 2, 4))

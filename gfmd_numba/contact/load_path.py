@@ -56,6 +56,7 @@ def solve_steps(
         if len(problems) > 1 and branch.is_followed(problem):
             contact = branch.follow(problem, one, last, slid)
         else:
-            contact = solution.solve(problem, one, None if last is None else last[1].equilibrium, slid)
+            before, dented = (None, 0.0) if last is None else (last[1].equilibrium, last[1].plastic_depth)
+            contact = solution.solve(problem, one, before, slid, dented=dented)
         last = problem, contact, slid
         yield contact

@@ -13,13 +13,19 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.loaded_body import BoundaryValueProblem
-from gfmd_numba.scene import COMPONENTS, BoundaryFile
-from gfmd_numba.solvers.boundary_value_problem import Deformed
+from gfmd_numba.contact.loaded_body import BoundaryValueProblem, LoadedBodyInput
+from gfmd_numba.contact.loaded_rough_body import Loaded
+from gfmd_numba.contact.rough_bodies_dataset import doubt, forming_tractions
+from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
+from gfmd_numba.scene import COMPONENTS
 
 
-def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, deformed: Deformed) -> xr.Dataset:
-    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units."""
+def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
+
+    Of a rough body also its topography, and what forms that; the attribute `validity` holds reasons to doubt it.
+    """
+    file, deformed = given.file, loaded.deformed
     scene = file.scene
     scale, unit = scales(scene, 1.0), units(scene)
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
@@ -35,6 +41,16 @@ def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, defor
         for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
             attributes = cf_attributes(f"{component.name} {quantity} of the body, {component.way}", unit[kind])
             dataset[component.key(quantity)] = (dims, of_nodes * scale[kind], attributes)
+    if given.rough is not None:
+        outwards = cf_attributes("topography of the body, peaks outwards", unit["height"])
+        dataset["body_height"] = dims, given.rough.heights * scale["height"], outwards
+        for name, kind, long_name, values in (
+            forming_tractions(given.rough, problem.order) if scene.dimension == 1 else ()
+        ):
+            dataset[name] = dims, values * scale[kind], cf_attributes(long_name.format("body"), unit[kind])
+        error = ROUGH_BODY_OBSERVABLES["expected_error"]
+        added = loaded.expected_error * scale["height"]
+        dataset["expected_error"] = ((), added, cf_attributes(error.long_name, unit["height"]))
     for name, long_name, kind, value in (
         ("status", "how the run ended", "1", np.int8(deformed.status)),
         ("residual", "largest unbalanced traction over the largest traction", "1", deformed.residual),
@@ -51,4 +67,9 @@ def loaded_body_dataset(file: BoundaryFile, problem: BoundaryValueProblem, defor
         "solver": problem.options.solver,
         **modulus_attributes(scene),
     }
+    if given.rough is not None:
+        doubtful = doubt((given.rough,), problem.order, dataset, "normal_displacement")
+        implausible = (sentence for surface in given.measured for sentence in surface.doubts)
+        dataset.attrs["validity"] = "\n".join(filter(None, (*implausible, doubtful)))
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     return dataset

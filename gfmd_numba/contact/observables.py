@@ -76,6 +76,13 @@ OBSERVABLES = {
         f"{_AREA}:plastic_area_fraction",
         needs_hardness=True,
     ),
+    "mean_plastic_depth": Observable(
+        "contact",
+        "height",
+        "mean depth by which the punch has been flattened",
+        f"{_CONTACT}:mean_plastic_depth",
+        needs_hardness=True,
+    ),
     "kappa_edges": Observable(
         "contact",
         "E*/stiffness",

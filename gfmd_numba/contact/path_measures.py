@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
-from gfmd_numba.contact.evaluation import mean_pressure, measure
+from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.load_path import solve_steps
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
@@ -48,6 +48,8 @@ class PathRecord:
         lost = 0.0 if before is None else self._balance.lost(before)
         if contact.followed is not None:
             lost = contact.followed.lost
+        elif problem.interface.hardness is not None:
+            lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
         self.steps["stick_fraction"].append(stick_fraction(problem, contact))

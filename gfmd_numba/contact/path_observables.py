@@ -21,7 +21,7 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
     "energy_lost": Observable(
         "contact",
         "energy",
-        "work since the last step, force linear between solutions, less stored energy, per area",
+        "work since the last step less stored energy, per area; of friction, what slipping nodes lose",
     ),
     "hysteresis": Observable(
         "path", "energy", "energy lost along the path per area, of a closed path the area of its loop"
@@ -46,7 +46,8 @@ _NEEDS: dict[str, Literal["drag", "drag of maps", "friction", "loss", "tension"]
 def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
 
-    The energy is known where no tractions are prescribed, of rough or two elastic bodies where order 0 is all there is.
+    The energy is known of flat bodies, and of rough or two elastic bodies where order 0 is all there is. What a
+    hardness takes beside nothing that attracts is plastic work, which is always known.
     """
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
@@ -55,7 +56,8 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": (interface.couples or attracts) and scene.boundary is None and not higher_orders,
+        "loss": ((interface.couples or attracts) and not higher_orders)
+        or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,
     }
     return {name: row for name, row in PATH_OBSERVABLES.items() if has[_NEEDS[name]]}

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from gfmd_numba.contact.bearable_pressure import at_most, plastic_pressure
 from gfmd_numba.contact.bodies import stiffness_scale
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
@@ -28,9 +29,9 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     found = load / unit
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
-    hardness = scene.interface.hardness
-    if hardness is not None and found >= (most := hardness / (rms_gradient * true_modulus)):
-        raise ValueError(f"below {most * unit:.6g}, at which the mean pressure is the hardness itself")
+    plastic = plastic_pressure(scene.interface)
+    if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
+        raise ValueError(f"below {most * unit:.6g}, at which {at_most(scene.interface)}")
     return rounded(found)
 
 

@@ -19,7 +19,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy", "fields inside"]
+Where = Literal["accuracy"]
 
 
 def check_combination(
@@ -41,21 +41,12 @@ def check_combination(
     if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
         from gfmd_numba.contact.bearable_pressure import check_bearable  # numbers, which the tables do without
 
-        check_bearable(document, scene, grid or {})
+        check_bearable(document, scene, path, grid or {})
 
 
-def check_where(
-    document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics, path: Sequence[Step] = ()
-) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or for fields inside."""
-    _raise(document, _table_refusals(_features(scene, numerics, path, None) | {where: [()]}))
-
-
-def check_keys(document: Document) -> None:
-    """Raise InputError for keys of a campaign file that do not go together."""
-    if isinstance(document.data, dict) and document.data.get("path"):
-        target: list[Location] = [("target",)] if "target" in document.data else []
-        _raise(document, _table_refusals({"path": [("path",)], "target": target}))
+def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`."""
+    _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [()]}))
 
 
 def refusals(
@@ -84,36 +75,45 @@ def _features(
     scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
 ) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
-    parts = [_of_numerics(numerics, 1 if isinstance(scene, LoadedBody) else scene.dimension)]
+    parts = [_of_numerics(numerics)]
     if isinstance(scene, LoadedBody):
         parts.append(_of_loaded_body(scene))
     else:
-        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene, numerics, grid or {})]
+        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene)]
+        parts.append(_on_inclined_surfaces(scene, grid or {}))
     for feature, location in chain(*parts):
         found.setdefault(feature, []).append(location)
     return found
 
 
-def _of_numerics(numerics: Numerics, dimension: int) -> Iterator[tuple[str, Location]]:
+def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
     if numerics.precision == "single":
         yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:
             yield "higher topography_order", ("numerics", "topography_order")
-        if numerics.topography_order > 0 and dimension == 2:
-            yield "higher topography_order of a map", ("numerics", "topography_order")
 
 
 def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
-    for feature in ("loaded body", "prescribed", "smooth bodies"):
-        yield feature, ("scene", "boundary")
-    if scene.body.roughness is not None:
-        yield "rough body", ("scene", "body", "roughness")
+    yield "prescribed", ("scene", "boundary")
+    if all(getattr(scene.boundary, each.key("displacement")) is None for each in COMPONENTS[2]):
+        yield "loaded by tractions alone", ("scene", "boundary")
+    if not scene.follows_topography:
+        yield "smooth bodies", ("scene", "body")
+    if getattr(scene.body.roughness, "anisotropy", None) is not None:
+        yield "anisotropy", ("scene", "body", "roughness", "anisotropy")
+    yield from _models_of_maps(scene)
     yield f"dimension {scene.dimension}", ("scene", "dimension")
     if scene.body.state == "plane_stress":
         yield "plane stress", ("scene", "body", "state")
     yield from _along_y(scene.boundary)
+
+
+def _models_of_maps(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
+    for place, surface in scene.surfaces.items():
+        if isinstance(surface, Random) and surface.of_maps:
+            yield "model of maps", ("scene", *place, surface.named_by)
 
 
 def _along_y(boundary: Boundary) -> Iterator[tuple[str, Location]]:
@@ -136,7 +136,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
     yield from _of_bodies(scene, grid)
-    yield "topography" if scene.follows_topography else "smooth bodies", ("scene", "body")
+    if not scene.follows_topography:
+        yield "smooth bodies", ("scene", "body")
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
         if value < 0.0:
@@ -147,17 +148,20 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
 
 
-def _of_rough_friction(scene: Scene, numerics: Numerics, grid: Grid) -> Iterator[tuple[str, Location]]:
+def _of_rough_friction(scene: Scene) -> Iterator[tuple[str, Location]]:
     """Friction of rough deformable bodies, where it is known at order 0 in their slope alone."""
     if scene.interface.friction is None or not scene.follows_topography:
         return
-    if scene.dimension == 2:
-        yield "friction on maps", ("scene", "interface", "friction")
-    elif scene.roughness is not None or scene.counter_body is not None:
+    if scene.touches_inclined:
         yield "friction on inclined surfaces", ("scene", "interface", "friction")
-    laws = [law for law in scene.interface.laws.values() if law.ability == "normal law"]
-    if laws or any(_infinite_friction(scene, grid)) or numerics.solver == "verlet":
-        yield "friction by dynamics", ("scene", "interface", "friction")
+
+
+def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What acts between inclined deformable surfaces and is known at order 0 in their slope alone, besides friction."""
+    if scene.touches_inclined and scene.interface.cohesive is not None:
+        yield "cohesion on inclined surfaces", ("scene", "interface", "cohesive")
+    if scene.touches_inclined and _has_hardness(scene, grid):
+        yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
 
 
 def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:
@@ -178,8 +182,6 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         yield "displacement", ("scene", "loading", "displacement")
         if scene.loading.displacement < 0.0:
             yield "negative displacement", ("scene", "loading", "displacement")
-    if path:
-        yield "path", ("path",)
     for load in ("line_load", "force"):
         if getattr(scene.loading, load) is not None:
             yield load, ("scene", "loading", load)
@@ -191,7 +193,8 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         if (step.displacement or 0.0) < 0.0:
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:
-        yield "prescribed tractions", ("scene", "boundary")
+        given = [name for name, value in scene.boundary if isinstance(value, str)]
+        yield from (("tractions of a file", ("scene", "boundary", name)) for name in given)
         yield from _along_y(scene.boundary)
         names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
         given = [name for name in names if getattr(scene.boundary, name) is not None]
@@ -200,16 +203,12 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
 
 def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the bodies and their surfaces are."""
-    if isinstance(scene.roughness, Measured):
-        yield "measured punch", ("scene", "roughness", "method")
-        yield from (("varied measured punch", ("grid", name)) for name in grid if name in Measured.model_fields)
     if getattr(scene.roughness, "anisotropy", None) is not None:
         yield "anisotropy", ("scene", "roughness", "anisotropy")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Random) and surface.of_maps:
-            yield "model of maps", ("scene", *place, surface.named_by)
-    if scene.body.roughness is not None:
-        yield "rough body", ("scene", "body", "roughness")
+        if isinstance(surface, Measured):
+            yield "measured surface", ("scene", *place, "method")
+    yield from _models_of_maps(scene)
     if scene.body.state == "plane_stress":
         yield "plane stress", ("scene", "body", "state")
     bodies: dict[str, Body | None] = {"body": scene.body, "counter_body": scene.counter_body}
@@ -218,8 +217,6 @@ def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
             continue
         if getattr(body.roughness, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", name, "roughness", "anisotropy")
-        if body.layers is not None:
-            yield "layers", ("scene", name, "layers")
         if body.is_half_space and _ASPECT_RATIO[name] not in grid:
             whole = body.layers is None
             yield (

@@ -45,7 +45,7 @@ def add_bodies(
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient)
+        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.meeting)
         own = (
             _of_profile(body, response, along, pressure)
             if isinstance(response, Response)
@@ -54,6 +54,10 @@ def add_bodies(
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
+        if pressed.meeting is not None and along is not None:
+            for variable, long_name, values in _of_inclined(along, pressure, prefix):
+                attributes = cf_attributes(long_name.format(whose), unit["pressure"])
+                found[prefix + variable] = found["height"].dims, values * stress, attributes
     attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_ERROR].long_name, unit["height"])
     found[_ERROR] = ((), pressed.expected_error * length, attributes)
     refuse_nonfinite(found)
@@ -64,39 +68,64 @@ def _of_profile(
 ) -> Iterator[tuple[str, str, str, Reals]]:
     nx = len(pressure)
     flat = fields.surface_under_tractions(np.zeros(nx) if along is None else along, -pressure, body.elastic)
-    forming = topography.formed_surface(body.heights, body.elastic)
-    tangential, normal = fields.surface_tractions(forming, nx, body.elastic)
     yield "displacement", "height", _OUT, grid.signal(flat.u3, nx) + response.u3
     yield "tangential_displacement", "height", _SIDEWAYS, grid.signal(flat.u1, nx) + response.u1
+    yield from forming_tractions(body, len(response.orders) - 1)
+
+
+def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, str, Reals]]:
+    """Name, kind of unit, description and values (E*) of the tractions that form the topography of a profile.
+
+    `order` is that in the slope to which the topography is then followed.
+    """
+    former = topography.forming(body.elastic, order)
+    tangential, normal = fields.surface_tractions(
+        topography.formed_surface(body.heights, former), len(body.heights), former
+    )
     forms = "traction that forms the topography of the {} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
 
 
+def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[str, str, Reals]]:
+    """Tractions on the places of a body; the pressure on the lower one is that of the contact."""
+    if prefix:
+        yield "pressure", "contact pressure on the {}", pressure
+    of = "tangential traction on the {}, as pressure acts along the normal of inclined surfaces"
+    if along.ndim == 1:
+        yield "tangential_traction", of, along
+        return
+    for values, suffix, axis in zip(along, ("", "_y"), ("x", "y"), strict=True):
+        yield f"tangential_traction{suffix}", f"{of}, along {axis}", values
+
+
 def _of_map(
     body: RoughBody, response: MapResponse, along: Reals | None, pressure: Reals
 ) -> Iterator[tuple[str, str, str, Reals]]:
-    if along is None:
+    if along is None or response.along is None:
         flat = map_topography.flat_displacement(-pressure, body.elastic)
         yield "displacement", "height", _OUT, flat + response.u3
         return
     (u1, u2), u3 = body.elastic.coupled_stiffness_of_map(pressure.shape).deflection(along, -pressure)
     yield "displacement", "height", _OUT, u3 + response.u3
-    yield "tangential_displacement", "height", f"{_SIDEWAYS} along x", u1
-    yield "tangential_displacement_y", "height", f"{_SIDEWAYS} along y", u2
+    yield "tangential_displacement", "height", f"{_SIDEWAYS} along x", u1 + response.along[0]
+    yield "tangential_displacement_y", "height", f"{_SIDEWAYS} along y", u2 + response.along[1]
 
 
-def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset) -> str:
-    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
-    return "\n".join(filter(None, (_of_slopes(bodies, found), too_thin(bodies) if order == 0 else "")))
+def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement") -> str:
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
+
+    `displacement` names the normal one in the dataset that was found.
+    """
+    return "\n".join(filter(None, (_of_slopes(bodies, found, displacement), too_thin(bodies) if order == 0 else "")))
 
 
-def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
+def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacement: str) -> str:
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
     error, unit = float(found["expected_error"].max()), found["expected_error"].units
-    largest = float(abs(found["displacement"]).max()) or 1.0
+    largest = float(abs(found[displacement]).max()) or 1.0
     off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
     return (
         f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
@@ -106,9 +135,16 @@ def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset) -> str:
 
 def too_thin(bodies: Sequence[RoughBody]) -> str:
     """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
-    change = max(map(change_of_thickness, bodies), default=0.0)
-    if change < THICKNESS:
+    body = max(bodies, key=change_of_thickness, default=None)
+    change = 0.0 if body is None else change_of_thickness(body)
+    if body is None or change < THICKNESS:
         return ""
+    if body.elastic.stack is not None:
+        return (
+            f"the roughness of a deformable body changes the thickness of its topmost layer by up to {change:.2g} of "
+            "it, which order 0 leaves out, as if the interface below followed the surface: if it is flat, take a "
+            "numerics.topography_order of 1 or 2"
+        )
     return (
         f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
         f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; "

@@ -12,12 +12,12 @@ from gfmd_numba.contact import problem
 from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
-from gfmd_numba.contact.two_step import RoughBody, rough_body
+from gfmd_numba.contact.two_step import RoughBody, allowed_topography, rough_body
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, SceneFile
+from gfmd_numba.scene import Discretisation, Document, InputError, LoadedBody, Measured, Random, Scene, SceneFile
 
 Place = tuple[str, ...]  # of a roughness in the scene
 MeasuredSurfaces = Mapping[Place, MeasuredSurface]
@@ -41,7 +41,7 @@ class PressedSurfaces:
 
 
 def measured_surfaces(
-    scene: Scene, document: Document, read: Reader = read_content
+    scene: Scene | LoadedBody, document: Document, read: Reader = read_content
 ) -> tuple[dict[Place, MeasuredSurface], float | None]:
     """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
 
@@ -89,7 +89,7 @@ def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Docu
 
 
 def ensemble_of_rough_bodies(
-    scene: Scene,
+    scene: Scene | LoadedBody,
     discretisation: Discretisation | None,
     seed: int,
     order: int,
@@ -110,7 +110,8 @@ def ensemble_of_rough_bodies(
             surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
             parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
-    shape = next(iter(parts.values())).surface.shape
+    fixed = (part for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
+    shape = next(fixed).surface.shape
     for place, part in parts.items():
         if part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
@@ -130,7 +131,7 @@ def ensemble_of_rough_bodies(
 
 
 def check_drawn(
-    scene: Scene, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
+    scene: Scene | LoadedBody, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
 ) -> tuple[RoughBody, ...]:
     """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
     places = list(scene.surfaces)
@@ -143,11 +144,11 @@ def check_drawn(
     bodies = []
     for name, each in zip(BODIES, rough.bodies, strict=False):
         try:
-            bodies.append(rough_body(each, drawn))
+            bodies.append(rough_body(each, drawn, rough.order))
         except ValueError:
             heights = drawn[each.part or 0]
             given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
-            allowed = f"one within the height of the body, {each.elastic.aspect_ratio:g} L_x, of its mean plane"
+            allowed = allowed_topography(heights, each.elastic, rough.order)
             raise InputError(document.line(("scene", name, "roughness"), given, allowed)) from None
     together = np.sum(drawn, axis=0)
     if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in drawn):
@@ -182,7 +183,12 @@ def _as_it_is(heights: Reals) -> GivenSurface:
 
 
 def _random(
-    record: Random, scene: Scene, discretisation: Discretisation | None, seed: int, document: Document, place: Place
+    record: Random,
+    scene: Scene | LoadedBody,
+    discretisation: Discretisation | None,
+    seed: int,
+    document: Document,
+    place: Place,
 ) -> tuple[RandomSurface, float]:
     """Ensemble of a record, and the rms gradient asked of it."""
     period = scene.length or 1.0
@@ -201,7 +207,7 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 
 
 def _measured(
-    field: Field, scene: Scene, length: float | None, told_by: str, document: Document, place: Place
+    field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
     record = field.record
     try:

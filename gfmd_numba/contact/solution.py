@@ -39,9 +39,9 @@ class Contact:
 
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
-    `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `followed`
-    tells of the step of a path that led here, None where steps are not divided. `found` is what observables have found
-    of it.
+    `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `dented` is
+    how far earlier steps of a path have flattened the punch, of its shape: the `punch` is flat there. `followed` tells
+    of the step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
     """
 
     heights: Reals
@@ -49,7 +49,20 @@ class Contact:
     equilibrium: Equilibrium
     deflected: tuple[Reals, Reals] | None = None
     followed: Followed | None = None
+    dented: Reals | float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @property
+    def flattened(self) -> Reals | float:
+        """How far the punch is flattened in this step (g L_x): what plastic nodes penetrate."""
+        if self.equilibrium.plastic is None:
+            return 0.0
+        return np.maximum(self.equilibrium.displacement - self.punch, 0.0)
+
+    @property
+    def plastic_depth(self) -> Reals | float:
+        """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
+        return self.dented + self.flattened
 
 
 def solve(
@@ -59,12 +72,16 @@ def solve(
     sliding: Sequence[float] | None = None,
     raised: Reals | float = 0.0,
     shifted: Reals | None = None,
+    dented: Reals | float = 0.0,
+    again: Equilibrium | None = None,
 ) -> Contact:
     """Press the realisations of a problem into contact, from the equilibrium `before` it if given (g L_x, g E*).
 
     `sliding` is the tangential displacement of the punch along x, on maps also along y, `raised` what the surface has
-    moved towards it on its own, and `shifted` `[1, x]` what it has moved along x on its own since the equilibrium
-    `before`.
+    moved towards it on its own, and `shifted` what its nodes have moved along it on their own since the equilibrium
+    `before`, under a cohesive law since the punch came, of the shape of tangential quantities. `dented`
+    `[realisation, (y,) x]` is how far the punch has been flattened. With `again`, the equilibrium under the same load
+    of a surface that has hardly moved since, nodes are held where that held them, and `shifted` counts from there.
     """
     surface = problem.surface
     assert not isinstance(surface, SummedSurface)  # `two_step` draws it
@@ -73,7 +90,7 @@ def solve(
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
-    punch -= raised
+    punch += dented - raised
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         coupled = problem.body.stiffness_of_all(problem.surface.shape)
@@ -85,11 +102,36 @@ def solve(
     ways = sliding or (0.0,) * (heights.ndim - 1)
     drag = ways[0] if len(ways) == 1 else np.reshape(ways, (2, 1, 1))
     start = None if before is None else following(before, punch, drag)
-    if shifted is not None:
+    slid = drag
+    if shifted is not None and problem.interface.cohesive is not None:
+        slid = drag - shifted[0]
+    elif shifted is not None and again is not None:
+        start = continued(again, punch, shifted)
+    elif shifted is not None:
         start = start or Start.at_rest(punch)
-        start = replace(start, anchor=start.anchor - shifted, dragged=start.dragged - shifted)
-    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, drag)
-    return Contact(heights, punch, equilibrium, deflected)
+        start = replace(start, tangential=start.tangential - shifted, anchor=start.anchor - shifted)
+    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, slid)
+    if equilibrium.tangential is not None:
+        equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
+    if equilibrium.plastic is not None:  # loaded again, a dent bears the hardness to within the residual
+        assert problem.interface.hardness is not None
+        law = problem.interface.normal_law
+        wall = equilibrium.pressure if law is None else equilibrium.pressure + law.traction(np.zeros(1))
+        bears = equilibrium.touching & (wall >= (1.0 - problem.numerics.residual) * problem.interface.hardness)
+        equilibrium.plastic[:] |= bears & (np.asarray(dented) > 0.0)
+    return Contact(heights, punch, equilibrium, deflected, dented=dented)
+
+
+def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
+    """Initial state for the same load again, once nodes were `carried` along the surface since the equilibrium found.
+
+    A touching node slips from where it did there, an open one touches down where it is.
+    """
+    tangential = found.tangential
+    assert tangential is not None
+    touching = found.touching if punch.ndim == 2 else found.touching[:, np.newaxis]
+    moved, displacement = tangential.displacement - carried, np.where(found.touching, punch, found.displacement)
+    return Start(displacement, moved, np.where(touching, moved - tangential.slip, np.nan), -tangential.slip)
 
 
 def _stiffness(problem: Problem) -> Stiffness:

@@ -7,21 +7,27 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import solution
+from gfmd_numba.contact import inclined, solution
+from gfmd_numba.contact.inclined import Meeting, Moved
 from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import DeformableBody, Problem, given_surface
+from gfmd_numba.contact.rounds import Rounds
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.iteration import tangential_shape
 from gfmd_numba.solvers.status import Status
 
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 _MOST_ROUNDS = 30
+_MOST_ROUNDS_INCLINED = 60
+_CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; rounds that may come no closer
 
 Responses = tuple[Response, ...] | tuple[MapResponse, ...]
 
@@ -40,24 +46,30 @@ class RoughBody:
 
 
 def change_of_thickness(body: RoughBody) -> float:
-    """Largest height over the thickness in waves so long that the body is a film to them, q z_m <= 1; 0 if none are."""
-    if body.elastic.aspect_ratio is None:
+    """Largest height over the thickness in waves so long that the body is a film to them, q z_m <= 1; 0 if none are.
+
+    Of a layered body the film is the topmost layer.
+    """
+    thickness = body.elastic.top.aspect_ratio
+    if thickness is None:
         return 0.0
     waves = grid.coefficients(body.heights, body.heights.ndim)
-    waves[grid.magnitudes(body.heights.shape) * body.elastic.aspect_ratio > 1.0] = 0.0
-    return float(abs(grid.signal(waves, *body.heights.shape)).max()) / body.elastic.aspect_ratio
+    waves[grid.magnitudes(body.heights.shape) * thickness > 1.0] = 0.0
+    return float(abs(grid.signal(waves, *body.heights.shape)).max()) / thickness
 
 
 @dataclass(frozen=True)
 class Pressed:
     """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
 
-    `expected_error` is what the next order would add to any displacement (L_x).
+    `expected_error` is what the next order would add to any displacement (L_x). Above order 0, `meeting` tells where
+    inclined surfaces touch; None between level ones.
     """
 
     contact: Contact
     responses: Responses
     expected_error: float
+    meeting: Meeting | None = None
 
 
 def solve(
@@ -67,44 +79,80 @@ def solve(
     order: int,
     before: Pressed | None = None,
     sliding: Sequence[float] | None = None,
+    punch: Reals | None = None,
 ) -> Pressed:
     """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
 
+    `punch` are the heights `[(y,) x]` of a rough rigid one (L_x).
+
     Flat bodies are pressed against walls moved by what their topographies add, until that stands still to the
-    residual of the problem; where it does not, the run is not converged. With friction each round begins where the last
-    step ended, and a profile's topography carries its nodes along x, too; on maps only order 0 is then known.
+    residual of the problem; where it does not, the run is not converged. With friction or a cohesive law each round
+    begins where the last step ended, and the topography carries the nodes along the surface, too. Nodes may then be
+    held elsewhere in each round, as they stick in one and not in the next: where rounds come no closer, nodes stay
+    where the last one has held them.
     """
-    start = None if before is None else before.contact.equilibrium
+    start, dented = (None, 0.0) if before is None else (before.contact.equilibrium, before.contact.plastic_depth)
     rubs_along = problem.interface.couples and order > 0
-    raised, since = np.zeros((1, *problem.surface.shape)), np.zeros(problem.surface.shape[-1:])
+    raised = np.zeros((1, *problem.surface.shape))
+    uncontacted = np.zeros(tangential_shape(raised)[1:])
+    if problem.tractions is not None and order > 0:  # what they alone do, the punch meets
+        responses = _before_contact(problem.tractions, bodies, gradient, order)
+        raised[0] = _raised(responses, problem, gradient)
+        uncontacted = _shifted(responses, gradient) if rubs_along else uncontacted
+    shifted = uncontacted
     if before is not None and rubs_along:
-        raised[0], since = _raised(before.responses, problem, gradient), _shifted(before.responses, gradient)
-    shifted = since
+        raised[0], shifted = _raised(before.responses, problem, gradient), _shifted(before.responses, gradient)
+    since = uncontacted if problem.interface.cohesive is not None else shifted  # from where slip counts
+    again, nearest, patience = None, np.inf, _PATIENCE
+    is_inclined = punch is not None or len(bodies) > 1
+    meeting = Meeting.before_contact(problem.surface.shape) if is_inclined and order > 0 else None
     spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
-    for round_ in range(_MOST_ROUNDS):
+    if before is not None and before.meeting is not None:
+        meeting = before.meeting
+        raised[0] = meeting.raised / gradient
+    rounds, most = Rounds(), _MOST_ROUNDS if meeting is None else _MOST_ROUNDS_INCLINED
+    for round_ in range(most):
         way = (shifted - since)[np.newaxis] if rubs_along else None
-        solved = solution.solve(problem, range(1), start, sliding, raised, way)
+        solved = solution.solve(problem, range(1), start, sliding, raised, way, dented, again)
         found = solved.equilibrium
         if not rubs_along:
             start = found
         spent.append((found.n_iterations, found.n_transforms, found.wall_time))
-        responses = _responses(problem, solved, bodies, gradient, order)
+        responses = _responses(problem, solved, bodies, gradient, order, meeting)
         new = _raised(responses, problem, gradient)
         along = _shifted(responses, gradient) if rubs_along else shifted
         moved = max(float(abs(new - raised[0]).max()), float(abs(along - shifted).max()))
+        if meeting is not None:
+            surfaces = _moved(problem, solved, bodies, gradient, responses, meeting)
+            met = inclined.meet(bodies, punch, surfaces, meeting)
+            new, moved = met.raised / gradient, met.difference(meeting) / gradient
         enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
         if solved.equilibrium.status[0] != Status.ok or moved <= enough:
             break
-        if round_ < _MOST_ROUNDS - 1:
-            raised[0], shifted = new, along
+        patience -= moved > _CLOSER * nearest
+        nearest = min(moved, nearest)
+        if rubs_along and problem.interface.friction is not None and patience <= 0:
+            since, again = shifted, found
+        if round_ < most - 1:
+            state = new, along
+            if problem.interface.friction is None and meeting is None:  # else they depend on how they were reached
+                state = rounds.following((raised[0], shifted), state)
+            raised[0], shifted = state
+            meeting = None if meeting is None else met
     else:
         failed = np.full_like(solved.equilibrium.status, Status.not_converged)
         solved = replace(solved, equilibrium=replace(solved.equilibrium, status=failed))
     iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
-    following = _responses(problem, solved, bodies, gradient, order + 1)
-    return Pressed(solved, responses, sum(response.highest_order for response in following))
+    following = _responses(problem, solved, bodies, gradient, order + 1, meeting)
+    error = float(sum(response.highest_order for response in following))
+    if is_inclined and order == 0:
+        level = Meeting.before_contact(problem.surface.shape)
+        flat = _moved(problem, solved, bodies, gradient, responses, level)
+        met = inclined.meet(bodies, punch, flat, level)
+        error += inclined.change(flat, _moved(problem, solved, bodies, gradient, responses, met), met)
+    return Pressed(solved, responses, error, meeting)
 
 
 def _raised(responses: Responses, problem: Problem, gradient: float) -> Reals:
@@ -113,19 +161,46 @@ def _raised(responses: Responses, problem: Problem, gradient: float) -> Reals:
 
 
 def _shifted(responses: Responses, gradient: float) -> Reals:
-    """How far the topography of a profile carries the nodes of its surface along x `[x]`, in g L_x."""
+    """How far the topography carries the nodes of its surface along it `[x]`, on maps `[component, y, x]`, in g L_x."""
     (response,) = responses  # of one body: between two, friction is known at order 0 alone
-    assert isinstance(response, Response)
-    return response.u1 / gradient
+    along = response.u1 if isinstance(response, Response) else response.along
+    assert along is not None  # beside friction
+    return along / gradient
 
 
-def tractions_on(body: RoughBody, problem: Problem, solved: Contact, gradient: float) -> tuple[Reals | None, Reals]:
+def _moved(
+    problem: Problem,
+    solved: Contact,
+    bodies: tuple[RoughBody, ...],
+    gradient: float,
+    responses: Responses,
+    meeting: Meeting,
+) -> list[Moved]:
+    """How the surface of each body has moved (L_x)."""
+    every: Sequence[Response | MapResponse] = responses
+    found = []
+    for body, response in zip(bodies, every, strict=False):
+        level, tilted = (tractions_on(body, problem, solved, gradient, met) for met in (None, meeting))
+        found.append(inclined.moved(body.elastic, level, tilted, response))
+    return found
+
+
+def tractions_on(
+    body: RoughBody, problem: Problem, solved: Contact, gradient: float, meeting: Meeting | None = None
+) -> tuple[Reals | None, Reals]:
     """Traction along the surface, on maps `[component, y, x]`, and pressure `[(y,) x]` on a body, in its own E*.
 
-    None stands for no traction along the surface. Prescribed tractions act on the lower body.
+    None stands for no traction along the surface. Prescribed tractions act on the lower body. On inclined surfaces,
+    of which `meeting` tells, the tractions are those along the plane and out of it.
     """
-    pressure, tangential = solved.equilibrium.pressure[0] * gradient, solved.equilibrium.tangential
-    along = None if tangential is None else body.side * gradient * tangential.traction[0]
+    found, tangential = solved.equilibrium.pressure[0], solved.equilibrium.tangential
+    pressure = gradient * found.astype(np.float64)  # the response is computed in double precision
+    along = None if tangential is None else gradient * tangential.traction[0].astype(np.float64)
+    if meeting is None:
+        along = None if along is None else body.side * along
+    else:
+        along, pressure = meeting.tractions(along, pressure, body.side)
+        along = along[0] if pressure.ndim == 1 else along
     if problem.tractions is not None and body.side > 0:
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
@@ -141,32 +216,61 @@ def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisa
     assert isinstance(first.surface, SummedSurface)  # the promise of the reduction
     assert first.rough is not None
     drawn = first.surface.drawn(realisation)
-    bodies = tuple(rough_body(each, drawn) for each in first.rough.bodies)
+    bodies = tuple(rough_body(each, drawn, first.rough.order) for each in first.rough.bodies)
+    of_bodies = {each.part for each in first.rough.bodies}
+    punch = next((heights for part, heights in enumerate(drawn) if part not in of_bodies), None)
     together, gradient = given_surface(np.sum(drawn, axis=0), first.surface.rms_gradient)
     before: Pressed | None = None
     for problem, slid in zip(problems, sliding, strict=True):
-        before = solve(replace(problem, surface=together), bodies, gradient, first.rough.order, before, slid)
+        together_now = replace(problem, surface=together)
+        before = solve(together_now, bodies, gradient, first.rough.order, before, slid, punch)
         yield before
 
 
-def rough_body(body: DeformableBody, drawn: Sequence[Reals]) -> RoughBody:
+def rough_body(body: DeformableBody, drawn: Sequence[Reals], order: int) -> RoughBody:
     """A deformable body, the surfaces `[(y,) x]` having `drawn` these heights (L_x).
 
-    Raises ValueError for a topography that reaches through it.
+    Raises ValueError for a topography that reaches through it, or at an order above 0 through its topmost layer.
     """
     heights = np.zeros_like(drawn[0]) if body.part is None else drawn[body.part]
-    height = body.elastic.aspect_ratio
-    if height is not None and max(-float(heights.min()), float(heights.max())) >= height:
+    if allowed := allowed_topography(heights, body.elastic, order):
         span = f"from {heights.min():.3g} to {heights.max():.3g} L_x"
-        raise ValueError(f"a topography {span} is not within the height {height:g} L_x of its body")
+        raise ValueError(f"a topography {span} in place of {allowed}")
     return RoughBody(body.elastic, heights, body.share, body.side)
 
 
+def allowed_topography(heights: Reals, body: ElasticBody, order: int) -> str:
+    """What is allowed in place of heights `[(y,) x]` that a body has no room for; nothing if it has."""
+    lowest, highest = float(heights.min()), float(heights.max())
+    if body.aspect_ratio is not None and max(-lowest, highest) >= body.aspect_ratio:
+        return f"one within the height of the body, {body.aspect_ratio:g} L_x, of its mean plane"
+    if order > 0 and body.stack is not None and -lowest >= -body.top.base:
+        return (
+            f"valleys above the lower side of the topmost layer, {body.top.base:g} L_x, or a numerics.topography_order "
+            "of 0, as interfaces are flat at higher orders"
+        )
+    return ""
+
+
 def _responses(
-    problem: Problem, solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, order: int
+    problem: Problem,
+    solved: Contact,
+    bodies: tuple[RoughBody, ...],
+    gradient: float,
+    order: int,
+    meeting: Meeting | None,
 ) -> Responses:
     """Response of each body."""
-    borne = [(body, *tractions_on(body, problem, solved, gradient)) for body in bodies]
+    borne = [(body, *tractions_on(body, problem, solved, gradient, meeting)) for body in bodies]
     if len(problem.surface.shape) == 2:
         return tuple(map_topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)
     return tuple(topography.respond(p, body.heights, body.elastic, order, along) for body, along, p in borne)
+
+
+def _before_contact(tractions: Tractions, bodies: tuple[RoughBody, ...], gradient: float, order: int) -> Responses:
+    """Response of each body to prescribed tractions alone, which act on the lower one."""
+    borne = [(body, gradient * body.share if body.side > 0 else 0.0) for body in bodies]
+    t, p = tractions.tangential, -tractions.normal
+    if p.ndim == 2:
+        return tuple(map_topography.respond(of * p, body.heights, body.elastic, order, of * t) for body, of in borne)
+    return tuple(topography.respond(of * p, body.heights, body.elastic, order, of * t) for body, of in borne)

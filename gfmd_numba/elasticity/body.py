@@ -58,6 +58,13 @@ class ElasticBody:
         """Place of the rigid base, z = -a; minus infinity for a half-space."""
         return -inf if self.aspect_ratio is None else -self.aspect_ratio
 
+    @property
+    def top(self) -> "ElasticBody":
+        """The topmost layer alone, on a rigid base; a body without layers itself."""
+        if self.stack is None:
+            return self
+        return ElasticBody(self.stack.top.poissons_ratio, self.stack.heights[0])
+
     def uniform_stiffness(self) -> tuple[float, float]:
         """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66); on a half-space there is none."""
         if self.aspect_ratio is None:

@@ -45,9 +45,13 @@ class MapSurface:
 
 def surface_under_tractions(tractions: Reals, body: ElasticBody) -> MapSurface:
     """Surface under tractions `[component, y, x]` along x, y and out of the body; a half-space's mean is held."""
-    shape = tractions.shape[1:]
+    return surface_under_waves(grid.coefficients(tractions, 2), tractions.shape[1:], body)
+
+
+def surface_under_waves(waves: Complexes, shape: tuple[int, ...], body: ElasticBody) -> MapSurface:
+    """Surface of a map of this shape under tractions of coefficients `[component, k_y, k_x]`, rows as in the grid."""
     q, places = _magnitudes(shape)
-    t1, t2, t3 = (_both_nyquist_rows(each, shape) for each in grid.coefficients(tractions, 2))
+    t1, t2, t3 = (_both_nyquist_rows(each, shape) for each in waves)
     c, s = _directions(shape)
     compliance = body.compliance_along(q)
     s11, s13, s33 = (element[places] for element in (compliance.s11, compliance.s13, compliance.s33))

@@ -8,7 +8,8 @@ import numpy as np
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_fields import STRESSES, MapSurface, waves_at_depth, waves_kept
+from gfmd_numba.elasticity.map_fields import STRESSES, waves_kept
+from gfmd_numba.elasticity.map_rough_fields import LoadedMap, waves_at_depth
 from gfmd_numba.fourier import grid
 
 Axis = Literal["x", "y"]
@@ -23,18 +24,18 @@ class Largest:
     y: Reals
 
 
-def section(surface: MapSurface, z: Reals, body: ElasticBody, across: Axis, at: float, names: tuple[str, ...]) -> Reals:
+def section(surface: LoadedMap, z: Reals, body: ElasticBody, across: Axis, at: float, names: tuple[str, ...]) -> Reals:
     """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it."""
     on_section = _at_x if across == "x" else _at_y
     return np.stack([on_section(surface, max(-float(height), 0.0), body, at, names) for height in z], axis=1)
 
 
-def plane(surface: MapSurface, z: float, body: ElasticBody, names: tuple[str, ...]) -> Reals:
+def plane(surface: LoadedMap, z: float, body: ElasticBody, names: tuple[str, ...]) -> Reals:
     """Named fields `[field, y, x]` on the plane z, on the nodes of the map."""
     return _plane(surface, max(-z, 0.0), body, names, surface.shape)
 
 
-def largest_von_mises(surface: MapSurface, z: Reals, body: ElasticBody) -> Largest:
+def largest_von_mises(surface: LoadedMap, z: Reals, body: ElasticBody) -> Largest:
     """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
     found = np.empty((3, z.size))
     for i, height in enumerate(z):
@@ -47,7 +48,7 @@ def largest_von_mises(surface: MapSurface, z: Reals, body: ElasticBody) -> Large
     return Largest(*found)
 
 
-def _at_y(surface: MapSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]) -> Reals:
+def _at_y(surface: LoadedMap, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]) -> Reals:
     found: Complexes | float = 0.0
     for k_y, _, waves in waves_at_depth(surface, depth, body, names):
         found = found + np.exp(2j * np.pi * k_y * y) @ waves
@@ -57,7 +58,7 @@ def _at_y(surface: MapSurface, depth: float, body: ElasticBody, y: float, names:
     return grid.signal(spectrum, nx)
 
 
-def _at_x(surface: MapSurface, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]) -> Reals:
+def _at_x(surface: LoadedMap, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]) -> Reals:
     ny, nx = surface.shape
     spectrum = np.zeros((len(names), ny), dtype=np.complex128)
     for k_y, k_x, waves in waves_at_depth(surface, depth, body, names):
@@ -69,7 +70,7 @@ def _at_x(surface: MapSurface, depth: float, body: ElasticBody, x: float, names:
 
 
 def _plane(
-    surface: MapSurface, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
+    surface: LoadedMap, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
 ) -> Reals:
     spectrum = np.zeros((len(names), shape[0], shape[1] // 2 + 1), dtype=np.complex128)
     for k_y, k_x, waves in waves_at_depth(surface, depth, body, names):

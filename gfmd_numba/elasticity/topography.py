@@ -13,7 +13,8 @@ transforms. The terms of an order cancel but for the slope at waves far shorter 
 on a finer grid, free of aliasing. The Nyquist wave stays at order 0.
 
 Points inside have labels (x, z), their places in the flat body; u''(x, z) takes them to the stress-free rough one.
-Lengths in L_x, stresses in E*.
+Of a layered body the field of the topmost layer is continued: the topography is that of the surface alone, and the
+interfaces below are flat. Lengths in L_x, stresses in E*.
 """
 
 from collections.abc import Iterator
@@ -23,9 +24,10 @@ from math import factorial
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
-from gfmd_numba.elasticity import fields, moduli
+from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import DeformedSurface, Fields
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 
 
@@ -63,14 +65,32 @@ def formed_surface(heights: Reals, body: ElasticBody) -> DeformedSurface:
     return fields.surface_with_displacements(np.zeros_like(heights), heights, body)
 
 
+def forming(body: ElasticBody, order: int) -> ElasticBody:
+    """Body that step 1 deforms, so that its displacements u'' take labels to places in the rough one.
+
+    From order 1 on it is the topmost layer on a rigid base, as interfaces are flat: labels below it are places.
+    """
+    return body if order == 0 else body.top
+
+
+def formed_waves(heights: Reals, depth: float, body: ElasticBody, order: int) -> tuple[Complexes, Complexes]:
+    """Coefficients `[nx // 2 + 1]` of both components of u'' at a depth, from heights `[nx]` of zero mean."""
+    former, nx = forming(body, order), len(heights)
+    if former is not body and depth >= -former.base:
+        nothing = np.zeros(nx // 2 + 1, dtype=np.complex128)
+        return nothing, nothing
+    waves = fields.waves_at_depth(formed_surface(heights, former), depth, nx, former)
+    return waves.u1, waves.u3
+
+
 def respond(
     pressure: Reals, heights: Reals, body: ElasticBody, order: int, tangential: Reals | None = None
 ) -> Response:
     """Response of a body with topography `[nx]` of zero mean to a pressure `[nx]`, to an order of 0 or more.
 
-    `tangential` is a traction `[nx]` along x beside it. Of a layered body only the topmost material is known.
+    `tangential` is a traction `[nx]` along x beside it; both are per length of x. Interfaces of layers are flat.
     """
-    nx = len(heights)
+    nx, top = len(heights), body.material(0.0)
     fine = _fine(nx, order)
     topography = _band(heights, nx)
     powers = [grid.signal(topography, fine) ** m / factorial(m) for m in range(order + 1)]
@@ -82,11 +102,11 @@ def respond(
             carried = np.zeros((2, fine))  # by the material between z = 0 and the surface, along x
             for m in range(1, n + 1):
                 state = derivatives[n - m][m - 1]
-                carried += powers[m] * grid.signal(np.array([_stress1(state, body), state.stress5]), fine)
+                carried += powers[m] * grid.signal(np.array([_stress1(state, top), state.stress5]), fine)
             traction = grid.derivative(_band(carried, nx))
         along, normal = traction
         state = PlaneState(*compliance.displacements(along, normal), along, normal)
-        derivatives.append(list(_derivatives_in_z(state, order - n, body)))
+        derivatives.append(list(_derivatives_in_z(state, order - n, top)))
     added = np.zeros((order + 1, 2, fine))
     for n, of_order in enumerate(derivatives):
         for m, state in enumerate(of_order):
@@ -104,14 +124,14 @@ def rough_fields(flat: DeformedSurface, response: Response, z: Reals, body: Elas
     fine = _fine(nx, order)
     lowest = fields.fields_inside(flat, nx, z, body)
     added = np.zeros((len(vars(lowest)), len(z), fine))
-    formed = formed_surface(response.heights, body)
     for level, height in enumerate(z):
-        moved = fields.waves_at_depth(formed, -float(height), nx, body)
-        u1, u3 = grid.signal(moved.u1, fine), grid.signal(moved.u3, fine)
+        depth = -float(height)
+        material = body.material(depth)
+        u1, u3 = (grid.signal(waves, fine) for waves in formed_waves(response.heights, depth, body, order))
         for n, on_top in enumerate(response.orders):
-            below = _state_at_depth(on_top, -float(height), nx, body)
-            for m, state in enumerate(_derivatives_in_z(below, order - n, body)):
-                waves = fields.stacked(_fields_of(state, body))
+            below = _state_at_depth(on_top, depth, nx, body)
+            for m, state in enumerate(_derivatives_in_z(below, order - n, material)):
+                waves = fields.stacked(_fields_of(state, material))
                 for along in range(order - n - m + 1):
                     if n + m + along > 0:
                         weight = u1**along / factorial(along) * u3**m / factorial(m)
@@ -138,11 +158,11 @@ def _state_at_depth(on_top: PlaneState, depth: float, nx: int, body: ElasticBody
     return PlaneState(waves.u1, waves.u3, waves.stress5, waves.stress3)
 
 
-def _derivatives_in_z(state: PlaneState, highest: int, body: ElasticBody) -> Iterator[PlaneState]:
+def _derivatives_in_z(state: PlaneState, highest: int, material: Material) -> Iterator[PlaneState]:
     """A state and its derivatives in z up to the highest, by strains and equilibrium."""
     yield state
     for _ in range(highest):
-        found = _fields_of(state, body)
+        found = _fields_of(state, material)
         state = PlaneState(
             u1=found.strain5 - grid.derivative(state.u3),
             u3=found.strain3,
@@ -152,20 +172,20 @@ def _derivatives_in_z(state: PlaneState, highest: int, body: ElasticBody) -> Ite
         yield state
 
 
-def _stress1(state: PlaneState, body: ElasticBody) -> Complexes:
-    nu = body.material(0.0).poissons_ratio
-    return nu / (1.0 - nu) * state.stress3 + grid.derivative(state.u1)
+def _stress1(state: PlaneState, material: Material) -> Complexes:
+    nu = material.poissons_ratio
+    return nu / (1.0 - nu) * state.stress3 + material.modulus * grid.derivative(state.u1)
 
 
-def _fields_of(state: PlaneState, body: ElasticBody) -> Fields[Complexes]:
+def _fields_of(state: PlaneState, material: Material) -> Fields[Complexes]:
     """All fields in plane strain of a state on the same plane."""
-    nu, strain1, stress1 = body.material(0.0).poissons_ratio, grid.derivative(state.u1), _stress1(state, body)
+    nu, strain1, stress1 = material.poissons_ratio, grid.derivative(state.u1), _stress1(state, material)
     return Fields(
         u1=state.u1,
         u3=state.u3,
         strain1=strain1,
-        strain3=state.stress3 / moduli.c11(nu) - nu / (1.0 - nu) * strain1,
-        strain5=state.stress5 / moduli.c44(nu),
+        strain3=state.stress3 / material.c11 - nu / (1.0 - nu) * strain1,
+        strain5=state.stress5 / material.shear,
         stress1=stress1,
         stress2=nu * (stress1 + state.stress3),
         stress3=state.stress3,

@@ -23,18 +23,21 @@ def xu_needleman_pull(
     u3: Reals,
     k3: Reals,
     punch: Reals,
-    sliding: float,
+    sliding: Reals,
     active: Indices,
     n: int,
     work: float,
     normal: float,
     tangential: float,
 ) -> None:
-    """Take the tractions of Xu and Needleman's law off the restoring tractions k1 and k3."""
+    """Take the tractions of Xu and Needleman's law off the restoring tractions k1 and k3.
+
+    `sliding` is how far the punch has moved over each of the n nodes.
+    """
     for i in active:
         for j in range(n):
             gap = (punch[i, j] - u3[i, j]) / normal
-            slip = (sliding - u1[i, j]) / tangential
+            slip = (sliding[j] - u1[i, j]) / tangential
             overlap = min(gap, 0.0)  # repels as without slip
             gap = max(gap, 0.0)
             decay = work * np.exp(-gap - slip * slip)
@@ -49,21 +52,23 @@ def xu_needleman_map_pull(
     u3: Reals,
     k3: Reals,
     punch: Reals,
-    sliding_x: float,
-    sliding_y: float,
+    sliding: Reals,
     active: Indices,
     n: int,
     work: float,
     normal: float,
     tangential: float,
 ) -> None:
-    """Do the same on maps, where rows of u1 and k1 are the x components of all realisations, then the y components."""
+    """Do the same on maps, where rows of u1 and k1 are the x components of all realisations, then the y components.
+
+    `sliding` is `[component, n]`.
+    """
     rows = punch.shape[0]
     for i in active:
         for j in range(n):
             gap = (punch[i, j] - u3[i, j]) / normal
-            x = (sliding_x - u1[i, j]) / tangential
-            y = (sliding_y - u1[rows + i, j]) / tangential
+            x = (sliding[0, j] - u1[i, j]) / tangential
+            y = (sliding[1, j] - u1[rows + i, j]) / tangential
             overlap = min(gap, 0.0)
             gap = max(gap, 0.0)
             decay = work * np.exp(-gap - x * x - y * y)

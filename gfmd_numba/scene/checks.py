@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 
+from gfmd_numba.scene.boundary_file import LoadedBody
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.memory import beyond_memory
 from gfmd_numba.scene.records import Discretisation, Scene
@@ -36,7 +37,7 @@ def check_discretisation(
         )
 
 
-def check_surfaces(document: Document, scene: Scene, arrays: int) -> None:
+def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -> None:
     """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
     for place, surface in scene.surfaces.items():
         if surface.points is not None:

@@ -11,9 +11,10 @@ _ARRAYS_OF_LAWS = {
     (2, "cohesive"): 96,
     (2, "boundary"): 32,
 }
-_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, 48  # at order 0 in the slope, and more for each order
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at order 0, and more for each order
+_ARRAYS_OF_INCLINED_SURFACES = 36  # and more above order 0
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
-ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
+_ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
 _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
@@ -26,7 +27,16 @@ def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
 
 def arrays_of_topography(dimension: int, order: int) -> int:
     """Return how many arrays of its size a contact of rough bodies takes, at an order in the slope."""
-    return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER
+    more = _ARRAYS_OF_INCLINED_SURFACES if order > 0 else 0
+    return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER[dimension] + more
+
+
+def arrays_of_a_loaded_body(dimension: int, order: int | None = None) -> int:
+    """Return how many arrays of its size loading a body without a punch takes, a rough one at an order in the slope.
+
+    The next order, whose response tells the expected error, takes most.
+    """
+    return _ARRAYS_OF_A_LOADED_BODY[dimension] + (0 if order is None else arrays_of_topography(dimension, order + 1))
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:

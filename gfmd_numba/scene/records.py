@@ -1,8 +1,9 @@
 """Frozen records of what the user describes; an effect absent from the scene is `None`."""
 
+from collections.abc import Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Protocol, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -69,8 +70,13 @@ class Scene(BaseModel):
         return self.counter_body is not None or self.body.roughness is not None
 
     @property
+    def touches_inclined(self) -> bool:
+        """Whether the surfaces that touch are inclined: all but those of a rough body under a level rigid punch."""
+        return self.follows_topography and (self.counter_body is not None or self.roughness is not None)
+
+    @property
     def knows_lowest_order_only(self) -> bool:
-        """Whether what acts on rough deformable surfaces is known at order 0 in their slope alone."""
+        """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
         layered = any(body.layers is not None for body in self.deformable)
         beside = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
         return self.dimension == 2 or layered or beside
@@ -159,6 +165,15 @@ Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), Wit
 SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
 
 
+class _Rough(Protocol):
+    """A scene whose deformable bodies may be rough."""
+
+    @property
+    def knows_lowest_order_only(self) -> bool:
+        """Whether order 0 in the slope is the one to take unless a higher one is asked for."""
+        ...
+
+
 class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
@@ -184,7 +199,7 @@ class Numerics(BaseModel):
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
-    def slope_order(self, scene: Scene) -> int:
+    def slope_order(self, scene: _Rough) -> int:
         """Order in the slope to which the topographies of a scene are followed."""
         if self.topography_order is None:
             return 0 if scene.knows_lowest_order_only else 2
@@ -198,6 +213,30 @@ class Numerics(BaseModel):
                 f"at least {SINGLE_RESIDUAL:g} in single precision, whose rounding alone leaves about 1e-8 nx",
             )
         return self
+
+
+Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene
+
+
+def check_drawing(surfaces: Surfaces, discretisation: Discretisation | None, seed: int, realisation: int) -> None:
+    """Raise a located PydanticCustomError unless surfaces have a grid each, and a seed if one of them is random."""
+    needed = any(surface.needs_discretisation for surface in surfaces.values())
+    if discretisation is None and needed:
+        raise broken_rule(
+            ("discretisation",),
+            "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
+        )
+    if discretisation is not None and not needed:
+        raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
+    check_seed(seed, realisation, any(isinstance(surface, Random) for surface in surfaces.values()))
+
+
+def check_waves(surfaces: Surfaces, length: float | None) -> None:
+    """Raise a located PydanticCustomError for waves that do not fit the period, L_x in m or None."""
+    for place, surface in surfaces.items():
+        wrong = surface.misfit(length or 1.0)
+        if wrong is not None:
+            raise broken_rule(("scene", *place, wrong[0]), wrong[1])
 
 
 class SceneFile(BaseModel):
@@ -217,15 +256,7 @@ class SceneFile(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        rough = self.scene.surfaces
-        if self.discretisation is None and any(surface.needs_discretisation for surface in rough.values()):
-            raise broken_rule(
-                ("discretisation",),
-                "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
-            )
-        if self.discretisation is not None and not any(surface.needs_discretisation for surface in rough.values()):
-            raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
-        check_seed(self.seed, self.realisation, any(isinstance(surface, Random) for surface in rough.values()))
+        check_drawing(self.scene.surfaces, self.discretisation, self.seed, self.realisation)
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
         if not self.scene.awaits_period:
@@ -234,8 +265,5 @@ class SceneFile(BaseModel):
 
     def check_period(self) -> None:
         """Raise a located PydanticCustomError for waves that do not fit the period, and steps that need one."""
-        for place, surface in self.scene.surfaces.items():
-            wrong = surface.misfit(self.scene.length or 1.0)
-            if wrong is not None:
-                raise broken_rule(("scene", *place, wrong[0]), wrong[1])
+        check_waves(self.scene.surfaces, self.scene.length)
         check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))

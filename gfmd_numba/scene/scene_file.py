@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from gfmd_numba.scene.body_record import Body
-from gfmd_numba.scene.boundary_file import BoundaryFile
+from gfmd_numba.scene.boundary_file import BoundaryFile, LoadedBody
 from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_surfaces
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_of_path, arrays_per_realisation
+from gfmd_numba.scene.memory import arrays_of_a_loaded_body, arrays_of_path, arrays_per_realisation
 from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
@@ -63,9 +63,8 @@ def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Doc
 def input_files(file: SceneFile | BoundaryFile) -> list[Path]:
     """Files that a loaded scene reads."""
     named = [value for _, value in file.scene.boundary or () if isinstance(value, str)]
-    if isinstance(file, SceneFile):
-        measured = [surface for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
-        named += [surface.file for surface in measured if surface.file is not None]
+    measured = [surface for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
+    named += [surface.file for surface in measured if surface.file is not None]
     return [Path(name) for name in named]
 
 
@@ -76,37 +75,42 @@ def _has_no_punch(document: Document) -> bool:
 
 def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | BoundaryFile:
     """The same, whose files exist and have absolute paths."""
-    if isinstance(file, SceneFile):
-        _check_grid(file, document)
-        return file.model_copy(update={"scene": with_located_files(document, file.scene)})
-    boundary = located_boundary(document, file.scene.boundary)
-    return file.model_copy(update={"scene": file.scene.model_copy(update={"boundary": boundary})})
+    _check_grid(file, document)
+    scene = file.scene.model_copy(update=located_files(document, file.scene))
+    return file.model_copy(update={"scene": scene})
 
 
-def _check_grid(file: SceneFile, document: Document) -> None:
+def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
     scene = file.scene
-    laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
-    arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
+    if isinstance(file, SceneFile):
+        laws = [*file.scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
+        arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
+    else:
+        arrays = arrays_of_a_loaded_body(scene.dimension, file.slope_order)
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
         check_discretisation(document, file.discretisation, locations, (), scene.dimension, arrays)
-        anisotropy = getattr(scene.roughness, "anisotropy", None)
-        if anisotropy is not None and scene.dimension == 2:
-            check_anisotropy_fits(document, anisotropy, ("scene", "roughness", "anisotropy"), file.discretisation)
+        for place, surface in scene.surfaces.items():
+            anisotropy = getattr(surface, "anisotropy", None)
+            checked = place == ("roughness",) or isinstance(file, BoundaryFile)
+            if anisotropy is not None and scene.dimension == 2 and checked:
+                check_anisotropy_fits(document, anisotropy, ("scene", *place, "anisotropy"), file.discretisation)
     check_surfaces(document, scene, arrays)
 
 
-def with_located_files(document: Document, scene: Scene) -> Scene:
-    """Scene whose files have absolute paths; raises InputError for one that does not exist."""
-    located: dict[str, object] = {"roughness": _located_surface(document, ("scene", "roughness"), scene.roughness)}
+def located_files(document: Document, scene: Scene | LoadedBody) -> dict[str, object]:
+    """Parts of a scene by name, whose files have absolute paths; raises InputError for one that does not exist."""
+    located: dict[str, object] = {}
+    if isinstance(scene, Scene):
+        located["roughness"] = _located_surface(document, ("scene", "roughness"), scene.roughness)
     for name in ("body", "counter_body"):
-        body: Body | None = getattr(scene, name)
+        body: Body | None = getattr(scene, name, None)
         if body is not None:
             surface = _located_surface(document, ("scene", name, "roughness"), body.roughness)
             located[name] = body.model_copy(update={"roughness": surface})
     if scene.boundary is not None:
         located["boundary"] = located_boundary(document, scene.boundary)
-    return scene.model_copy(update=located)
+    return located
 
 
 def _located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:

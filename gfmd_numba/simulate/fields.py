@@ -10,6 +10,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import elastic_body
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.simulate import map_fields
 from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, add_formed, add_von_mises, begun
@@ -56,7 +57,7 @@ def body_fields(
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     if len(nodes_of(scene)) == 2:
         wanted = map_fields.Wanted(heights, x, y, planes is not None)
-        steps = map_fields.of_steps(whole, asked, body, elastic, length, wanted)
+        steps = map_fields.of_steps(whole, asked, body, elastic, length, order, wanted)
     elif (x, y, planes) == (None, None, None):
         every = (whole.isel(step=i) for i in range(whole.sizes["step"]))
         steps = [_one(asked, elastic, length, order, step, heights, body) for step in every]
@@ -103,7 +104,8 @@ def _one(
         topography_ = contact[f"{name}_height"].values / length
         response = topography.respond(-normal / modulus, topography_, elastic, order, along / modulus)
         values = topography.rough_fields(flat, response, z / length, elastic)
-        formed = fields.fields_inside(topography.formed_surface(topography_, elastic), nx, z / length, elastic)
+        levels = [topography.formed_waves(topography_, -float(height), elastic, order) for height in z / length]
+        formed = grid.signal(np.stack(levels, axis=1), nx)
     else:
         values = fields.fields_inside(flat, nx, z / length, elastic)
     if body.state == "plane_stress":
@@ -112,6 +114,6 @@ def _one(
     add_fields(dataset, ("z", "x"), vars(values), OF_PROFILES, scales, int(contact["status"]) != 0)
     add_von_mises(dataset, ("z", "x"), scales)
     if formed is not None:
-        add_formed(dataset, ("z", "x"), {"formed_1": formed.u1, "formed_3": formed.u3}, scales)
+        add_formed(dataset, ("z", "x"), dict(zip(("formed_1", "formed_3"), formed, strict=True)), scales)
     dataset["pressure"] = ("x", -normal, scales.attributes("stress", "pressure on the surface"))
     return dataset

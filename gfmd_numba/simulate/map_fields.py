@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import map_fields, map_sections
+from gfmd_numba.elasticity import map_fields, map_rough_fields, map_sections, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES, MapSurface
+from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
+from gfmd_numba.elasticity.map_rough_fields import LoadedMap
 from gfmd_numba.elasticity.map_sections import Axis, Largest
 from gfmd_numba.scene import Body, InputError
 from gfmd_numba.scene.memory import beyond_memory
@@ -18,6 +19,7 @@ from gfmd_numba.text.input_error import brief
 
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
 _ARRAYS = 40  # of the size of the map that fields of one plane take
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
 _ARRAYS_OF_A_PLANE = 2 * 20  # that stay in memory, and are joined
 
 
@@ -32,29 +34,33 @@ class Wanted:
 
 
 def of_steps(
-    contact: xr.Dataset, body: Body, name: str, elastic: ElasticBody, length: float, wanted: Wanted
+    contact: xr.Dataset, body: Body, name: str, elastic: ElasticBody, length: float, order: int, wanted: Wanted
 ) -> list[xr.Dataset]:
     """Fields of each step of a map's contact; raises InputError for what is wanted of it that cannot be had."""
-    _check(contact, length, wanted)
+    height = f"{name}_height"
+    is_followed = order > 0 and height in contact and bool(contact[height].values.any())
+    _check(contact, length, wanted, _ARRAYS + is_followed * (_ARRAYS_OF_TOPOGRAPHY + order * _ARRAYS_OF_ORDER))
     z, every = wanted.z / length, [contact.isel(step=i) for i in range(contact.sizes["step"])]
     scales = Scales.of(contact, body, length)
 
-    def surface(step: xr.Dataset) -> MapSurface:
-        tractions = tractions_on(name, step, ("y", "x"))
-        return map_fields.surface_under_tractions(tractions / scales.worth["stress"], elastic)
+    def surface(step: xr.Dataset) -> LoadedMap:
+        tractions = tractions_on(name, step, ("y", "x")) / scales.worth["stress"]
+        if not is_followed:
+            return map_fields.surface_under_tractions(tractions, elastic)
+        return map_rough_fields.rough_surface(tractions, step[height].values / length, elastic, order)
 
     largest = [map_sections.largest_von_mises(surface(step), z, elastic) for step in every]
     if wanted.planes:
         found = [_planes(step, surface(step), wanted.z, elastic, scales, name) for step in every]
     else:
         across, node = _place(every, largest, length, wanted)
-        found = [_section(step, surface(step), wanted.z, elastic, scales, across, node, name) for step in every]
+        found = [_section(step, surface(step), wanted.z, elastic, scales, order, across, node, name) for step in every]
     for step, dataset, peaks in zip(every, found, largest, strict=True):
         _add_peaks(dataset, peaks, scales, int(step["status"]) != 0)
     return found
 
 
-def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
+def _check(contact: xr.Dataset, length: float, wanted: Wanted, arrays: int) -> None:
     for name, given in (("x", wanted.x), ("y", wanted.y)):
         if given is None:
             continue
@@ -66,9 +72,9 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted) -> None:
             unit = "m" if contact["x"].attrs["units"] == "m" else "L_x"
             raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in {unit}")
     ny, nx, levels = contact.sizes["y"], contact.sizes["x"], wanted.z.size
-    if allowed := beyond_memory(ny * nx, _ARRAYS, "a section below it"):
+    if allowed := beyond_memory(ny * nx, arrays, "a section below it"):
         raise InputError(f"contact: given {ny} x {nx} nodes; allowed: {allowed}")
-    kept = _ARRAYS + _ARRAYS_OF_A_PLANE * levels * contact.sizes["step"]
+    kept = arrays + _ARRAYS_OF_A_PLANE * levels * contact.sizes["step"]
     if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
         raise InputError(f"planes: given {levels} heights; allowed: fewer, or {allowed}")
 
@@ -89,10 +95,11 @@ def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wante
 
 def _section(
     step: xr.Dataset,
-    surface: MapSurface,
+    surface: LoadedMap,
     z: Reals,
     elastic: ElasticBody,
     scales: Scales,
+    order: int,
     across: Axis,
     node: int,
     name: str,
@@ -108,14 +115,16 @@ def _section(
     add_von_mises(dataset, ("z", along), scales)
     if f"{name}_height" in step:
         flat = map_fields.formed_surface(step[f"{name}_height"].values / length)
-        formed = map_sections.section(flat, z / length, elastic, across, at, DISPLACEMENTS)
+        former = topography.forming(elastic, order)
+        levels = np.maximum(z / length, former.base)  # labels below the body that was formed are places
+        formed = map_sections.section(flat, levels, former, across, at, DISPLACEMENTS)
         add_formed(dataset, ("z", along), {f"formed_{i}": moved for i, moved in enumerate(formed, 1)}, scales)
     _add_pressure(dataset, step, name, scales, {across: node})
     return dataset
 
 
 def _planes(
-    step: xr.Dataset, surface: MapSurface, z: Reals, elastic: ElasticBody, scales: Scales, name: str
+    step: xr.Dataset, surface: LoadedMap, z: Reals, elastic: ElasticBody, scales: Scales, name: str
 ) -> xr.Dataset:
     dims, dataset = ("z", "y", "x"), begun(step, z, scales)
     heights = z / scales.worth["length"]

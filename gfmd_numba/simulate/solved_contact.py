@@ -1,6 +1,5 @@
 """A solved contact as it comes back from its dataset: its scene, and whether all nodes of its period are there."""
 
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -8,9 +7,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import POINTS
-from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.document import Document
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
@@ -18,8 +15,14 @@ _ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
 _WHOLE = "all nodes of the period, as gfmd_numba.solve returns them; cut the fields inside afterwards"
 _ALTERED = "contact: given a contact that was altered; allowed: what gfmd_numba.solve returns"
 _TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
-_PRESCRIBED = "prescribed_"
-_FIELDS = ("pressure", *_TRACTIONS, *(_PRESCRIBED + each for each in _TRACTIONS), "body_height", "counter_body_height")
+_PRESCRIBED, _COUNTER = "prescribed_", "counter_body_"
+_ON_EACH = ("pressure", *_TRACTIONS)
+_FIELDS = (
+    *(whose + name for whose in ("", _COUNTER) for name in _ON_EACH),
+    *(_PRESCRIBED + each for each in _TRACTIONS),
+    "body_height",
+    "counter_body_height",
+)
 
 
 def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
@@ -29,17 +32,15 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
         raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
     if "normal_traction" in contact:
-        scene: Scene | LoadedBody = _recorded(BoundaryFile, contact).scene
-        names, order = ["body"], 0
+        file: BoundaryFile | SceneFile = _recorded(BoundaryFile, contact)
     else:
         file = _recorded(SceneFile, contact)
-        check_where(Document(Path("contact"), "", file.model_dump()), file.scene, "fields inside", file.numerics)
-        names = ["body"] if file.scene.counter_body is None else ["body", "counter_body"]
-        scene, order = file.scene, file.numerics.slope_order(file.scene)
+    scene, order = file.scene, file.numerics.slope_order(file.scene)
+    names = ["body", "counter_body"][: len(scene.deformable)]
     if body not in names:
         raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
     nodes = nodes_of(scene)
-    if not _is_whole(contact, nodes) or not found >= _needed(scene):
+    if not _is_whole(contact, nodes) or not found >= _needed(scene, order):
         raise InputError(_ALTERED)
     for dim in nodes:
         _check_period(contact[dim], dim, scene.length or 1.0)
@@ -54,14 +55,17 @@ def nodes_of(scene: Scene | LoadedBody) -> tuple[str, ...]:
 def tractions_on(body: str, step: xr.Dataset, nodes: tuple[str, ...]) -> Reals:
     """Tractions `[component, (y,) x]` on a body, along the surface and last out of the body, in the unit of the file.
 
-    They are those of the punch and those that are prescribed.
+    They are those of the punch and those that are prescribed. Where surfaces are inclined, the file has those on each
+    body.
     """
     names = [component.key("traction") for component in COMPONENTS[len(nodes)]]
-    found = _found(step, names, nodes)
+    whose = _COUNTER if body == "counter_body" and _COUNTER + "pressure" in step else ""
+    found = _found(step, [whose + name for name in names], nodes)
     if "pressure" in step:
-        found[-1] = -step["pressure"].values
-    if body == "counter_body":  # the tangential tractions of the file are those on `body`
-        found[:-1] *= -1.0
+        found[-1] = -step[whose + "pressure"].values
+    if body == "counter_body":
+        if not whose:  # the tangential tractions of the file are those on `body`
+            found[:-1] *= -1.0
         return found
     return found + _found(step, [_PRESCRIBED + name for name in names], nodes)
 
@@ -75,12 +79,17 @@ def _found(step: xr.Dataset, names: list[str], nodes: tuple[str, ...]) -> Reals:
     return found
 
 
-def _needed(scene: Scene | LoadedBody) -> set[str]:
-    """Names of the tractions without which prescribed ones would be incomplete."""
-    if scene.boundary is None:
-        return set()
-    prefix = "" if isinstance(scene, LoadedBody) else _PRESCRIBED
-    return {prefix + component.key("traction") for component in COMPONENTS[scene.dimension]}
+def _needed(scene: Scene | LoadedBody, order: int) -> set[str]:
+    """Names of the tractions without which prescribed ones, or those on inclined surfaces, would be incomplete."""
+    names = [component.key("traction") for component in COMPONENTS[scene.dimension]]
+    needed = set()
+    if scene.boundary is not None:
+        needed |= {("" if isinstance(scene, LoadedBody) else _PRESCRIBED) + name for name in names}
+    if isinstance(scene, Scene) and order > 0 and scene.touches_inclined:
+        needed |= {whose + name for whose in ("", _COUNTER) for name in ("pressure", *names[:-1])}
+        if scene.counter_body is None:
+            needed -= {name for name in needed if name.startswith(_COUNTER)}
+    return needed
 
 
 def _check_period(x: xr.DataArray, dim: str, length: float) -> None:

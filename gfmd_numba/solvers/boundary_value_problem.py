@@ -13,10 +13,12 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.iteration import Coupled
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
+_SMALL = 1e-2  # residual in single precision below which rounding may keep it where it is
 
 
 @dataclass(frozen=True)
@@ -46,12 +48,14 @@ def deform(stiffness: Coupled, traction: Reals, displacement: Reals, options: Op
     started = time.perf_counter()
     problem = _BoundaryValueProblem(stiffness, traction, displacement, options)
     iterations, residual = 0, problem.residual()
-    while residual > options.residual and iterations < options.max_iterations:
+    is_single, stagnation, stands = options.precision == "single", Stagnation(1, _SMALL), False
+    while residual > options.residual and iterations < options.max_iterations and not stands:
         steps = min(_CHECK_EVERY, options.max_iterations - iterations)
         for _ in range(steps):
             problem.advance()
         iterations += steps
         residual = problem.residual()
+        stands = is_single and bool(stagnation.look(np.array([residual]), np.zeros(1, dtype=np.int64))[0])
     status = Status.ok if residual <= options.residual else Status.not_converged
     field, n = problem.field, problem.field.n
     return Deformed(
@@ -87,7 +91,7 @@ class _BoundaryValueProblem:
         dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
-        self.field = Convolution(components, *shape)
+        self.field = Convolution(components, *shape, dtype=np.float32 if options.precision == "single" else np.float64)
         self._couple = kernels.couple if components == 2 else kernels.couple_map
         self._symbols = [self.field.symbol(k) for k in elastic.elements]
         (self.displacement,) = self.field.sources

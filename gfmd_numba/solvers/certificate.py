@@ -8,6 +8,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
 
+_NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
+
 
 @dataclass(frozen=True)
 class RigidMean:
@@ -69,14 +71,15 @@ class Certificate:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 
         Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
-        `[active]` is a floor to the latter.
+        `[active]` is a floor to the latter. What is far beyond its range leaves nothing to balance.
         """
         worst, peak = self.worst[active], np.maximum(self.peak[active], strongest)
         # nothing touches and nothing is violated: the surfaces are apart
         local = np.divide(worst, peak, out=np.where(worst > 0.0, np.inf, worst), where=peak > 0.0)
         loaded = load[active] > 0.0
         balance = np.divide(self.imbalance[active], load[active], out=np.zeros_like(worst), where=loaded)
-        return np.maximum(np.maximum(local, balance), self.drift[active])
+        found = np.maximum(np.maximum(local, balance), self.drift[active])
+        return np.where((worst < _NO_TRACTION) & ~loaded, 0.0, found)
 
 
 def pressure_scale(punch: Reals, stiffness: Reals) -> Reals:

@@ -30,7 +30,7 @@ class CohesiveNewton(TruncatedNewton):
             raise ValueError("this solver of both displacements knows a cohesive law alone")
         rows, n = batch.punch.shape
         self._cohesive, self._sliding = cohesive, batch.sliding
-        self.field = Convolution(2 * rows, n)
+        self.field = Convolution(2 * rows, n, dtype=batch.punch.dtype)
         given = batch.coupled_stiffness
         stiffness = CoupledStiffness(given.k11, given.k13, self._with_held_mean(batch, given.k33))
         compliance = stiffness.compliance()
@@ -105,7 +105,7 @@ class CohesiveNewton(TruncatedNewton):
 
     def _change(self, i: int) -> float:
         closing, dragged = self._closing[self._normal], self._closing[self._sideways]
-        return float(self._cohesive.energy_change(self._gap(i), self._slip(i), closing, dragged).sum())
+        return float(self._cohesive.energy_change(self._gap(i), self._slip(i), closing, dragged).sum(dtype=np.float64))
 
     def _longest(self, i: int) -> float:
         near = self._gap(i) < _REACH * self._cohesive.normal

@@ -19,7 +19,7 @@ class CoupledDynamics:
 
     Rows of the field are tangential displacements, on maps first along x and then along y, then normal ones. `anchor`
     is where the punch holds a node that touched it before, not-a-number for the others; `sliding` the tangential
-    displacement of the punch.
+    displacement of the punch over each node.
     """
 
     check_every = 10
@@ -32,12 +32,14 @@ class CoupledDynamics:
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
-        self._sliding = batch.sliding if self._of_profile else np.broadcast_to(batch.sliding, (2, 1, 1))
         self.certificate = Certificate(rows)
         self.load = batch.loads
-        self.field = Convolution(self._components * rows, *shape)
-        n = self.field.n
-        self._punch = aligned_rows(rows, n)
+        self.field = Convolution(self._components * rows, *shape, dtype=punch.dtype)
+        n, ways = self.field.n, len(shape)
+        if self._cohesion is not None:
+            sliding = np.broadcast_to(batch.sliding, (ways, *shape)).reshape(ways, n)
+            self._sliding = np.ascontiguousarray(sliding, dtype=punch.dtype)
+        self._punch = aligned_rows(rows, n, punch.dtype)
         self._punch[:, :n] = punch.reshape(rows, n)
         self.wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         (both,) = self.field.sources
@@ -114,10 +116,10 @@ class CoupledDynamics:
     def _slip(self, active: Indices) -> Reals:
         """Slip of the punch over each node of the active rows, on maps its length."""
         n = self.field.n
-        if isinstance(self._sliding, np.ndarray):
-            tangential = self._tangential[:, :n].reshape(2, self._rows, n)
-            return vector_slip.length(self._sliding - tangential[:, active])
-        return np.asarray(self._sliding - self._tangential[active, :n])
+        if self._of_profile:
+            return np.asarray(self._sliding - self._tangential[active, :n])
+        tangential = self._tangential[:, :n].reshape(2, self._rows, n)
+        return vector_slip.length(self._sliding[:, np.newaxis] - tangential[:, active])
 
     def _restore(self, active: Indices) -> None:
         every = np.concatenate([active + i * self._rows for i in range(self._components)])
@@ -130,7 +132,7 @@ class CoupledDynamics:
         if self._cohesion is not None:
             sideways, normal = (self._tangential, self._tangential_restoring), (self.displacement, self.restoring)
             where = active, self.field.n
-            if isinstance(self._sliding, np.ndarray):
-                self._cohesion.pull_on_map(*sideways, *normal, self._punch, self._sliding, *where)
+            if self._of_profile:
+                self._cohesion.pull(*sideways, *normal, self._punch, self._sliding[0], *where)
             else:
-                self._cohesion.pull(*sideways, *normal, self._punch, self._sliding, *where)
+                self._cohesion.pull_on_map(*sideways, *normal, self._punch, self._sliding, *where)

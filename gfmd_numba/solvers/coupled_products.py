@@ -1,6 +1,7 @@
 """From tractions to displacements and back, both components at once: the transforms of a contact with friction."""
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
@@ -15,8 +16,8 @@ class CoupledProducts:
     is rigid, has no stiffness and no compliance here.
     """
 
-    def __init__(self, stiffness: CoupledStiffness, rows: int, n: int) -> None:
-        self.field = Convolution(2 * rows, n, sources=2)
+    def __init__(self, stiffness: CoupledStiffness, rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> None:
+        self.field = Convolution(2 * rows, n, sources=2, dtype=dtype)
         both, self._traction = self.field.sources
         self.tangential, self.displacement = both[:rows], both[rows:]
         self.tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
@@ -41,7 +42,7 @@ class CoupledProducts:
         self._traction[i, :n] = tangential
         np.negative(pressure, out=self._traction[rows + i, :n])
         self._multiply(np.array([i]), self._compliance, source=1)
-        return self.field.result[[i, rows + i], :n]
+        return self.field.result[[i, rows + i], :n].astype(np.float64)
 
     def _multiply(self, active: Indices, elements: list[Reals], source: int) -> None:
         both = np.concatenate((active, active + self._rows))

@@ -127,8 +127,10 @@ def equilibrate(
     cannot carry.
     """
     hardness = interface.hardness
-    if load is not None and hardness is not None and load >= hardness:
-        raise ValueError(f"a mean pressure of {load:g} at or above the hardness {hardness:g}")
+    if load is not None and hardness is not None:
+        most = hardness - (0.0 if interface.normal_law is None else interface.normal_law.strength)
+        if load >= most:
+            raise ValueError(f"a mean pressure of {load:g} at or above the {most:g} that the hardness bears")
     realisations, n = len(punch), punch[0].size
     condensed = stiffness if isinstance(stiffness, np.ndarray) else stiffness.condensed()
     scale = pressure_scale(punch, condensed)
@@ -147,12 +149,13 @@ def equilibrate(
     )
     start = Start.at_rest(punch) if start is None else start
     elastic = _with_free_mean(stiffness) if load is not None else stiffness
-    blown_up = _BLOWN_UP * (scale + (load or 0.0))
+    borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
+    blown_up = _BLOWN_UP * (scale + borne)
     block = max(1, SOLVERS[options.solver].block_samples // n)
     for first in range(0, realisations, block):
         rows = np.arange(first, min(first + block, realisations))
         started = time.perf_counter()
-        largest = (load or 0.0) + _FLUCTUATIONS * float(scale[rows].max())
+        largest = borne + _FLUCTUATIONS * float(scale[rows].max())
 
         def batch(rows: Indices, laws: Interactions, largest: float = largest) -> Batch:
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
@@ -163,7 +166,11 @@ def equilibrate(
             _solve(batch, interface, rows, blown_up, options, result)
         else:
             _solve(batch, replace(interface, hardness=None), rows, blown_up, options, result, hardness)
-            yielding = rows[(result.status[rows] != Status.ok) | _above(hardness, result, rows)]
+            most = hardness * (1.0 + options.residual)
+            yielding = rows[(result.status[rows] != Status.ok) | _above(most, result, rows)]
+            for row in np.setdiff1d(rows, yielding):  # loaded again up to where it has yielded, but for the residual
+                excess = float(result.pressure[row].max()) / hardness - 1.0
+                result.residual[row] = max(result.residual[row], excess)
             if yielding.size:
                 _solve(batch, interface, yielding, blown_up, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
@@ -182,7 +189,8 @@ def equilibrate(
 def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: Reals, sliding: Reals | float) -> None:
     """Add the tractions of the laws to those of the wall, in place."""
     if interface.normal_law is not None:
-        result.pressure[:] -= interface.normal_law.traction(punch - result.displacement)
+        gap = punch - result.displacement
+        result.pressure[:] -= interface.normal_law.traction(gap if interface.hardness is None else np.maximum(gap, 0.0))
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
         if punch.ndim == 2:

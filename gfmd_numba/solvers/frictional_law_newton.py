@@ -51,21 +51,27 @@ class FrictionalLawNewton:
         self._products: CoupledProducts | MapProducts
         self._near: ProfileTractions | MapTractions
         if isinstance(stiffness, CoupledStiffness):
-            self._products, self._near = CoupledProducts(stiffness, rows, *shape), ProfileTractions(stiffness, *shape)
+            self._products, self._near = (
+                CoupledProducts(stiffness, rows, shape[0], punch.dtype),
+                ProfileTractions(stiffness, *shape),
+            )
         else:
-            self._products, self._near = MapProducts(stiffness, rows, shape), MapTractions(stiffness, shape)
+            self._products, self._near = (
+                MapProducts(stiffness, rows, shape, punch.dtype),
+                MapTractions(stiffness, shape),
+            )
         self.field, self._components = self._products.field, len(shape)
         n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
         self.load = batch.loads.copy()
-        self.wall, self._anchor = aligned_rows(rows, n), aligned_rows(self._components * rows, n)
+        self.wall, self._anchor = (aligned_rows(each, n, punch.dtype) for each in (rows, self._components * rows))
         self.wall[:, :n] = punch.reshape(rows, n)
         self._anchor[:, :n] = by_component(start.tangential + start.dragged, n)
         self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
         self._condensed = stiffness.condensed()
         self._softest = 1.0 / float(self._condensed.ravel()[1:].min())
         self._drifts = bool(stiffness.k11.flat[0] == 0.0)
-        self._rounding = np.finfo(np.float64).eps * np.ptp(self.wall[:, :n], axis=1)
+        self._rounding = np.finfo(punch.dtype).eps * np.ptp(self.wall[:, :n], axis=1)
         self._asked = options.residual
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of descents
         self._guesses = [self._first_guess(i) for i in range(rows)]

@@ -67,11 +67,11 @@ class FrictionalNewton:
         if batch.interface.friction is None:
             raise ValueError("this solver knows contacts with friction alone")
         self._friction = batch.interface.friction
-        self._products = CoupledProducts(stiffness, rows, n)
+        self._products = CoupledProducts(stiffness, rows, n, punch.dtype)
         self.field = self._products.field
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
         self.load = batch.loads
-        self.wall, self._anchor = aligned_rows(rows, n), aligned_rows(rows, n)
+        self.wall, self._anchor = (aligned_rows(rows, n, punch.dtype) for _ in range(2))
         self.wall[:, :n] = punch
         self._anchor[:, :n] = start.tangential + start.dragged
         self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
@@ -79,7 +79,7 @@ class FrictionalNewton:
         self._drifts = stiffness.k11[0] == 0.0
         compliance = stiffness.compliance()
         self._inverses = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
-        self._rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
+        self._rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
         self._asked = options.residual
         self._last = np.full(rows, options.residual)  # error of the linear solution once the guess stands
         self._inner = np.full(rows, _INNER)

@@ -35,8 +35,9 @@ class MapCohesiveNewton(TruncatedNewton):
             raise ValueError("this solver of all displacements of maps knows a cohesive law alone")
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         self._cohesive = cohesive
-        self._sliding = np.broadcast_to(batch.sliding, (2, 1, 1)).reshape(2, 1)
-        self.field = Convolution(3 * rows, *shape)
+        dtype = batch.punch.dtype
+        self._sliding = np.broadcast_to(batch.sliding, (2, *shape)).reshape(2, -1).astype(dtype, copy=False)
+        self.field = Convolution(3 * rows, *shape, dtype=dtype)
         n = self.field.n
         stiffness = MapStiffness(batch.map_stiffness.elements.copy())
         stiffness.elements[5] = self._with_held_mean(batch, stiffness.k33)
@@ -117,7 +118,7 @@ class MapCohesiveNewton(TruncatedNewton):
     def _change(self, i: int) -> float:
         closing, dragged = self._closing[self._normal], self._both(self._closing)
         change = vector_slip.energy_change(self._cohesive, self._gap(i), self._slip(i), closing, dragged)
-        return float(change.sum())
+        return float(change.sum(dtype=np.float64))
 
     def _longest(self, i: int) -> float:
         near, tangential = self._gap(i) < _REACH * self._cohesive.normal, self._cohesive.tangential

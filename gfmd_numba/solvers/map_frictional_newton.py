@@ -42,19 +42,19 @@ class MapFrictionalNewton:
         if batch.interface.friction is None:
             raise ValueError("this solver knows contacts with friction alone")
         self._friction = batch.interface.friction
-        self._products = MapProducts(stiffness, rows, shape)
+        self._products = MapProducts(stiffness, rows, shape, punch.dtype)
         self._near = NearTractions(stiffness, shape)
         self.field = self._products.field
         n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
         self.load = batch.loads
-        self.wall, self._anchor = aligned_rows(rows, n), aligned_rows(2 * rows, n)
+        self.wall, self._anchor = (aligned_rows(each, n, punch.dtype) for each in (rows, 2 * rows))
         self.wall[:, :n] = punch.reshape(rows, n)
         self._anchor[:, :n] = by_component(start.tangential + start.dragged, n)
         self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
         self._free_mean = batch.load is not None
         self._drifts = bool(stiffness.k11[0, 0, 0] == 0.0)
-        self._rounding = np.finfo(np.float64).eps * np.ptp(self.wall[:, :n], axis=1)
+        self._rounding = np.finfo(punch.dtype).eps * np.ptp(self.wall[:, :n], axis=1)
         self._asked = options.residual
         self._last = np.full(rows, options.residual)  # error of the linear solution once the guess stands
         self._inner = np.full(rows, _INNER)

@@ -1,6 +1,7 @@
 """From tractions to displacements of a map and back, all three components at once."""
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
@@ -15,8 +16,10 @@ class MapProducts:
     nothing restores, or that is rigid, has no stiffness and no compliance here.
     """
 
-    def __init__(self, stiffness: MapStiffness, rows: int, shape: tuple[int, ...]) -> None:
-        self.field = Convolution(3 * rows, *shape, sources=2)
+    def __init__(
+        self, stiffness: MapStiffness, rows: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64
+    ) -> None:
+        self.field = Convolution(3 * rows, *shape, sources=2, dtype=dtype)
         both, self._traction = self.field.sources
         self.tangential, self.displacement = both[:-rows], both[-rows:]
         self.tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
@@ -40,7 +43,7 @@ class MapProducts:
         own = [i, rows + i, 2 * rows + i]
         self._traction[own, :n] = traction
         self._multiply(np.array([i]), self._compliance, source=1)
-        return np.asarray(self.field.result[own, :n])
+        return np.asarray(self.field.result[own, :n], dtype=np.float64)
 
     def _multiply(self, active: Indices, elements: list[Reals], source: int) -> None:
         every = np.concatenate([active + k * self._rows for k in range(3)])

@@ -30,7 +30,7 @@ class PressureIterate:
         self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
         softest = stiffness[1] if self.free_mean or rigid_mean else stiffness[0]
-        start = -softest * punch.min(axis=1) if batch.load is None else batch.load
+        start = softest * np.maximum(-punch.min(axis=1), 0.0) if batch.load is None else batch.load
         self.load = batch.loads
         hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
         self.hardness = float(np.asarray(hardness, dtype=punch.dtype))

@@ -65,16 +65,18 @@ SOLVERS = {
     ),
     "truncated_newton": Solver(
         "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap or of gap "
-        "and slip",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "cohesive law", "rigid mean"}),
-        condensed="gfmd_numba.solvers.truncated_newton:TruncatedNewton",
+        "and slip; under a hardness without a law the same as active_set_newton",
+        can=_PRESSURE | {"normal law", "cohesive law"},
+        condensed="gfmd_numba.solvers.yielding_newton:truncated_newton",
         coupled="gfmd_numba.solvers.map_cohesive_newton:cohesive_newton",
         block_samples=2**18,
     ),
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton, or as truncated_newton beside a law",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"}),
+        can=frozenset(
+            {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
+        ),
         condensed="gfmd_numba.solvers.frictional_newton:frictionless_newton",
         coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
         block_samples=2**18,

@@ -20,10 +20,9 @@ _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
-_ROUNDING = 1e-14  # of a change of energy, over the sum of its parts
+_ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double precision
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-
 _NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
 
 
@@ -32,9 +31,9 @@ class TruncatedNewton:
 
     Each Newton step holds the nodes that press against the wall and frees the others, solves the linear problem that is
     left by preconditioned conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20:626, 1983) up to a direction in which
-    the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So
-    the energy never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the
-    bodies, restricted to the free nodes. The first transforms of a step are those of its gradient.
+    the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So the energy
+    never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the bodies,
+    restricted to the free nodes. The first transforms of a step are those of its gradient.
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
     """
@@ -43,7 +42,7 @@ class TruncatedNewton:
 
     def __init__(self, batch: Batch, options: Options) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
-        self.field = Convolution(rows, *shape)
+        self.field = Convolution(rows, *shape, dtype=batch.punch.dtype)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
         stiffness = self._with_held_mean(batch, batch.normal_stiffness)
@@ -53,7 +52,7 @@ class TruncatedNewton:
         self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()
         (self._source,), self._result = self.field.sources, self.field.result
-        self._u = aligned_rows(rows, n)
+        self._u = aligned_rows(rows, n, batch.punch.dtype)
         self._u[:, :n] = let_go(batch, law.traction)
         # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
         self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
@@ -94,7 +93,8 @@ class TruncatedNewton:
     def _with_held_mean(self, batch: Batch, stiffness: Reals) -> Reals:
         """Normal stiffness in which a mean that has to vanish is held; begins the certificate, which says so."""
         self._held_mean = held = HeldMean.of(batch, stiffness)
-        self.certificate = Certificate(len(batch.punch), rigid_mean=None if held is None else held.condition)
+        limits = batch.interface.hardness or np.inf, held.condition if held is not None else None
+        self.certificate = Certificate(len(batch.punch), *limits)
         return stiffness if held is None else held.on(stiffness)
 
     def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
@@ -102,7 +102,7 @@ class TruncatedNewton:
         rows, n, unknowns = len(batch.punch), self.field.n, self._u.shape[1]
         self._normal, self._reach, self._target = normal, reach, options.residual
         self.load = batch.loads.copy()
-        self._load, self._elastic, self._restoring, self._wall = np.zeros((4, rows, unknowns))
+        self._load, self._elastic, self._restoring, self._wall = np.zeros((4, rows, unknowns), self._u.dtype)
         self._load[:, normal] = self.load[:, np.newaxis]
         self._wall[:] = np.inf
         self.displacement, self.restoring = self._u, self._restoring
@@ -112,19 +112,21 @@ class TruncatedNewton:
         else:
             self._punch = batch.punch.reshape(rows, -1).copy()
         if normal.start > 0:  # not the normal displacement alone is followed
-            self.displacement, self.restoring, self.wall = (aligned_rows(rows, n) for _ in range(3))
+            self.displacement, self.restoring, self.wall = (aligned_rows(rows, n, self._u.dtype) for _ in range(3))
             self.wall[:, :n] = self._wall[:, normal]
         np.minimum(self._u, self._wall, out=self._u)
-        self._bound = self._wall.copy() if reach > 0.0 else self._wall
+        self._ceiling = self._wall if self.certificate.hardness == np.inf else self._wall.copy()
+        self._bound = self._ceiling.copy() if reach > 0.0 else self._ceiling
+        self._rounding = _ROUNDING * float(np.finfo(self._u.dtype).eps / np.finfo(np.float64).eps)
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
         self._floats = batch.load is not None and not batch.interface.hard_wall
         self._level = np.zeros((rows, 1))
         if self._floats:
-            self.displacement = aligned_rows(rows, n)
+            self.displacement = aligned_rows(rows, n, self._u.dtype)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts = np.zeros(rows, dtype=np.bool_)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
-            (6, unknowns)
+            (6, unknowns), self._u.dtype
         )
         for row in np.arange(rows).reshape(-1, 1):
             self._source[row[0]] = self._u[row[0]]
@@ -154,10 +156,13 @@ class TruncatedNewton:
 
     def _change(self, i: int) -> float:
         """Change of the law's energy as the gaps of a row close."""
-        return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum())
+        return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum(dtype=np.float64))
 
     def _split(self, i: int) -> None:
         """Prepare the preconditioner for the curvature of a row."""
+
+    def _keep_sides(self, i: int) -> None:
+        """Keep the trial of a row to where the energy is smooth."""
 
     def _longest(self, i: int) -> float:
         """Step along the direction that is tried first."""
@@ -182,7 +187,7 @@ class TruncatedNewton:
         d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
         self._bend(i)
         kernels.descent_start(
-            self._u[i], self._wall[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
+            self._u[i], self._ceiling[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
             weight, r, d, source,
         )  # fmt: skip
         self._split(i)
@@ -237,13 +242,14 @@ class TruncatedNewton:
         i, size = row[0], self._u.shape[1]
         u, trial = self._u[i], self._source[i]
         kernels.descent_trial(u, self._bound[i], self._direction, step, size, trial)
+        self._keep_sides(i)
         self._stiffen(row)
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], size, self._closing
         )
         with np.errstate(over="ignore", invalid="ignore"):  # too long a step, which is then cut short
             law = self._change(i)
-        return work + law - _ROUNDING * scale, min(slope, 0.0)
+        return work + law - self._rounding * scale, min(slope, 0.0)
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
@@ -259,7 +265,7 @@ class TruncatedNewton:
             bound -= _FAR * self._reach
             np.maximum(bound, self._reach, out=bound)
             bound += self._u[i, self._normal]
-            np.minimum(self._wall[i, self._normal], bound, out=self._bound[i, self._normal])
+            np.minimum(self._ceiling[i, self._normal], bound, out=self._bound[i, self._normal])
         pull = self._pull(i)
         np.subtract(self._elastic[i], pull, out=self._restoring[i])
         self._strongest[i] = max(pull.max(), -pull.min())

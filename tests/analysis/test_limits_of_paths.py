@@ -5,9 +5,9 @@ import pytest
 import yaml
 
 import gfmd_numba
-from gfmd_numba.analysis import fit_tfc, plot_fit
+from gfmd_numba.analysis import UnusableDataError, fit_tfc, plot_fit
 from gfmd_numba.analysis.plots.path import plot_path
-from support.command_line import gfmd, refused
+from support.command_line import gfmd
 
 ALPHA = {"eps_c": 2.0, "eps_f": 0.7}
 LOADED = {
@@ -97,11 +97,15 @@ def test_a_run_prints_limits_of_pull_off_and_of_every_step(tmp_path):
     assert gfmd("plot", fitted).exit_code == 0
 
 
-def test_accuracies_of_paths_are_refused_where_they_are_asked_for(tmp_path):
-    file = tmp_path / "loaded.yaml"
-    file.write_text(yaml.safe_dump(LOADED | PATH))
-    assert "given for a path; allowed: a campaign without one" in refused("plan", file, "--target", "kappa=3%")
-    assert "given for a path; allowed: a campaign without one" in refused("run", file, "--until", "kappa=3%")
+def test_one_step_is_fitted_alone_where_it_is_named(loaded):
+    whole, one = fit_tfc(loaded, fixed=ALPHA), fit_tfc(loaded, fixed=ALPHA, step=1)
+    assert one["path_step"].values.tolist() == [1, 1]
+    assert np.array_equal(one["kappa_tfc"].values, whole["kappa_tfc"].values[2:4])
+    for wrong in (loaded, loaded.isel(step=0)):
+        with pytest.raises(UnusableDataError, match=r"step: given 3; allowed: (a step from 0 to 2|nothing)"):
+            fit_tfc(wrong, fixed=ALPHA, step=3)
+    with pytest.raises(UnusableDataError, match=r"step: given 'last'; allowed: a step from 0 to 2"):
+        fit_tfc(loaded, fixed=ALPHA, step="last")
 
 
 def test_a_step_without_contact_has_no_limit_and_says_so(loaded):

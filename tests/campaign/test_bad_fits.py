@@ -11,8 +11,8 @@ EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
 FITS = {
     "unknown variable of the fit": (
         ("numerics: {solver: auto}", "fit: {variable: kapa}"),
-        "bad.yaml:12:17: fit.variable: given 'kapa'; allowed: one of 'kappa', 'kappa_counted', 'kappa_r'; "
-        "did you mean 'kappa'?",
+        "bad.yaml:12:17: fit.variable: given 'kapa'; allowed: one of 'kappa', 'kappa_counted', 'kappa_r', "
+        "'contact_area_fraction', 'hysteresis', 'pull_off_pressure'; did you mean 'kappa'?",
     ),
     "unknown sharing of exponents": (
         ("numerics: {solver: auto}", "fit: {exponents: both}"),
@@ -20,7 +20,7 @@ FITS = {
     ),
     "unknown key of the fit": (
         ("numerics: {solver: auto}", "fit: {fix: {eps_t: 1}}"),
-        "bad.yaml:12:7: fit.fix: given an unknown key; allowed: one of 'variable', 'exponents', 'fixed'",
+        "bad.yaml:12:7: fit.fix: given an unknown key; allowed: one of 'variable', 'step', 'exponents', 'fixed'",
     ),
     "exponent of no limit": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_x: 1}}"),

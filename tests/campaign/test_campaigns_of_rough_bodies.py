@@ -13,7 +13,6 @@ from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice, run
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.campaign.work_precision import studies
 from gfmd_numba.scene import InputError, Scene
 from support.campaigns import numbers
 from support.command_line import gfmd
@@ -203,18 +202,6 @@ def test_what_a_campaign_of_bodies_cannot_be_is_said_with_its_place(changes, sai
         plan(of(TWO) | changes)
 
 
-def test_a_grid_over_a_measured_punch_on_a_rough_body_is_refused(tmp_path):
-    for name in ("a.npy", "b.npy"):
-        np.save(tmp_path / name, HEIGHTS)
-    punch = {"method": "measured", "units": {"z": "L_x"}, "file": "a.npy"}
-    scene = WALL | {"body": ALUMINIUM | {"roughness": RANDOM}, "roughness": punch}
-    (tmp_path / "files.yaml").write_text(
-        yaml.safe_dump(without_reference(of(scene, grid={"file": ["a.npy", "b.npy"]})))
-    )
-    with pytest.raises(InputError, match=r"files.yaml:\d+:\d+: grid.file: given .*; allowed: nothing where a deformab"):
-        plan(tmp_path / "files.yaml")
-
-
 def test_a_realisation_that_reaches_through_its_body_fails_with_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 256)  # one realisation a block
     surface = plan(of(TWO)).problems[0].surface
@@ -238,14 +225,9 @@ def test_steep_bodies_are_doubted_in_plan_and_results(tmp_path):
     assert "above the 0.03" in gfmd("check", tmp_path / "steep.yaml").stderr.replace("\n      ", " ")
 
 
-def test_what_accuracy_costs_is_not_studied_of_rough_bodies():
-    with pytest.raises(InputError, match=r"a rigid punch on a smooth body for `gfmd accuracy` \(not built yet\)"):
-        next(studies(plan(of(TWO))))
-
-
 def test_memory_is_counted_for_one_realisation_at_a_time():
     many, one = (plan(of(TWO, realisations=count)).worker_bytes for count in (50, 1))
-    assert many == one == (128 + 2 * 48) * 8 * 256
+    assert many == one == (128 + 2 * 48 + 36) * 8 * 256
 
 
 def test_a_campaign_of_bodies_is_loaded_without_reading_a_surface():

@@ -6,7 +6,7 @@ import yaml
 
 import gfmd_numba
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.work_precision import studies
+from gfmd_numba.campaign.work_precision import studies, study_of
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd
 from support.realisations import assert_as_solved
@@ -21,6 +21,7 @@ SCENE = {
     "loading": {"reduced_pressure": 0.05},
 }
 RUBBED = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}
+HELD = {"interface": {"cohesive": {"work_of_adhesion": 1e-4, "normal_length": 4e-3, "tangential_length": 4e-3}}}
 REFERENCE = {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2}
 
 
@@ -41,9 +42,10 @@ def wave(tmp_path):
     [
         (SCENE, {}),
         (SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}),
+        (SCENE | HELD, {"path": [{"sliding": 1e-3}]}),
         (SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}),
     ],
-    ids=["punch", "dragged punch", "rough body"],
+    ids=["punch", "dragged punch", "cohesive punch", "rough body"],
 )
 def test_a_realisation_has_the_numbers_of_solve(wave, tmp_path, scene, more):
     found = gfmd_numba.run(of(wave, scene, **more), tmp_path / "out", workers=0)
@@ -105,6 +107,16 @@ def test_what_cannot_be_prescribed_in_every_case_is_refused(wave, boundary, chan
         plan(of(boundary or wave, **changes))
 
 
-def test_what_accuracy_costs_is_not_studied_beside_tractions(wave):
-    with pytest.raises(InputError, match=r"scene.boundary: .*whose grids are finer and coarser .* \(not built yet\)"):
+def test_what_accuracy_costs_is_not_studied_beside_tractions_known_at_nodes_alone(wave):
+    with pytest.raises(InputError, match=r"boundary.normal_traction: .*numbers for `gfmd accuracy`, as a file gives"):
         next(studies(plan(of(wave))))
+
+
+def test_errors_beside_a_uniform_pull_along_a_slab_are_those_without_it():
+    """Without friction it moves the whole surface sideways."""
+    beside, alone = (
+        [point.error for point in study_of(plan(campaign), 2).discretisation("eps_f")]
+        for campaign in (of({"tangential_traction": 0.01}), of({}) | {"scene": SCENE})
+    )
+    assert len(beside) == 5
+    assert beside == pytest.approx(alone, abs=1e-6)

@@ -102,7 +102,7 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
     [
         (("--until=0",), "allowed: a relative error like kappa=2% or 0.02"),
         (("--until=kappa=x",), "allowed: a relative error like kappa=2% or 0.02"),
-        (("--until=area=1%",), "allowed: one of kappa, kappa_counted, kappa_r and a relative error"),
+        (("--until=area=1%",), "allowed: one of kappa, kappa_counted, kappa_r, contact_area_fraction, hysteresis"),
         (("--until=kappa_r=1%",), "allowed: kappa, as the campaign fits that"),
         (("--until=1%", "--budget=soon"), "allowed: a time like 20min, 2h or 90 s"),
         (("--until=1%", "--budget=1e-9"), "where the pilot of 20 realisations of every case takes about"),
@@ -118,7 +118,10 @@ def test_what_makes_no_sense_is_refused(tmp_path, options, told):
 
 def test_a_campaign_without_limits_is_refused(tmp_path):
     said = refused("run", campaign(tmp_path, TINY), "-o", tmp_path / "out", "--until=1%")
-    assert said.startswith("gfmd: until: given a campaign without a limit")
+    assert said.startswith("gfmd: --until: given a campaign without a limit")
+    assert "gfmd: --until: given kappa_r; allowed: kappa, as" in refused(
+        "run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--until=kappa_r=1%"
+    )
 
 
 def test_the_help_says_that_the_realisations_of_the_file_are_not_used():

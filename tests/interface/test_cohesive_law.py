@@ -100,10 +100,11 @@ def test_the_stiffness_of_the_cohesive_law_is_bounded(pressure):
 def test_the_cohesive_kernel_is_the_law(kernel):
     u1, k1, u3, k3, punch = np.random.default_rng(0).normal(size=(5, 3, 16))
     expected1, expected3, rows = k1.copy(), k3.copy(), [0, 2]
-    gap, slip = (punch - u3)[rows, :13], (0.1 - u1)[rows, :13]
+    dragged = np.linspace(-0.1, 0.2, 13)
+    gap, slip = (punch - u3)[rows, :13], dragged - u1[rows, :13]
     expected1[rows, :13] -= COHESION.tangential_traction(gap, slip)
     expected3[rows, :13] -= COHESION.normal_traction(gap, slip)
-    kernel(u1, k1, u3, k3, punch, 0.1, np.array(rows), 13, 0.3, 0.2, 0.4)
+    kernel(u1, k1, u3, k3, punch, dragged, np.array(rows), 13, 0.3, 0.2, 0.4)
     np.testing.assert_allclose(k1, expected1, rtol=1e-12)
     np.testing.assert_allclose(k3, expected3, rtol=1e-12)
 

@@ -74,12 +74,13 @@ def test_the_kernel_of_maps_is_the_law(kernel):
     rows, active, n = 3, np.array([0, 2]), 13
     u1, k1 = rng.normal(size=(2, 2 * rows, 16))
     u3, k3, punch = rng.normal(size=(3, rows, 16))
+    dragged = rng.normal(size=(2, n))
     expected1, expected3 = k1.copy(), k3.copy()
     for i in active:
         gap = (punch - u3)[i, :n]
-        pulls = tractions(gap, 0.1 - u1[i, :n], -0.2 - u1[rows + i, :n])
+        pulls = tractions(gap, dragged[0] - u1[i, :n], dragged[1] - u1[rows + i, :n])
         for whole, row, pull in zip((expected1, expected1, expected3), (i, rows + i, i), pulls, strict=True):
             whole[row, :n] -= pull
-    kernel(u1, k1, u3, k3, punch, 0.1, -0.2, active, n, 0.3, 0.2, 0.4)
+    kernel(u1, k1, u3, k3, punch, dragged, active, n, 0.3, 0.2, 0.4)
     np.testing.assert_allclose(k1, expected1, rtol=1e-12)
     np.testing.assert_allclose(k3, expected3, rtol=1e-12)

@@ -30,7 +30,7 @@ def test_every_command_with_a_file_has_what_it_requires(page, monkeypatch):
         for parameter in command.params:
             if isinstance(parameter.type, click.Path):
                 monkeypatch.setattr(parameter, "type", click.STRING)  # the files of the page are not here
-        command.make_context(name, arguments)
+        command.make_context(name, arguments, **main.context_settings)
 
 
 def test_pages_print_commands_with_files():

@@ -6,7 +6,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness
-from gfmd_numba.campaign.work_precision import Point, dataset
+from gfmd_numba.campaign.study_points import Point, dataset
 from gfmd_numba.storage.atomic_file import write_dataset
 
 BODY = {"youngs_modulus": 70e9, "poissons_ratio": 0.33, "aspect_ratio": 0.3}
@@ -75,7 +75,7 @@ KINDS = {
     "leakage": lambda: gfmd_numba.leakage(gfmd_numba.solve(scene(dimension=2))),
     "conductance": lambda: gfmd_numba.contact_conductance(a_path()),
     "stiffness": lambda: contact_stiffness(a_path()),
-    "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0)]),
+    "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0, "kappa", 0.1, 0.1, 1e-5)]),
 }
 
 

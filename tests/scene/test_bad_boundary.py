@@ -114,14 +114,6 @@ BESIDES = {
         "bad.yaml:12:30: scene.boundary.tangential_displacement: given 0; allowed: only tractions beside a punch, as "
         "the punch prescribes displacements (to make it stick: friction with coefficient .inf); ",
     ),
-    "beside a cohesive law": (
-        (
-            "{hard_wall: {}}",
-            "{hard_wall: {}, cohesive: {work_of_adhesion: 1e-4, normal_length: 0.1, tangential_length: 0.1}}",
-        ),
-        "bad.yaml:11:5: scene.boundary: given {'normal_traction': 'wave.csv'}; allowed: no boundary beside a cohesive "
-        "law, as its slip counts from the unloaded body (not built yet)",
-    ),
 }
 
 

@@ -75,7 +75,7 @@ discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
 
 COUNTER = BODY | {"roughness": ROUGH}
 RUBBING = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
-LAYERED = {"layers": [{"height": 0.1, "youngs_modulus": 2.0, "poissons_ratio": 0.3}], "base": "rigid"}
+COHESIVE = {"cohesive": {"work_of_adhesion": 1e-6, "normal_length": 4e-4, "tangential_length": 4e-4}}
 BAD = {
     "all flat": (
         {},
@@ -101,21 +101,13 @@ BAD = {
         {"counter_body": COUNTER, "interface": RUBBING},
         "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under .* two elastic bodies",
     ),
-    "sticking at a higher order": (
-        {"body": COUNTER, "interface": {"hard_wall": {}, "friction": {"coefficient": np.inf}}},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction with coefficient .inf",
+    "a cohesive law under a rough punch at a higher order": (
+        {"body": COUNTER, "roughness": ROUGH, "interface": {"hard_wall": {}} | COHESIVE},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a cohesive law under a rough .*not built",
     ),
-    "a hardness at a higher order": (
-        {"body": COUNTER, "interface": {"hard_wall": {"hardness": 0.1}}},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a hardness",
-    ),
-    "layers at a higher order": (
-        {"body": LAYERED | {"roughness": ROUGH}},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside layers",
-    ),
-    "prescribed tractions at a higher order": (
-        {"body": COUNTER, "boundary": {"tangential_traction": 0.1}},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a boundary",
+    "a cohesive law between two bodies at a higher order": (
+        {"counter_body": COUNTER, "interface": {"hard_wall": {}} | COHESIVE},
+        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a cohesive law .* two elastic bodies",
     ),
     "sliding of a half-space": (
         {"order": 0, "body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},

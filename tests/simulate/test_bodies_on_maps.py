@@ -10,7 +10,6 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.scene import InputError
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
 BODY = {"youngs_modulus": 1.0, "poissons_ratio": 0.33, "aspect_ratio": 0.5}
@@ -134,12 +133,6 @@ def test_a_film_at_order_0_is_told_to_take_a_higher_one():
     film = BODY | {"aspect_ratio": 0.02, "roughness": ROUGH}
     with pytest.warns(UserWarning, match="take a numerics.topography_order of 1 or 2"):
         solved(body=film)
-
-
-def test_fields_below_a_map_of_higher_order_are_refused():
-    found = solved(body=BODY | {"roughness": ROUGH}, numerics={"topography_order": 1})
-    with pytest.raises(InputError, match=r"numerics.topography_order: given 1; allowed: 0, as .*not built yet"):
-        gfmd_numba.body_fields(found)
 
 
 def smooth(rng):

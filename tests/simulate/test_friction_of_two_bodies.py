@@ -46,6 +46,7 @@ def slid(*ways):
     return [{"sliding": way} for way in ways]
 
 
+@pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
 @pytest.mark.parametrize(("one", "two"), [(SLAB, OTHER), (COATED, SLAB)])
 def test_nothing_changes_but_the_sign_of_the_traction_if_the_bodies_change_places(one, two):
     below = solved(slid(2e-4, 1e-4), body=rough(one), counter_body=two)
@@ -138,6 +139,7 @@ def test_partial_slip_of_a_wave_between_unlike_bodies_has_its_closed_form():
     assert fine < 0.5 * coarse
 
 
+@pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
 @pytest.mark.parametrize("counter", [OTHER, COATED, PULLED_SKIN])
 def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(counter):
     """By the fields inside, which know nothing of the stiffness of both."""

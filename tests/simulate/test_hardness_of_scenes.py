@@ -7,7 +7,8 @@ from click.testing import CliRunner
 
 import gfmd_numba
 from gfmd_numba.campaign.axes import AXES
-from gfmd_numba.campaign.work_precision import _solvers
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.work_precision import study_of
 from gfmd_numba.cli import main
 from gfmd_numba.contact import contact_area
 from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
@@ -207,15 +208,17 @@ def test_a_campaign_s_pressures_are_held_against_its_least_hardness(tmp_path):
     [
         ({"numerics": {"solver": "verlet"}}, "numerics.solver"),
         ({"numerics": {"solver": "fire"}}, "numerics.solver"),
-        ({"path": [{"reduced_pressure": 0.2}]}, "path"),
         ({"friction": {"coefficient": 0.3}}, "scene.interface.friction"),
-        ({"exponential": {"work_of_adhesion": 1e-5, "range": 0.02}}, "scene.interface.exponential"),
+        (
+            {"cohesive": {"work_of_adhesion": 1e-5, "normal_length": 0.02, "tangential_length": 0.02}},
+            "scene.interface.cohesive",
+        ),
     ],
 )
 def test_what_cannot_have_a_hardness_is_refused(others, place):
     asked = {"scene": scene(0.05, 0.1), "discretisation": EPS}
     asked |= {name: others[name] for name in ("numerics", "path") if name in others}
-    asked["scene"]["interface"] |= {name: others[name] for name in ("friction", "exponential") if name in others}
+    asked["scene"]["interface"] |= {name: others[name] for name in ("friction", "cohesive") if name in others}
     with pytest.raises(InputError, match=rf"(^|\n){place}: given .*; allowed: "):
         gfmd_numba.solve(asked)
 
@@ -238,6 +241,28 @@ def test_a_campaign_varies_the_hardness(tmp_path):
         assert kept["plastic_area_fraction"].attrs["long_name"] == "nodes at the hardness over all nodes"
 
 
+IN_PASCALS = """
+scene:
+  length: 1 mm
+  body: {youngs_modulus: 200 GPa, poissons_ratio: 0.3}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.1}
+  interface: {hard_wall: {hardness: 6 GPa}}
+  loading: {pressure: 100 MPa}
+path: [{pressure: 300 MPa}]
+discretisation: {eps_t: 1/2, eps_f: 1/8, eps_c: 1/4}
+"""
+
+
+@pytest.mark.parametrize("roughness", ["rms_gradient: 0.1", "rms_height: 2 um"])
+def test_a_pressure_in_pascals_needs_no_gradient_to_be_held_against_the_hardness(tmp_path, roughness):
+    text = IN_PASCALS.replace("rms_gradient: 0.1", roughness)
+    assert written(tmp_path, text).exit_code == 0
+    for given, place in (("100 MPa", "scene.loading.pressure"), ("300 MPa", "path[0].pressure")):
+        said = written(tmp_path, text.replace(given, "6 GPa"))
+        assert said.exit_code == 2
+        assert f"{place}: given '6 GPa'; allowed: below 6e+09 Pa, at which the mean pressure is the" in said.output
+
+
 def test_the_axis_stands_in_the_scene():
     axis = next(axis for axis in AXES if axis.name == "hardness")
     asked = Scene.model_validate(scene(0.05))
@@ -246,5 +271,7 @@ def test_the_axis_stands_in_the_scene():
 
 
 def test_a_study_of_solvers_runs_those_that_can():
-    names = {point.curve for point in _solvers(problem(hardness=0.1), 1)}
-    assert names == {"active set newton", "conjugate gradients"}
+    whole = scene() | {"interface": {"hard_wall": {"hardness": 0.1}}}
+    campaign = {"name": "hard", "seed": 1, "realisations": 1, "scene": whole, "reference": EPS}
+    names = {point.curve for point in study_of(plan(campaign), 1).solvers()}
+    assert names == {"active set newton", "conjugate gradients", "truncated newton"}

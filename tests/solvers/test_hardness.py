@@ -230,7 +230,7 @@ def test_single_precision_has_the_same_nodes():
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_load_beyond_the_hardness_is_refused(solver):
-    with pytest.raises(ValueError, match="at or above the hardness"):
+    with pytest.raises(ValueError, match=r"at or above the 0\.3 that the hardness bears"):
         press(rough((64,)), 0.3, 0.3, solver)
 
 

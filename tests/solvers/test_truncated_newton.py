@@ -12,6 +12,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from support.kernel_twins import both
 from support.laws import surface
 
@@ -115,6 +116,22 @@ def test_a_fold_is_passed_downhill_and_the_surfaces_part():
     assert found[0].touching.any()
     assert not found[-1].touching.any()
     assert tension[-1] < 1e-3 * max(tension)
+
+
+@pytest.mark.parametrize("ranges", [200.0, 360.0, 1e4])
+def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges):
+    """Beyond some 350 ranges the squares of the tractions underflow; the body springs back all the same."""
+    law = ExponentialLaw(1e-5, 1e-3)
+    heights = self_affine.profiles(0.8, 2, 32, 128, 4, range(1))
+    punch = heights.max() - heights
+    slab = stiffness.slab(grid.wavenumbers(128), 0.3, 1.0)
+    options, laws = Options("truncated_newton", max_iterations=500), Interactions(True, law)
+    before = equilibrate(punch - 0.05, slab, None, options, laws)
+    wall = punch + 1e-3 * ranges
+    apart = equilibrate(wall, slab, None, options, laws, following(before, wall, 0.0))
+    assert apart.status[0] == Status.ok
+    assert abs(apart.displacement).max() < 1e-80
+    assert apart.n_transforms[0] < 500
 
 
 def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics():

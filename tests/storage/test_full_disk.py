@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from gfmd_numba.campaign import work_precision
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.study_points import Point
 from gfmd_numba.cli import main
 from gfmd_numba.storage.atomic_file import replace
 from support.campaigns import campaign
@@ -71,7 +72,7 @@ def contents(folder):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_full_disk_is_one_message_and_harms_no_file(folder, monkeypatch, command):
     monkeypatch.chdir(folder)
-    point = work_precision.Point("surfaces", "one", 4.0, 0.1, 1.0, float("nan"), 0)
+    point = Point("surfaces", "one", 4.0, 0.1, 1.0, float("nan"), 0)
     monkeypatch.setattr(work_precision, "studies", lambda planned, realisations: [point])
     if command not in ("init", "plan"):  # which write new files only
         assert gfmd(COMMANDS[command]).exit_code == 0

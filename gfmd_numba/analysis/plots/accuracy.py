@@ -20,11 +20,21 @@ TITLES = {
     "eps_f": r"Fractal: $1/\varepsilon_f$",
     "eps_t": r"Thermodynamic: $1/\varepsilon_t$",
     "surfaces": "Number of surfaces",
+    "load steps": "Parts of each step of the path",
+    "topography order": "Order in the slope of rough bodies",
     "effects": "Half-space in place of a slab",
 }
-_EQUAL = {"solver residual": 1e-10, "precision": 1e-10}  # errors below are drawn at this edge
+_EQUAL = {"solver residual": 1e-10, "precision": 1e-10, "topography order": 1e-16}  # errors below are drawn there
 _SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
-_WRITTEN = {"eps_c", "eps_f", "eps_t", "surfaces"}  # studies whose settings stand beside the points
+_AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings beside the points, and those of one over eps:
+_WRITTEN = {"eps_c", "eps_f", "eps_t"} | _AS_THEY_ARE
+_SYMBOLS = {"kappa": r"$\kappa$", "contact_area_fraction": "contact area"}
+_OF_PATHS = {"hysteresis": "hysteresis_error", "pull-off pressure": "pull_off_pressure_error"}
+_YLABELS = {
+    "damping of Verlet": "Processor time (s)",
+    "load steps": "Relative error",
+    "topography order": "Displacement by the next order over $L_x$",
+}
 _COLUMNS = 3
 
 
@@ -36,13 +46,14 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
     if not {"study", "curve", "setting", "error", "seconds", "failed"} <= dataset.variables.keys():
         raise UnusableDataError("given no studies of accuracy; allowed: what `gfmd accuracy` leaves")
     good = dataset.isel(point=dataset["failed"].values == 0)
-    shown = [name for name in TITLES if name in good["study"].values]
+    studies = {name: _drawn(good.isel(point=good["study"].values == name), name) for name in TITLES}
+    shown = {name: study for name, study in studies.items() if study.sizes["point"]}
     rows = -(-len(shown) // _COLUMNS)
     with mpl.rc_context(STYLE):
         figure = Figure((13.0, 4.4 * max(rows, 1)), dpi=150, layout="constrained")
-        for position, name in enumerate(shown, start=1):
+        for position, (name, study) in enumerate(shown.items(), start=1):
             axis = figure.add_subplot(rows, min(_COLUMNS, len(shown)), position)
-            _draw(axis, name, good.isel(point=good["study"].values == name))
+            _draw(axis, name, study)
     return figure
 
 
@@ -57,12 +68,30 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     axis.set(xscale="log", yscale="log", title=TITLES[name])
     axis.title.set_fontsize(11)
     axis.set_xlabel(_SETTINGS.get(name, "Processor time (s)"))
-    axis.set_ylabel("Processor time (s)" if name == "damping of Verlet" else r"Relative error of $\kappa$")
+    axis.set_ylabel(_YLABELS.get(name, f"Relative error of {_symbol(study)}"))
     axis.margins(x=0.12, y=0.12)
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
     axis.grid(color="0.9", lw=0.6)
     axis.legend(fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+
+
+def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:
+    """Points of a study whose error is known; a curve for each measure where a path's steps are divided."""
+    if name == "load steps":
+        errors = {_symbol(study): "error"} | {label: each for label, each in _OF_PATHS.items() if each in study}
+        points = study.sizes["point"]
+        parts = [study.assign(curve=("point", [label] * points), error=study[each]) for label, each in errors.items()]
+        study = xr.concat(parts, "point")
+    if name == "topography order" and "next_order" in study:
+        study = study.assign(error=study["next_order"])
+    return study.isel(point=np.isfinite(study["error"].values))
+
+
+def _symbol(study: xr.Dataset) -> str:
+    """What the errors of a study are about."""
+    known = study["variable"].values.tolist() if "variable" in study else []
+    return _SYMBOLS[known[0] if known else "kappa"]
 
 
 def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
@@ -76,5 +105,5 @@ def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
 
 def _write_settings(axis: Axes, x: Reals, y: Reals, settings: Reals, name: str) -> None:
     for at, height, setting in zip(x, y, settings, strict=True):
-        label = f"{setting:g}" if name == "surfaces" else f"{1 / setting:g}"
+        label = f"{setting:g}" if name in _AS_THEY_ARE else f"{1 / setting:g}"
         axis.annotate(label, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=8)

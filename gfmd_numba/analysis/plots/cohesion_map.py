@@ -1,4 +1,4 @@
-"""Pictures of a cohesive law on a map: the tangential tractions, and how far they have dragged the body along."""
+"""Pictures of tangential tractions on a map without slip, of a cohesive law or of inclined surfaces."""
 
 import numpy as np
 import xarray as xr

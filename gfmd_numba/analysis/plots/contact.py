@@ -63,6 +63,9 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
         above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
         above.plot(x, high, color="0.35", lw=1.0)
+        if "plastic_depth" in dataset and dataset["plastic_depth"].any():
+            before = factor * (punch - dataset["plastic_depth"]).values
+            above.plot(x, before, color="0.35", lw=0.8, ls=":", label="punch before it yielded")
         above.plot(x, low, color=COLOURS[0], lw=1.2)
         above.set(ylabel=f"Close-up ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
         whole.axhspan(bottom, top, color=COLOURS[5], alpha=0.25, lw=0, zorder=0, label="range of the close-up")

@@ -17,6 +17,7 @@ from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Flags
 
 _CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
+_FLATTENED = "#D55E00"
 _LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it surrounds
 _DECADES = 1e-3  # of the gaps that they tell apart
 
@@ -24,8 +25,8 @@ _DECADES = 1e-3  # of the gaps that they tell apart
 def plot_map(dataset: xr.Dataset) -> Figure:
     """Draw the contact of a map in its units, tangential tractions if it has any, and statistics where they are known.
 
-    Outlines surround the contact where its clusters are large enough for it. Gaps have logarithmic colours and
-    touching nodes one of their own, so that a small gap is told from none.
+    Outlines surround the contact, and on the heights what has been flattened, where clusters are large enough for it.
+    Gaps have logarithmic colours and touching nodes one of their own, so that a small gap is told from none.
     """
     try:
         statistics = contact_statistics(dataset)
@@ -41,7 +42,10 @@ def plot_map(dataset: xr.Dataset) -> Figure:
         punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
         of = "both surfaces together" if "body_height" in dataset else "the punch"
         values, label = scaled(punch, f"Height of {of}", "L_x")
-        draw_image(heights, dataset, values, label, cmap="cividis")
+        flat = dataset["plastic_depth"].values > 0.0 if "plastic_depth" in dataset else np.zeros_like(touching)
+        told = ", flattened within lines" if _is_in_patches(flat) else ""
+        draw_image(heights, dataset, values, label + told, cmap="cividis")
+        _outline(heights, dataset, flat, _FLATTENED)
         draw_pressure(pressure, dataset)
         _outline(pressure, dataset, touching)
         _draw_gap(gap, dataset, touching)
@@ -53,12 +57,17 @@ def plot_map(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _outline(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
-    """Surround the contact where its clusters are large enough for it."""
-    sides = sum(np.count_nonzero(touching != np.roll(touching, 1, axis=i)) for i in (0, 1))
-    if sides and 4.0 * touching.sum() / sides >= _LEAST_PATCH:
+def _is_in_patches(flags: Flags) -> bool:
+    """Whether clusters of flags are large enough for an outline."""
+    sides = sum(np.count_nonzero(flags != np.roll(flags, 1, axis=i)) for i in (0, 1))
+    return bool(sides and 4.0 * flags.sum() / sides >= _LEAST_PATCH)
+
+
+def _outline(axis: Axes, dataset: xr.Dataset, flags: Flags, colour: str = "0.1") -> None:
+    """Surround clusters of flags where they are large enough for it."""
+    if _is_in_patches(flags):
         (x, _), (y, _) = (scaled(dataset[dim], "", "") for dim in ("x", "y"))
-        axis.contour(x + 0.5 * x[1], y + 0.5 * y[1], touching, [0.5], colors="0.1", linewidths=0.5)
+        axis.contour(x + 0.5 * x[1], y + 0.5 * y[1], flags, [0.5], colors=colour, linewidths=0.6)
 
 
 def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:

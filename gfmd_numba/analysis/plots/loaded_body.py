@@ -1,4 +1,4 @@
-"""Picture of a body that is loaded without a punch: displacements above, tractions below."""
+"""Picture of a body that is loaded without a punch: displacements above, tractions below; a rough profile on top."""
 
 from typing import Any
 
@@ -24,8 +24,15 @@ def plot_loaded_body(dataset: xr.Dataset) -> Figure:
 def _plot_profile(dataset: xr.Dataset) -> Figure:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 5.4), dpi=150, layout="constrained")
-        panels = figure.subplots(2, 1, sharex=True)
+        rough = "body_height" in dataset
+        figure = Figure((9.0, 7.0 if rough else 5.4), dpi=150, layout="constrained")
+        topography, *panels = (
+            figure.subplots(3, 1, sharex=True) if rough else (None, *figure.subplots(2, 1, sharex=True))
+        )
+        if topography is not None:
+            heights, unit = prefix(dataset["body_height"], "L_x")
+            topography.plot(x, heights * dataset["body_height"].values, color="0.35", lw=0.8)
+            topography.set(ylabel=f"Topography ({unit})")
         for axis, (quantity, natural) in zip(panels, _QUANTITIES.items(), strict=True):
             both = [dataset[f"{component}_{quantity}"] for component, _, _ in _COMPONENTS]
             factor, unit = prefix(max(both, key=lambda each: float(abs(each).max())), natural)

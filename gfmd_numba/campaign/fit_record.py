@@ -1,0 +1,54 @@
+"""What a campaign file says of its fit: the variable, along a path the step, and what is known of the exponents."""
+
+from collections.abc import Iterable
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+from gfmd_numba.campaign.goal import Variable
+from gfmd_numba.campaign.limits import FixedExponents
+from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
+from gfmd_numba.scene import Document, Scene
+from gfmd_numba.scene.quantities import RECORD, broken_rule
+
+
+class Fit(BaseModel):
+    """How the results are fitted to their limit."""
+
+    model_config = RECORD
+    variable: Variable = Field("kappa", description="What is fitted, the last two of a loading path")
+    step: int | None = Field(
+        None, ge=0, description="Step of the path whose contact is fitted, 0 is the first loading; None: every step"
+    )
+    exponents: Literal["shared", "free"] = Field("shared", description="One set for all groups, or one for each")
+    fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
+
+    @property
+    def is_of_path(self) -> bool:
+        """Whether a path has the variable as a whole, not at each step."""
+        row = PATH_OBSERVABLES.get(self.variable)
+        return row is not None and row.of == "path"
+
+    def check(self, n_steps: int) -> None:
+        """Raise a located error if what is fitted is not there along a path of so many steps after the first one."""
+        if self.is_of_path and n_steps == 0:
+            raise broken_rule(("fit", "variable"), "what a single contact has, as this campaign has no path")
+        if self.step is None:
+            return
+        if n_steps == 0:
+            raise broken_rule(("fit", "step"), "nothing without a path")
+        if self.is_of_path:
+            raise broken_rule(("fit", "step"), f"nothing beside {self.variable}, which the path has as a whole")
+        if self.step > n_steps:
+            raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
+
+
+def check_recorded(document: Document, fit: Fit, scenes: Iterable[tuple[Scene, int]]) -> None:
+    """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for."""
+    if not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
+        needed = {
+            "hysteresis": "energy is lost by friction or attraction, and not known beside a boundary or at a "
+            "topography_order above 0",
+            "pull_off_pressure": "a punch is pulled off against attraction by a prescribed displacement",
+        }[fit.variable]
+        raise document.error(("fit", "variable"), fit.variable, f"what this path has; {needed}")

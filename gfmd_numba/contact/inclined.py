@@ -1,0 +1,157 @@
+"""Frictionless contact on inclined surfaces: where they meet, and along which normal they press.
+
+Without friction the traction is along the normal of the touching surface, so that it pulls each node along the plane by
+the pressure times the slope of what it touches. A node that has moved along the plane meets another place of it. Both
+are of first order in the slope, and known exactly once the last round has told how the surfaces have moved. What a node
+of `body` meets is a rigid punch, or the deformed surface of the counter body; pressures belong to the nodes of `body`,
+and the counter body bears them at the places that they meet. Lengths in L_x, stresses in E*.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.map_topography import MapResponse
+from gfmd_numba.elasticity.topography import Response
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.displaced_nodes import DisplacedNodes
+
+_RESOLVED = 3 / 8  # wave index over nodes, up to which splines between the nodes are right
+
+
+class _Body(Protocol):
+    @property
+    def heights(self) -> Reals: ...
+    @property
+    def share(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Displacement of a surface, along the plane `[component, (y,) x]` and out of the body `[(y,) x]`.
+
+    `level` is the latter without all that slopes add: that of the flat body under the pressure on the nodes of `body`.
+    """
+
+    along: Reals
+    out: Reals
+    level: Reals
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Where the nodes of `body` meet the surface above them.
+
+    `way` `[component, (y,) x]` is how far each has moved along the plane against it, `slope` its slope there, and
+    `raised` `[(y,) x]` how much closer the surfaces are than level ones would be under the same pressure.
+    """
+
+    way: Reals
+    slope: Reals
+    raised: Reals
+
+    @classmethod
+    def before_contact(cls, shape: tuple[int, ...]) -> "Meeting":
+        """Meeting of nodes that have not moved, and do not press."""
+        none = np.zeros((len(shape), *shape))
+        return cls(none, none, np.zeros(shape))
+
+    def tractions(self, along: Reals | None, pressure: Reals, side: int) -> tuple[Reals, Reals]:
+        """Traction along the plane, of the shape of `way`, and pressure on the lower body (side 1) or the upper one.
+
+        `along` and `pressure` are along the surface and its normal, on the nodes of `body`.
+        """
+        rub = np.zeros_like(self.way) if along is None else np.reshape(along, self.way.shape)
+        sideways, normal = rub + pressure * self.slope, pressure - np.sum(rub * self.slope, axis=0)
+        if side > 0:
+            return sideways, normal
+        places = DisplacedNodes(self.way)
+        return -np.stack([places.handed_back(each) for each in sideways]), places.handed_back(normal)
+
+    def difference(self, other: "Meeting") -> float:
+        """Largest change of a place from one meeting to another."""
+        return max(float(abs(self.way - other.way).max()), float(abs(self.raised - other.raised).max()))
+
+
+def moved(
+    body: ElasticBody,
+    level: tuple[Reals | None, Reals],
+    inclined: tuple[Reals | None, Reals],
+    response: Response | MapResponse,
+) -> Moved:
+    """How a surface has moved under its tractions along the plane and pressures, were surfaces level, and as they are.
+
+    `response` is what the topography of the body adds to the latter.
+    """
+    pressure = inclined[1]
+    flat = body.stiffness_of_all(pressure.shape)
+    along, level_along = (
+        np.zeros(_components(pressure.shape)) if each is None else each for each in (inclined[0], level[0])
+    )
+    sideways, out = flat.deflection(along, -pressure)
+    more = response.u1 if isinstance(response, Response) else response.along
+    sideways = sideways if more is None else sideways + more
+    components = np.reshape(sideways, (-1, *pressure.shape))
+    return Moved(components, out + response.u3, flat.deflection(level_along, -level[1])[1])
+
+
+def _components(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Shape of what has components along the plane."""
+    return shape if len(shape) == 1 else (2, *shape)
+
+
+def meet(bodies: Sequence[_Body], punch: Reals | None, moved: Sequence[Moved], last: Meeting) -> Meeting:
+    """Meeting of surfaces that have `moved`; the way to the places of the counter body is that of the `last` one.
+
+    `punch` are the heights `[(y,) x]` of a rigid one, peaks towards the body, None for a level one.
+    """
+    own = moved[0]
+    raised = own.out - own.level
+    if len(bodies) == 1:
+        facing = np.zeros_like(own.out) if punch is None else punch
+        places = DisplacedNodes(own.along)
+        slope = np.stack([places.values(each) for each in -_gradient(facing)])
+        return Meeting(own.along, slope, raised + places.values(facing) - facing)
+    other, heights = moved[1], bodies[1].heights
+    places = DisplacedNodes(last.way)
+    raised += places.values(heights) - heights + _resolved(places.values(other.out) - other.level)
+    way = own.along - np.stack([places.values(each) for each in other.along])
+    below = _seen_in_space(_gradient(bodies[0].heights + own.out), own.along)
+    above = -_seen_in_space(_gradient(heights + other.out), other.along)
+    above = np.stack([places.values(each) for each in above])
+    return Meeting(way, bodies[1].share * below + bodies[0].share * above, raised)
+
+
+def change(level: Sequence[Moved], inclined: Sequence[Moved], met: Meeting) -> float:
+    """Most that a meeting changes of displacements, which were those between level surfaces before (L_x)."""
+    both = zip(level, inclined, strict=True)
+    own = (max(abs(a.along - b.along).max(), abs(a.out - b.out).max()) for a, b in both)
+    return float(max(*own, abs(met.raised).max()))
+
+
+def _resolved(field: Reals) -> Reals:
+    """Field without the waves that nodes between those of the grid do not know, near Nyquist: these stay at order 0."""
+    waves = grid.coefficients(field, field.ndim)
+    for index, n in zip(grid.wave_indices(field.shape), field.shape, strict=True):
+        waves = np.where(abs(index) <= _RESOLVED * n, waves, 0.0)
+    return grid.signal(waves, *field.shape)
+
+
+def _gradient(field: Reals) -> Reals:
+    """Gradient `[component, (y,) x]` of a field, along x first, without the Nyquist waves."""
+    shape = field.shape
+    waves = grid.without_nyquist(grid.coefficients(field, len(shape)), shape)
+    vectors = grid.wavevectors(shape, (1.0,) * len(shape))[::-1]
+    return np.stack([grid.signal(1j * q * waves, *shape) for q in vectors])
+
+
+def _seen_in_space(gradient: Reals, along: Reals) -> Reals:
+    """Gradient over the places that nodes have moved to, of one over their labels."""
+    stretch = np.stack([_gradient(each) for each in along])  # [component, of the derivative, (y,) x]
+    matrix = np.moveaxis(stretch, (1, 0), (-2, -1)) + np.eye(len(along))
+    found = np.asarray(np.linalg.solve(matrix, np.moveaxis(gradient, 0, -1)[..., np.newaxis]), dtype=np.float64)
+    return np.stack([found[..., i, 0] for i in range(len(along))])

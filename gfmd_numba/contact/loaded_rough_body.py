@@ -1,0 +1,69 @@
+"""A rough body that is loaded and displaced without a punch: the flat body, and what its topography adds."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.loaded_body import BoundaryValueProblem
+from gfmd_numba.elasticity import map_topography, topography
+from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
+from gfmd_numba.solvers.status import Status
+
+_MOST_ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Displacements and tractions of the surface, and what the next order would add to any displacement (L_x).
+
+    Tractions count per area of the mean plane. The error of a flat body is 0.
+    """
+
+    deformed: Deformed
+    expected_error: float = 0.0
+
+
+def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
+    """Displacements and tractions of the surface.
+
+    A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
+    are prescribed, that repeats until it stands still to the residual of the problem, or the run is not converged.
+    """
+    stiffness, given = problem.body.stiffness_of_all(problem.traction.shape[1:]), problem.displacement
+    if problem.heights is None:
+        return Loaded(deform(stiffness, problem.traction, given, problem.options))
+    held, added = ~np.isnan(given), np.zeros_like(given)
+    spent: list[tuple[int, int, float]] = []
+    for _ in range(_MOST_ROUNDS):
+        flat = deform(stiffness, problem.traction, given - added, problem.options)
+        spent.append((flat.n_iterations, flat.n_transforms, flat.wall_time))
+        new, _ = _response(problem, problem.heights, flat.traction, problem.order)
+        total = np.where(held, given, flat.displacement + new)
+        enough = problem.options.residual * float(abs(total).max())
+        is_still = not held.any() or float(abs(new - added)[held].max()) <= enough
+        if is_still or flat.status != Status.ok:
+            break
+        added = new
+    status = flat.status if is_still else max(flat.status, Status.not_converged)
+    iterations, transforms, seconds = (sum(of_rounds) for of_rounds in zip(*spent, strict=True))
+    deformed = replace(
+        flat,
+        displacement=total,
+        status=status,
+        n_iterations=int(iterations),
+        n_transforms=int(transforms),
+        wall_time=float(seconds),
+    )
+    _, next_order = _response(problem, problem.heights, flat.traction, problem.order + 1)
+    return Loaded(deformed, next_order)
+
+
+def _response(problem: BoundaryValueProblem, heights: Reals, traction: Reals, order: int) -> tuple[Reals, float]:
+    """What the topography adds to the displacement `[component, (y,) x]`, and the part of the highest order."""
+    if heights.ndim == 1:
+        of_profile = topography.respond(-traction[1], heights, problem.body, order, traction[0])
+        return np.stack([of_profile.u1, of_profile.u3]), of_profile.highest_order
+    of_map = map_topography.respond(-traction[2], heights, problem.body, order, traction[:2])
+    assert of_map.along is not None  # as tractions along the surface are given
+    return np.concatenate([of_map.along, of_map.u3[np.newaxis]]), of_map.highest_order

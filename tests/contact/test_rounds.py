@@ -1,0 +1,67 @@
+"""Rounds that approach a fixed point slowly are extrapolated; fast ones, and those that move apart, are left alone."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.contact.rounds import Rounds
+
+RNG = np.random.default_rng(3)
+SIZE = 12
+WAYS = np.linalg.qr(RNG.normal(size=(SIZE, SIZE)))[0]
+WANTED = RNG.normal(size=SIZE)
+
+
+def rounds_taken(factors, most=30):
+    """Number of rounds until a linear map with these factors along its ways stands still to 1e-8."""
+    rounds, x = Rounds(), np.zeros(SIZE)
+    for count in range(1, most + 1):
+        found = WANTED + WAYS @ (factors * (WAYS.T @ (x - WANTED)))
+        if abs(found - x).max() < 1e-8:
+            np.testing.assert_allclose(x, WANTED, atol=1e-6)
+            return count
+        x = np.concatenate(rounds.following((x[:5], x[5:]), (found[:5], found[5:])))
+    return None
+
+
+def test_slow_rounds_end_soon_after_they_are_extrapolated():
+    slow = np.concatenate(([0.8, -0.7, 0.5], np.full(SIZE - 3, 1e-3)))
+    assert 8 < rounds_taken(slow) <= 16
+
+
+def test_fast_rounds_are_taken_as_they_are():
+    rounds, given = Rounds(), (np.zeros((2, 3)), np.ones(4))
+    for _ in range(8):
+        found = 0.1 * given[0] + 1.0, 0.2 * given[1]
+        assert rounds.following(given, found) is found
+        given = found
+
+
+@pytest.mark.parametrize("factor", [1.02, -1.1, 0.95])
+def test_rounds_that_hardly_come_nearer_are_left_alone(factor):
+    assert rounds_taken(np.concatenate(([factor], np.full(SIZE - 1, 0.1)))) is None
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_stiff_coating_that_valleys_thin_to_a_half_is_solved_at_the_first_order():
+    """Plain rounds come nearer by a factor of 0.72 each, and 30 of them are not enough."""
+    layers = [{"height": 5e-3, "youngs_modulus": 70.0, "poissons_ratio": 0.3}]
+    scene = {
+        "body": {
+            "layers": layers,
+            "base": {"youngs_modulus": 3.0, "poissons_ratio": 0.4},
+            "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+        },
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.03},
+    }
+    file = {
+        "scene": scene,
+        "seed": 3,
+        "realisation": 2,
+        "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2},
+    }
+    first, second = (gfmd_numba.solve(file | {"numerics": {"topography_order": order}}) for order in (1, 2))
+    assert first["status"] == second["status"] == 0
+    off = float(abs(first["displacement"] - second["displacement"]).max())
+    assert off < 5.0 * float(first["expected_error"])

@@ -84,8 +84,9 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
     again and again before their workers come.
     """
     import dask
-    from dask_jobqueue.slurm import SLURMCluster
     from distributed import Client
+
+    from gfmd_numba.campaign.slurm_jobs import JobsCluster
 
     folder = directory / FOLDER
     folder.mkdir(exist_ok=True)
@@ -93,7 +94,7 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
     with (
         dask.config.set(_ON_CLUSTER),
         _security(folder) as security,
-        SLURMCluster(
+        JobsCluster(
             n_workers=0,
             security=security,
             scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0"},

@@ -19,7 +19,7 @@ from support.campaigns import campaign, numbers
 from support.command_line import gfmd
 from support.fake_slurm import fake_slurm, jobs_of, kill_job
 
-pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
+slurm_jobs = pytest.importorskip("dask_jobqueue.slurm", reason="the extra `cluster` is not installed")
 
 PYTHON = f"env INSIDE=1 {sys.executable}"  # of several words, as that of a container is
 CLUSTER = {"cores": 1, "memory": 2e9, "walltime": 3600.0, "jobs": {"max": 1}}
@@ -67,6 +67,20 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
     assert len(keys) == 3
     assert not readable, "others may read a key"
     assert not list(out.glob("jobs/tls-*")), "a key outlived its run"
+
+
+def test_a_run_ends_whatever_still_holds_its_jobs(tmp_path, slurm, monkeypatch):
+    """A cluster that closes asks each job that is not yet forgotten whether it has ended."""
+    held, start = [], slurm_jobs.SLURMJob.start
+
+    async def remembered(job):
+        held.append(job)
+        await start(job)
+
+    monkeypatch.setattr(slurm_jobs.SLURMJob, "start", remembered)
+    _, failures = run_campaign(campaign(tmp_path), tmp_path / "out", workers_of(CLUSTER))
+    assert failures == {}
+    assert held
 
 
 def test_a_run_whose_jobs_wait_says_so_and_why(tmp_path, slurm, monkeypatch):

@@ -2,6 +2,7 @@
 
 import re
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import gfmd_numba
 from gfmd_numba.campaign import block_work, execution, shards
 from gfmd_numba.cli import main
 from gfmd_numba.cli.tables import duration
+from gfmd_numba.contact import path_measures
 from support.campaigns import campaign
 
 FIT = "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {"
@@ -83,13 +85,23 @@ def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path
     assert f"takes about {duration(100 * seconds)} of processor time for the contacts" in said
 
 
-def test_what_a_round_was_to_take_is_what_it_took(tmp_path):
-    """Told before it in units of the pilot's own seconds; on a machine that others use, within a factor of two."""
+def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch):
+    """On a machine that takes a nanosecond an operation: real seconds of so short a pilot tell what else ran."""
+    now = [0.0]
+
+    def measured(problem, realisations):
+        found = path_measures.measured(problem, realisations)
+        n = problem.surface.nodes
+        now[0] += 1e-9 * found["n_transforms"].sum() * (n * np.log2(n) + 2**15)
+        return found
+
+    monkeypatch.setattr(block_work, "measured", measured)
+    monkeypatch.setattr(block_work, "time", SimpleNamespace(thread_time=lambda: now[0]))
     said = gfmd("run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--workers=0", "--until=kappa=1%")
     told = [float(number) for number in re.findall(r"; about ([\d.]+) s of processor time", said)]
     took = np.diff(gfmd_numba.open_campaign(tmp_path / "out")["round_cpu_seconds"].values)
     assert len(told) == len(took) > 0
-    np.testing.assert_allclose(np.log(sum(told)), np.log(took.sum()), atol=np.log(2.0))
+    np.testing.assert_allclose(told, took, rtol=0.1)  # a round's surfaces take other numbers of transforms
 
 
 def test_surfaces_that_were_not_asked_for_are_not_paid_for(tmp_path):

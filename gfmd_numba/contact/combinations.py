@@ -13,23 +13,17 @@ from gfmd_numba.interface.table import LAWS
 
 @dataclass(frozen=True)
 class Refusal:
-    """Two features that do not go together, what is allowed in place of the second, and why."""
+    """Two features that do not go together, what is allowed in place of the second, and why.
+
+    Because of the `solver` that a file names, where others can do both.
+    """
 
     beside: str
     refused: str
     allowed: str
-    because: Literal["physics", "not built yet", "without effect"]
-
-    @property
-    def sentence(self) -> str:
-        """What is allowed, and whether the pair might be built one day."""
-        return f"{self.allowed} (not built yet)" if self.because == "not built yet" else self.allowed
+    because: Literal["physics", "solver", "without effect"]
 
 
-_AT_ORDER_0 = {
-    "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
-    "cohesion on inclined surfaces": "a cohesive law under a rough punch or between two elastic bodies",
-}
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
@@ -46,8 +40,6 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
             other = second if whole == first else first
             allowed = f"one law of normal and tangential tractions, not {other} beside {whole}, which does both itself"
             yield Refusal(whole, other, allowed, "physics")
-        elif LAWS[first].ability == LAWS[second].ability:
-            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "not built yet")
 
 
 REFUSALS = (
@@ -124,14 +116,5 @@ REFUSALS = (
         "0, or nothing, beside a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
         "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
         "physics",
-    ),
-    *(
-        Refusal(
-            feature,
-            "higher topography_order",
-            f"0, or nothing, beside {named}",
-            "not built yet",
-        )
-        for feature, named in _AT_ORDER_0.items()
     ),
 )

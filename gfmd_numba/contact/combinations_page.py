@@ -24,11 +24,6 @@ _REASONS = {
 No version of `gfmd` will accept these pairs. Each entry names two things that do not go together, and what is
 allowed in place of the first.
 """,
-    "not built yet": """\
-## Pairs that are not built yet
-
-These pairs make sense, but nobody has built them. The error message ends in "(not built yet)".
-""",
     "without effect": """\
 ## Options without effect
 
@@ -47,7 +42,6 @@ PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",
     "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
-    "cohesion on inclined surfaces": "a cohesive law under a rough punch or between two elastic bodies",
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "contact without drag": "no friction and no cohesive law",
     "contact without reach": "no exponential and no cohesive law",
@@ -55,7 +49,6 @@ PHRASES = {
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",
     "force": "a load `force`",
-    "friction on inclined surfaces": "friction under a rough punch or between two elastic bodies",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
     "layers on a half-space": "`layers` on a half-space",

@@ -1,14 +1,15 @@
-"""Frictionless contact on inclined surfaces: where they meet, and along which normal they press.
+"""Contact on inclined surfaces: where they meet, and along which normal they press.
 
-Without friction the traction is along the normal of the touching surface, so that it pulls each node along the plane by
-the pressure times the slope of what it touches. A node that has moved along the plane meets another place of it. Both
-are of first order in the slope, and known exactly once the last round has told how the surfaces have moved. What a node
-of `body` meets is a rigid punch, or the deformed surface of the counter body; pressures belong to the nodes of `body`,
-and the counter body bears them at the places that they meet. Lengths in L_x, stresses in E*.
+The pressure acts along the normal of the touching surface, so that it pulls each node along the plane by the pressure
+times the slope of what it touches. Friction acts along the surface, and so out of the plane by its slope. A node that
+has moved along the plane meets another place of it. All are of first order in the slope, and known once the last round
+has told how the surfaces have moved. What a node of `body` meets is a rigid punch, or the deformed surface of the
+counter body; tractions belong to the nodes of `body`, and the counter body bears them at the places that they meet.
+Lengths in L_x, stresses in E*.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -34,11 +35,13 @@ class _Body(Protocol):
 class Moved:
     """Displacement of a surface, along the plane `[component, (y,) x]` and out of the body `[(y,) x]`.
 
-    `level` is the latter without all that slopes add: that of the flat body under the pressure on the nodes of `body`.
+    `level_along` and `level` are the same without all that slopes add: those of the flat body under the tractions on
+    the nodes of `body`.
     """
 
     along: Reals
     out: Reals
+    level_along: Reals
     level: Reals
 
 
@@ -46,19 +49,23 @@ class Moved:
 class Meeting:
     """Where the nodes of `body` meet the surface above them.
 
-    `way` `[component, (y,) x]` is how far each has moved along the plane against it, `slope` its slope there, and
-    `raised` `[(y,) x]` how much closer the surfaces are than level ones would be under the same pressure.
+    `way` `[component, (y,) x]` is how far each has moved along the plane against it, `slope` its slope there. Beyond
+    what level surfaces would do under the same tractions, both are closer by `raised` `[(y,) x]`, and the nodes have
+    moved along the plane against what they meet by `shifted`, of the shape of `way`. `across` `[component, component,
+    (y,) x]` is what a law that holds both across a gap takes account of besides, None without one.
     """
 
     way: Reals
     slope: Reals
     raised: Reals
+    shifted: Reals
+    across: Reals | None = None
 
     @classmethod
     def before_contact(cls, shape: tuple[int, ...]) -> "Meeting":
         """Meeting of nodes that have not moved, and do not press."""
         none = np.zeros((len(shape), *shape))
-        return cls(none, none, np.zeros(shape))
+        return cls(none, none, np.zeros(shape), none)
 
     def tractions(self, along: Reals | None, pressure: Reals, side: int) -> tuple[Reals, Reals]:
         """Traction along the plane, of the shape of `way`, and pressure on the lower body (side 1) or the upper one.
@@ -67,10 +74,23 @@ class Meeting:
         """
         rub = np.zeros_like(self.way) if along is None else np.reshape(along, self.way.shape)
         sideways, normal = rub + pressure * self.slope, pressure - np.sum(rub * self.slope, axis=0)
+        if self.across is not None:
+            sideways = sideways - np.einsum("i...,ij...->j...", rub, self.across)
         if side > 0:
             return sideways, normal
         places = DisplacedNodes(self.way)
         return -np.stack([places.handed_back(each) for each in sideways]), places.handed_back(normal)
+
+    def held_across(self, gap: Reals) -> "Meeting":
+        """The same under a law of gap and slip that counts both along the surface, at gaps `[(y,) x]` along z.
+
+        Surfaces that part along z also slip along an inclined surface, by the gap times the slope: `shifted` says so.
+        A node that moves along the plane then slips by less where slope and gap change on its way (`across`), so that
+        forces are the derivatives of one energy.
+        """
+        bend = np.stack([_gradient(each) for each in self.slope])
+        across = bend * gap + self.slope[:, np.newaxis] * self.slope
+        return replace(self, shifted=self.shifted - self.slope * gap, across=across)
 
     def difference(self, other: "Meeting") -> float:
         """Largest change of a place from one meeting to another."""
@@ -95,8 +115,11 @@ def moved(
     sideways, out = flat.deflection(along, -pressure)
     more = response.u1 if isinstance(response, Response) else response.along
     sideways = sideways if more is None else sideways + more
-    components = np.reshape(sideways, (-1, *pressure.shape))
-    return Moved(components, out + response.u3, flat.deflection(level_along, -level[1])[1])
+    level_sideways, level_out = flat.deflection(level_along, -level[1])
+    together = (-1, *pressure.shape)
+    return Moved(
+        sideways.reshape(together), out + response.u3, np.reshape(level_sideways, together), np.asarray(level_out)
+    )
 
 
 def _components(shape: tuple[int, ...]) -> tuple[int, ...]:
@@ -104,26 +127,34 @@ def _components(shape: tuple[int, ...]) -> tuple[int, ...]:
     return shape if len(shape) == 1 else (2, *shape)
 
 
-def meet(bodies: Sequence[_Body], punch: Reals | None, moved: Sequence[Moved], last: Meeting) -> Meeting:
+def meet(
+    bodies: Sequence[_Body], punch: Reals | None, sliding: Reals, moved: Sequence[Moved], last: Meeting
+) -> Meeting:
     """Meeting of surfaces that have `moved`; the way to the places of the counter body is that of the `last` one.
 
-    `punch` are the heights `[(y,) x]` of a rigid one, peaks towards the body, None for a level one.
+    `punch` are the heights `[(y,) x]` of a rigid one, peaks towards the body, None for a level one; `sliding`
+    `[component]` is how far it, or the base of the counter body, has moved along the plane.
     """
     own = moved[0]
-    raised = own.out - own.level
+    slid = np.reshape(sliding, (-1, *(1 for _ in own.out.shape)))
+    raised, shifted = own.out - own.level, own.along - own.level_along
     if len(bodies) == 1:
         facing = np.zeros_like(own.out) if punch is None else punch
-        places = DisplacedNodes(own.along)
+        way = own.along - slid
+        places = DisplacedNodes(way)
         slope = np.stack([places.values(each) for each in -_gradient(facing)])
-        return Meeting(own.along, slope, raised + places.values(facing) - facing)
+        return Meeting(way, slope, raised + places.values(facing) - facing, shifted)
     other, heights = moved[1], bodies[1].heights
     places = DisplacedNodes(last.way)
     raised += places.values(heights) - heights + _resolved(places.values(other.out) - other.level)
-    way = own.along - np.stack([places.values(each) for each in other.along])
+    met = np.stack([places.values(each) for each in other.along])
+    more = met - other.level_along
+    shifted -= np.stack([_resolved(each) for each in more])
     below = _seen_in_space(_gradient(bodies[0].heights + own.out), own.along)
     above = -_seen_in_space(_gradient(heights + other.out), other.along)
     above = np.stack([places.values(each) for each in above])
-    return Meeting(way, bodies[1].share * below + bodies[0].share * above, raised)
+    slope = bodies[1].share * below + bodies[0].share * above
+    return Meeting(own.along - met - slid, slope, raised, shifted)
 
 
 def change(level: Sequence[Moved], inclined: Sequence[Moved], met: Meeting) -> float:

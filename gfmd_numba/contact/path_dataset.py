@@ -42,7 +42,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
         steps.append(step_dataset(given, problem, each))
         is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(problem, contact, is_ok)
+            record.add(problem, each, is_ok)
         if contact.followed is not None:
             _add_followed(steps[-1], given, problem, contact, contact.followed)
         if not is_ok:
@@ -66,7 +66,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
     scene, surfaces = given.file.scene, given.surfaces
-    contact = solved if isinstance(solved, Contact) else solved.contact
+    contact = solved if isinstance(solved, Contact) else solved.in_plane
     step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
     if isinstance(solved, Pressed) and surfaces.bodies is not None:
         rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)

@@ -34,8 +34,9 @@ class PathRecord:
     _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
     _balance: Balance | None = None
 
-    def add(self, problem: Problem, contact: Contact, is_ok: bool) -> None:
+    def add(self, problem: Problem, solved: Contact | Pressed, is_ok: bool) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
+        on_surface, contact = (solved, solved) if isinstance(solved, Contact) else (solved.contact, solved.in_plane)
         pressure = float(mean_pressure(contact)[0])
         self._loads.append(problem.load)
         self._pressures.append(pressure)
@@ -52,7 +53,7 @@ class PathRecord:
             lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
-        self.steps["stick_fraction"].append(stick_fraction(problem, contact))
+        self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
         self.steps["energy_lost"].append(lost)
 
     def of_path(self) -> dict[str, float]:
@@ -115,7 +116,7 @@ def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
     if isinstance(solved, Contact):
         return measure(solved)
     assert isinstance(problem.surface, SummedSurface)  # of rough bodies
-    values = measure(solved.contact)
+    values = measure(solved.in_plane)
     error = solved.expected_error / problem.surface.rms_gradient
     return values | {"expected_error": np.where(values["status"] == Status.ok, error, nan)}
 
@@ -128,7 +129,7 @@ def _along(problem: Problem, realisation: int) -> Measures:
     for one, solved in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
         found.append(_measure(one, solved))
         is_ok = bool(found[-1]["status"][0] == Status.ok)
-        record.add(one, solved if isinstance(solved, Contact) else solved.contact, is_ok)
+        record.add(one, solved, is_ok)
         if not is_ok:
             break
     rows = recorded_of(problem)

@@ -62,7 +62,7 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
     for location, refusal in refused:
         first.setdefault(location, refusal)
     if first:
-        raise InputError(*(document.line(at, brief(document.value(at)), row.sentence) for at, row in first.items()))
+        raise InputError(*(document.line(at, brief(document.value(at)), row.allowed) for at, row in first.items()))
 
 
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
@@ -79,8 +79,7 @@ def _features(
     if isinstance(scene, LoadedBody):
         parts.append(_of_loaded_body(scene))
     else:
-        parts += [_of_contact(scene, path, grid or {}), _of_rough_friction(scene)]
-        parts.append(_on_inclined_surfaces(scene, grid or {}))
+        parts += [_of_contact(scene, path, grid or {}), _on_inclined_surfaces(scene, grid or {})]
     for feature, location in chain(*parts):
         found.setdefault(feature, []).append(location)
     return found
@@ -148,18 +147,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
 
 
-def _of_rough_friction(scene: Scene) -> Iterator[tuple[str, Location]]:
-    """Friction of rough deformable bodies, where it is known at order 0 in their slope alone."""
-    if scene.interface.friction is None or not scene.follows_topography:
-        return
-    if scene.touches_inclined:
-        yield "friction on inclined surfaces", ("scene", "interface", "friction")
-
-
 def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """What acts between inclined deformable surfaces and is known at order 0 in their slope alone, besides friction."""
-    if scene.touches_inclined and scene.interface.cohesive is not None:
-        yield "cohesion on inclined surfaces", ("scene", "interface", "cohesive")
+    """What acts between inclined deformable surfaces and is known at order 0 in their slope alone."""
     if scene.touches_inclined and _has_hardness(scene, grid):
         yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
 
@@ -258,11 +247,11 @@ def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Loca
             "rigid mean": f"a number below 0.5 with solver {solver}, as the mean displacement is rigid at 0.5",
             "sticking": f"a finite number with solver {solver}",
         }[lacks[0]]
-        yield found[lacks[0]][0], Refusal(solver, lacks[0], allowed, "not built yet")
+        yield found[lacks[0]][0], Refusal(solver, lacks[0], allowed, "solver")
     elif lacks and others:
         named = ", ".join(f"'{other}'" for other in others)
         allowed = f"{named} or 'auto'{ABILITIES[lacks[0]]}"
-        yield ("numerics", "solver"), Refusal(lacks[0], solver, allowed, "not built yet")
+        yield ("numerics", "solver"), Refusal(lacks[0], solver, allowed, "solver")
     for option in ("time_step", "damping"):
         if getattr(numerics, option) is not None and option not in SOLVERS[solver].options:
             having = ", ".join(name for name, each in SOLVERS.items() if option in each.options)

@@ -10,7 +10,7 @@ from gfmd_numba.contact.observables import OBSERVABLES, Observable
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.solvers.table import SOLVERS
 
-NUMBERS = 14  # raised whenever a change of the code changes a number: older shards are then not reused
+NUMBERS = 15  # raised whenever a change of the code changes a number: older shards are then not reused
 
 
 @lru_cache(maxsize=1)

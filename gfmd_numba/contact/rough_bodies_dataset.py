@@ -1,6 +1,7 @@
 """What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -11,6 +12,7 @@ from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_body_observables import OF_PUNCH, OF_SUM, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.rough_surfaces import BODIES
+from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness, tractions_on
 from gfmd_numba.elasticity import fields, map_topography, topography
 from gfmd_numba.elasticity.map_topography import MapResponse
@@ -54,10 +56,18 @@ def add_bodies(
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
-        if pressed.meeting is not None and along is not None:
-            for variable, long_name, values in _of_inclined(along, pressure, prefix):
-                attributes = cf_attributes(long_name.format(whose), unit["pressure"])
-                found[prefix + variable] = found["height"].dims, values * stress, attributes
+        if pressed.meeting is None:
+            continue
+        without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
+        along, pressure = tractions_on(body, without, pressed.contact, rms_gradient, pressed.meeting)
+        assert along is not None  # between inclined surfaces
+        for variable, long_name, values in _of_inclined(along, pressure, prefix):
+            attributes = cf_attributes(long_name.format(whose), unit["pressure"])
+            found[prefix + variable] = found["height"].dims, values * stress, attributes
+    if pressed.meeting is not None and problem.interface.couples:
+        scale = rms_gradient * contact_modulus(scene)
+        for variable, long_name, values in _on_surface(pressed.contact):
+            found[variable] = found["height"].dims, values * scale, cf_attributes(long_name, unit["pressure"])
     attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_ERROR].long_name, unit["height"])
     found[_ERROR] = ((), pressed.expected_error * length, attributes)
     refuse_nonfinite(found)
@@ -91,12 +101,26 @@ def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[s
     """Tractions on the places of a body; the pressure on the lower one is that of the contact."""
     if prefix:
         yield "pressure", "contact pressure on the {}", pressure
-    of = "tangential traction on the {}, as pressure acts along the normal of inclined surfaces"
+    yield from _by_axis("tangential_traction", "traction on the {} along the plane, from inclined surfaces", along)
+
+
+def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
+    """What a contact of inclined surfaces bears on their own axes, which friction compares."""
+    found = contact.equilibrium
+    assert found.tangential is not None  # beside what rubs
+    yield "surface_pressure", "contact pressure along the normal of the touching surface", found.pressure[0]
+    yield from _by_axis(
+        "surface_traction", "traction on the body along the touching surface", found.tangential.traction[0]
+    )
+
+
+def _by_axis(name: str, long_name: str, along: Reals) -> Iterator[tuple[str, str, Reals]]:
+    """A tangential field, on maps `[component, y, x]` one along x and one along y."""
     if along.ndim == 1:
-        yield "tangential_traction", of, along
+        yield name, long_name, along
         return
     for values, suffix, axis in zip(along, ("", "_y"), ("x", "y"), strict=True):
-        yield f"tangential_traction{suffix}", f"{of}, along {axis}", values
+        yield f"{name}{suffix}", f"{long_name}, along {axis}", values
 
 
 def _of_map(

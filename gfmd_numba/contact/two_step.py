@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import inclined, solution
+from gfmd_numba.contact.evaluation import gap
 from gfmd_numba.contact.inclined import Meeting, Moved
 from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import DeformableBody, Problem, given_surface
@@ -71,6 +72,21 @@ class Pressed:
     expected_error: float
     meeting: Meeting | None = None
 
+    @property
+    def in_plane(self) -> Contact:
+        """The contact with its tractions along the plane and its pressure out of it, as the load counts them.
+
+        Those of `contact` itself are along the touching surface and its normal. Without tangential tractions the two
+        pressures are the same.
+        """
+        found = self.contact.equilibrium
+        if self.meeting is None or found.tangential is None:
+            return self.contact
+        along, pressure = self.meeting.tractions(found.tangential.traction[0], found.pressure[0], 1)
+        sideways = replace(found.tangential, traction=along.reshape(found.tangential.traction.shape))
+        turned = replace(found, pressure=pressure[np.newaxis], tangential=sideways)
+        return replace(self.contact, equilibrium=turned)
+
 
 def solve(
     problem: Problem,
@@ -89,7 +105,7 @@ def solve(
     residual of the problem; where it does not, the run is not converged. With friction or a cohesive law each round
     begins where the last step ended, and the topography carries the nodes along the surface, too. Nodes may then be
     held elsewhere in each round, as they stick in one and not in the next: where rounds come no closer, nodes stay
-    where the last one has held them.
+    where the last one has held them. What rubs along inclined surfaces bears a part of the load (`lifted`).
     """
     start, dented = (None, 0.0) if before is None else (before.contact.equilibrium, before.contact.plastic_depth)
     rubs_along = problem.interface.couples and order > 0
@@ -100,20 +116,27 @@ def solve(
         raised[0] = _raised(responses, problem, gradient)
         uncontacted = _shifted(responses, gradient) if rubs_along else uncontacted
     shifted = uncontacted
-    if before is not None and rubs_along:
+    if before is not None and before.meeting is not None:
+        raised[0] = before.meeting.raised / gradient
+        shifted = before.meeting.shifted.reshape(uncontacted.shape) / gradient
+    elif before is not None and rubs_along:
         raised[0], shifted = _raised(before.responses, problem, gradient), _shifted(before.responses, gradient)
     since = uncontacted if problem.interface.cohesive is not None else shifted  # from where slip counts
     again, nearest, patience = None, np.inf, _PATIENCE
     is_inclined = punch is not None or len(bodies) > 1
-    meeting = Meeting.before_contact(problem.surface.shape) if is_inclined and order > 0 else None
+    level = Meeting.before_contact(problem.surface.shape)
+    meeting = None
+    if is_inclined and order > 0:
+        meeting = replace(level, shifted=gradient * uncontacted.reshape(level.shifted.shape))
+        meeting = meeting if before is None else before.meeting
     spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
-    if before is not None and before.meeting is not None:
-        meeting = before.meeting
-        raised[0] = meeting.raised / gradient
+    slid = gradient * np.asarray(sliding or (0.0,) * len(level.way))
+    lifted = 0.0
     rounds, most = Rounds(), _MOST_ROUNDS if meeting is None else _MOST_ROUNDS_INCLINED
     for round_ in range(most):
         way = (shifted - since)[np.newaxis] if rubs_along else None
-        solved = solution.solve(problem, range(1), start, sliding, raised, way, dented, again)
+        pressed = problem if problem.mean_pressure is None else problem.under(problem.mean_pressure + lifted)
+        solved = solution.solve(pressed, range(1), start, sliding, raised, way, dented, again)
         found = solved.equilibrium
         if not rubs_along:
             start = found
@@ -124,10 +147,18 @@ def solve(
         moved = max(float(abs(new - raised[0]).max()), float(abs(along - shifted).max()))
         if meeting is not None:
             surfaces = _moved(problem, solved, bodies, gradient, responses, meeting)
-            met = inclined.meet(bodies, punch, surfaces, meeting)
+            met = inclined.meet(bodies, punch, slid, surfaces, meeting)
+            if problem.interface.cohesive is not None:
+                met = met.held_across(gradient * gap(solved)[0])
             new, moved = met.raised / gradient, met.difference(meeting) / gradient
-        enough = problem.numerics.residual * float(abs(solved.equilibrium.displacement).max())
-        if solved.equilibrium.status[0] != Status.ok or moved <= enough:
+        largest = float(abs(found.displacement).max())
+        if meeting is not None and rubs_along:
+            along, lifts = met.shifted.reshape(shifted.shape) / gradient, _lifted(solved, met)
+            moved = max(moved, float(abs(along - shifted).max()))
+            if problem.mean_pressure is not None:
+                moved = max(moved, abs(lifts - lifted) / float(abs(found.pressure).mean()) * largest)
+            lifted = lifts
+        if found.status[0] != Status.ok or moved <= problem.numerics.residual * largest:
             break
         patience -= moved > _CLOSER * nearest
         nearest = min(moved, nearest)
@@ -148,9 +179,8 @@ def solve(
     following = _responses(problem, solved, bodies, gradient, order + 1, meeting)
     error = float(sum(response.highest_order for response in following))
     if is_inclined and order == 0:
-        level = Meeting.before_contact(problem.surface.shape)
         flat = _moved(problem, solved, bodies, gradient, responses, level)
-        met = inclined.meet(bodies, punch, flat, level)
+        met = inclined.meet(bodies, punch, slid, flat, level)
         error += inclined.change(flat, _moved(problem, solved, bodies, gradient, responses, met), met)
     return Pressed(solved, responses, error, meeting)
 
@@ -162,10 +192,18 @@ def _raised(responses: Responses, problem: Problem, gradient: float) -> Reals:
 
 def _shifted(responses: Responses, gradient: float) -> Reals:
     """How far the topography carries the nodes of its surface along it `[x]`, on maps `[component, y, x]`, in g L_x."""
-    (response,) = responses  # of one body: between two, friction is known at order 0 alone
+    response = responses[0]  # of the lower body: what meets it does not move on its own, or `meet` tells
     along = response.u1 if isinstance(response, Response) else response.along
     assert along is not None  # beside friction
     return along / gradient
+
+
+def _lifted(solved: Contact, met: Meeting) -> float:
+    """Mean of what tangential tractions along inclined surfaces bear of the load (g E*)."""
+    found = solved.equilibrium
+    assert found.tangential is not None  # beside what rubs
+    _, pressure = met.tractions(found.tangential.traction[0], found.pressure[0], 1)
+    return float(found.pressure[0].mean() - pressure.mean())
 
 
 def _moved(

@@ -8,7 +8,6 @@ from gfmd_numba.campaign.axes import present
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice, run
-from gfmd_numba.scene import InputError
 from support.campaigns import numbers
 from support.realisations import assert_as_solved
 
@@ -27,6 +26,11 @@ TWO = {"body": SLAB | {"roughness": ROUGH}, "counter_body": OTHER | {"roughness"
 DRAG = [{"sliding": 2e-8}, {"sliding": 1e-8}]
 SCENES = {
     "friction between two bodies": (TWO | {"interface": FRICTION}, PROFILE, {"path": DRAG}),
+    "friction between two bodies at order 2": (
+        TWO | {"interface": FRICTION},
+        PROFILE,
+        {"path": DRAG, "numerics": {"topography_order": 2}},
+    ),
     "friction on a body at order 2": (
         {"body": TWO["body"], "interface": FRICTION},
         PROFILE,
@@ -49,6 +53,16 @@ SCENES = {
         {"path": [{"sliding": 4e-8, "sliding_y": 2e-8}]},
     ),
     "cohesive rough bodies": (TWO | {"interface": {"hard_wall": {}, "cohesive": COHESIVE}}, PROFILE, {}),
+    "a cohesive law under a rough punch at order 1": (
+        {
+            "dimension": 2,
+            "body": SLAB | {"roughness": ROUGH},
+            "roughness": ROUGH,
+            "interface": {"hard_wall": {}, "cohesive": COHESIVE},
+        },
+        MAP,
+        {"path": [{"sliding": 4e-8, "sliding_y": 2e-8}], "numerics": {"topography_order": 1}},
+    ),
     "hardness of a rough body": (
         {"body": SLAB | {"roughness": ROUGH}, "interface": {"hard_wall": {"hardness": "3 MPa"}}},
         PROFILE,
@@ -118,20 +132,6 @@ def test_identity_follows_what_acts_on_rough_bodies():
     exchanged = LOADED | bodies | {"interface": FRICTION}
     dragged = "friction between two bodies"
     assert identity(dragged, scene=exchanged) != identity(dragged)
-
-
-@pytest.mark.parametrize(
-    ("name", "beside"),
-    [
-        ("friction between two bodies", "friction under a rough punch or between two elastic bodies"),
-        ("friction between maps", "friction under a rough punch or between two elastic bodies"),
-        ("cohesive rough bodies", "a cohesive law under a rough punch or between two elastic bodies"),
-    ],
-)
-def test_higher_orders_are_refused_by_name_beside_what_is_known_at_order_0_alone(name, beside):
-    said = rf"numerics.topography_order: given 1; allowed: 0, or nothing, beside {beside}.* \(not built yet\)"
-    with pytest.raises(InputError, match=said):
-        plan(of(name, numerics={"topography_order": 1}))
 
 
 @pytest.mark.parametrize("layered", ["body", "counter_body"])

@@ -75,7 +75,6 @@ discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
 
 COUNTER = BODY | {"roughness": ROUGH}
 RUBBING = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
-COHESIVE = {"cohesive": {"work_of_adhesion": 1e-6, "normal_length": 4e-4, "tangential_length": 4e-4}}
 BAD = {
     "all flat": (
         {},
@@ -92,22 +91,6 @@ BAD = {
     "bodies in different states": (
         {"counter_body": COUNTER | {"state": "plane_stress"}},
         "scene.counter_body.state: given 'plane_stress'; allowed: 'plane_strain', as that of the body",
-    ),
-    "friction under a rough punch at a higher order": (
-        {"body": COUNTER, "roughness": ROUGH, "interface": RUBBING},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under a rough .*not built yet",
-    ),
-    "friction between two bodies at a higher order": (
-        {"counter_body": COUNTER, "interface": RUBBING},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside friction under .* two elastic bodies",
-    ),
-    "a cohesive law under a rough punch at a higher order": (
-        {"body": COUNTER, "roughness": ROUGH, "interface": {"hard_wall": {}} | COHESIVE},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a cohesive law under a rough .*not built",
-    ),
-    "a cohesive law between two bodies at a higher order": (
-        {"counter_body": COUNTER, "interface": {"hard_wall": {}} | COHESIVE},
-        "numerics.topography_order: given 2; allowed: 0, or nothing, beside a cohesive law .* two elastic bodies",
     ),
     "sliding of a half-space": (
         {"order": 0, "body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},

@@ -178,6 +178,8 @@ def solve(
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
     following = _responses(problem, solved, bodies, gradient, order + 1, meeting)
     error = float(sum(response.highest_order for response in following))
+    if meeting is not None and problem.interface.friction is not None:
+        error += _off_bound(solved, bodies, gradient, meeting)
     if is_inclined and order == 0:
         flat = _moved(problem, solved, bodies, gradient, responses, level)
         met = inclined.meet(bodies, punch, slid, flat, level)
@@ -204,6 +206,27 @@ def _lifted(solved: Contact, met: Meeting) -> float:
     assert found.tangential is not None  # beside what rubs
     _, pressure = met.tractions(found.tangential.traction[0], found.pressure[0], 1)
     return float(found.pressure[0].mean() - pressure.mean())
+
+
+def _off_bound(solved: Contact, bodies: tuple[RoughBody, ...], gradient: float, met: Meeting) -> float:
+    """Most that nodes of a map which slip across the slope move by what they bear more than the plane shows (L_x).
+
+    Coulomb's law compares forces on the surface. Those along the plane are bounded by the same ratio if they are along
+    the slope, by a ratio larger by half the square of the slope if they are across it, which no order knows.
+    """
+    found = solved.equilibrium
+    assert found.tangential is not None  # beside friction
+    traction = found.tangential.traction[0]
+    if traction.ndim == 1:  # a profile knows no direction across
+        return 0.0
+    slipped = np.any(found.tangential.slip[0] != 0.0, axis=0)
+    along, steepness = np.sum(traction * met.slope, axis=0), np.sum(met.slope**2, axis=0)
+    size = np.sum(traction**2, axis=0)
+    ratio = np.sqrt((1.0 + steepness) / (1.0 + np.divide(along**2, size, out=np.zeros_like(size), where=size > 0.0)))
+    more = gradient * traction * np.where(slipped, ratio - 1.0, 0.0)
+    none = np.zeros(more.shape[1:])
+    each = (b.elastic.coupled_stiffness_of_map(none.shape).deflection(b.share * more, none) for b in bodies)
+    return float(sum(max(float(abs(part).max()) for part in moved) for moved in each))
 
 
 def _moved(

@@ -238,3 +238,27 @@ def test_fields_inside_bear_each_traction_once(interface, tmp_path):
     inside = gfmd_numba.body_fields(found, [0.0]).isel(z=0)
     for component, name in ((1, "tangential_displacement"), (3, "displacement")):
         np.testing.assert_allclose(inside[f"displacement_{component}"], found[name], atol=1e-12)
+
+
+def test_what_slips_across_the_slope_is_expected_to_be_off_by_half_its_square():
+    """Coulomb compares forces on the surface; a slab of shear modulus 0.35 E* moves along y by the rest."""
+    nx, size = 64, 0.02
+    x = np.arange(nx) / nx
+
+    def ridge(profile):
+        return heights(np.tile(profile, (nx, 1)))
+
+    own, facing = -size * np.cos(2 * np.pi * x), 0.5 * size * np.cos(4 * np.pi * (x - 0.13))
+    body = {"poissons_ratio": 0.3, "aspect_ratio": 0.5} | ridge(own)
+    dragged = {"dimension": 2, "loading": {"displacement": 0.4 * size}, "path": [{"sliding_y": 0.5 * size}]}
+    found = solved(3, body=body, **ridge(facing), **dragged).isel(step=1, y=3)
+    assert float(found["stick_fraction"]) == 0.0
+    places = x + found["tangential_displacement"].values
+    square = (2 * np.pi * size * np.sin(4 * np.pi * (places - 0.13))) ** 2
+    pressure = found["surface_pressure"].values
+    rubbing = np.hypot(found["surface_traction"], found["surface_traction_y"])  # nearly all of it along y
+    np.testing.assert_allclose(rubbing, 0.3 * pressure, atol=1e-6 * pressure.max())
+    q = 2 * np.pi * np.arange(nx // 2 + 1)
+    stiffness = 0.35 * np.append(2.0, q[1:] / np.tanh(0.5 * q[1:]))
+    off = np.fft.irfft(np.fft.rfft(0.3 * pressure * (np.sqrt(1.0 + square) - 1.0)) / stiffness, nx)
+    assert float(found["expected_error"]) == pytest.approx(abs(off).max(), rel=0.05)

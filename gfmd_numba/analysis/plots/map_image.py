@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
+from matplotlib.ticker import AutoLocator, MaxNLocator
 
 from gfmd_numba.analysis.plots.style import scaled
 from gfmd_numba.arrays import Reals
 
+_TICKS = 5
 _SHARE = 0.98  # of the values above 0 that colours tell apart
 
 
@@ -22,7 +24,10 @@ def draw_image(
     extent = (0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
     image = axis.imshow(values, origin="lower", extent=extent, interpolation="none", **look)
     axis.set(xlabel=x_label, ylabel=y_label)
-    return axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
+    bar = axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
+    if isinstance(bar.locator, AutoLocator):
+        bar.locator = MaxNLocator(_TICKS)  # so few that long numbers have room
+    return bar
 
 
 def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:

@@ -7,6 +7,7 @@ nodes with the punch by an active set. Lengths in L_x, stresses in E*.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import root
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
@@ -177,18 +178,44 @@ class Body:
                 return u[:n], u[n:], tractions[:n], tractions[n:]
         raise RuntimeError("Newton's method did not settle")
 
-    def press_inclined(self, punch, slope, touching, most=40):
-        """Equilibrium under a frictionless rigid punch z = `punch(x)` of `slope(x)`, met where each node has moved to.
+    def press_inclined(self, punch, slope, touching, sliding=0.0, friction=0.0, most=40):
+        """Equilibrium under a rigid punch z = `punch(x)` of `slope(x)`, met where each node has moved to.
 
-        Its pressure acts along its normal at that place.
+        The punch has moved by `sliding` along x. Its pressure acts along its normal at that place, and all nodes slip:
+        `friction` times the pressure acts along its surface.
         """
         z, moved = self.owned_position[1][self.top], np.zeros(len(self.top))
         for _ in range(most):
-            solution = self.press(punch(self.x + moved) - z, touching, friction=slope(self.x + moved))
+            at = self.x + moved - sliding
+            pull = (slope(at) + friction) / (1.0 - slope(at) * friction)  # of what presses along z
+            solution = self.press(punch(at) - z, touching, friction=pull)
             last, moved, touching = moved, solution.displacement[self.along_x], solution.touching
             if abs(moved - last).max() <= 1e-12:
                 return solution
         raise RuntimeError("the places where nodes meet the punch did not settle")
+
+    def under_inclined_law(self, punch, slope, sliding, law, start):
+        """Tangential and normal displacement of the top nodes under a `law` of gap and slip along an inclined punch.
+
+        Its energy per length of x is that of the gap along z to the punch z = `punch(x)`, and of the slip, to which a
+        gap adds its slope; forces are differences of the energy. `start` is a first guess.
+        """
+        moves, z, step = self.compliance() * np.tile(self._lengths(), 2), self.owned_position[1][self.top], 1e-7
+
+        def energy(u1, u3):
+            at = self.x + u1 - sliding
+            gap = punch(at) - z - u3
+            return law.energy(gap, sliding - u1 + slope(at) * gap)
+
+        def unsettled(u):
+            u1, u3 = np.split(u, 2)
+            sides = energy(u1 + step, u3) - energy(u1 - step, u3), energy(u1, u3 + step) - energy(u1, u3 - step)
+            return u + moves @ np.concatenate(sides) / (2.0 * step)
+
+        found = root(unsettled, np.concatenate(start), options={"xtol": 1e-10})
+        if not found.success:
+            raise RuntimeError(found.message)
+        return np.split(found.x, 2)
 
     def compliance(self):
         """Displacements `[2 top nodes]`, along x and then along z, under unit forces on the same."""

@@ -27,7 +27,7 @@ from gfmd_numba.solvers.status import Status
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 _MOST_ROUNDS = 30
-_MOST_ROUNDS_INCLINED = 60
+_MOST_ROUNDS_INCLINED = 100
 _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; rounds that may come no closer
 
 Responses = tuple[Response, ...] | tuple[MapResponse, ...]

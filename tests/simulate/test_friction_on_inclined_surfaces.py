@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from finite_elements import Body, graded
 from finite_elements_of_two import on_quadratic_elements
-from scipy.optimize import root
 
 import gfmd_numba
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -67,15 +66,8 @@ def test_a_punch_that_slides_on_a_rough_body_is_that_of_finite_elements():
     sliding, friction = 0.6 * SIZE, 0.3
     found = [under_punch(order, path=[{"sliding": sliding}]).isel(step=1) for order in range(3)]
     body, top = mesh(), (CREST + wave(X)).max() - DOWN["displacement"]
-    moved, touching = np.zeros(len(body.top)), found[2]["pressure"].values[::OVER] > 0.0
-    z = body.owned_position[1][body.top]
-    for _ in range(40):
-        at = body.x + moved - sliding
-        slope = -slope_of_wave(at)
-        pull = (slope + friction) / (1.0 - slope * friction)  # of what presses along z
-        solution = body.press(top - wave(at) - z, touching, friction=pull)
-        last, moved, touching = moved, solution.displacement[body.along_x], solution.touching
-    assert abs(moved - last).max() < 1e-12
+    touching = found[2]["pressure"].values[::OVER] > 0.0
+    solution = body.press_inclined(lambda x: top - wave(x), lambda x: -slope_of_wave(x), touching, sliding, friction)
     expected = body.along_top(solution)
     off = [errors(each, expected) for each in found]
     assert off[0] > 3e-4
@@ -130,25 +122,11 @@ def test_a_cohesive_law_along_inclined_surfaces_is_that_of_finite_elements():
     loading = {"loading": {"displacement": depth}, "path": [{"sliding": sliding}], "interface": COHESION}
     body_of_1 = SLAB | {"youngs_modulus": 1.0 - 0.2**2}
     found = [solved(order, body=body_of_1 | heights(CREST), **heights(wave(X)), **loading) for order in range(3)]
-    body, law, n = mesh(), XuNeedlemanLaw(*LAW.values()), 2 * COLUMNS
-    moves = body.compliance() * np.tile(np.where(np.arange(n) % 2, 2.0, 1.0) / 1.5 / n, 2)
-    z, top = body.owned_position[1][body.top], (CREST + wave(X)).max() - depth
-
-    def energy(u1, u3):
-        at = body.x + u1 - sliding
-        gap = top - wave(at) - z - u3
-        return law.energy(gap, sliding - u1 - slope_of_wave(at) * gap)
-
-    def tractions(u):
-        (u1, u3), h = np.split(u, 2), 1e-7
-        sides = energy(u1 + h, u3) - energy(u1 - h, u3), energy(u1, u3 + h) - energy(u1, u3 - h)
-        return -np.concatenate(sides) / (2 * h)
-
-    guess = np.concatenate([found[2].isel(step=1)[name].values[::OVER] for name in NAMES])
-    settled = root(lambda u: moves @ tractions(u) - u, guess, options={"xtol": 1e-10})
-    assert settled.success
-    u = settled.x
-    off = [errors(each.isel(step=1), np.split(u, 2)) for each in found]
+    top, guess = (CREST + wave(X)).max() - depth, [found[2].isel(step=1)[name].values[::OVER] for name in NAMES]
+    expected = mesh().under_inclined_law(
+        lambda x: top - wave(x), lambda x: -slope_of_wave(x), sliding, XuNeedlemanLaw(*LAW.values()), guess
+    )
+    off = [errors(each.isel(step=1), expected) for each in found]
     assert off[0] > 2e-5
     assert off[1] < 0.05 * off[0]
     assert off[2] < 2e-6  # the mesh's own error

@@ -14,6 +14,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 from gfmd_numba.solvers.iteration import Start, Stiffness
 
+_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+
 
 @dataclass(frozen=True)
 class Followed:
@@ -91,6 +93,8 @@ def solve(
     if problem.displacement is not None:
         punch -= problem.displacement
     punch += dented - raised
+    if problem.rough is not None:  # what rounding leaves of heights that just touch is no contact
+        punch[abs(punch) <= _ROUNDING * np.ptp(heights)] = 0.0
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         coupled = problem.body.stiffness_of_all(problem.surface.shape)

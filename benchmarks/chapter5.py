@@ -8,7 +8,7 @@ from finite_elements import Body, graded
 from gfmd_numba.contact import problem
 from gfmd_numba.contact import two_step as rough_bodies
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.two_step import RoughBody
+from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import Fields

@@ -6,8 +6,8 @@ from math import pi
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
 from gfmd_numba.contact.rough_bodies_dataset import too_thin
+from gfmd_numba.contact.rough_body import STEEPEST, rough_body
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.two_step import STEEPEST, rough_body
 
 
 def doubt_of_bodies(cases: Sequence[Case]) -> str:

@@ -9,9 +9,9 @@ from gfmd_numba.contact.bodies import contact_modulus, elastic_body
 from gfmd_numba.contact.contact_input import check_rules, with_measured
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
+from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.tractions import balanced, read_boundary
-from gfmd_numba.contact.two_step import RoughBody
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document

@@ -10,10 +10,12 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import cf_attributes, refuse_nonfinite, units
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body import STEEPEST, THICKNESS, RoughBody, change_of_thickness
 from gfmd_numba.contact.rough_body_observables import OF_PUNCH, OF_SUM, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.rough_surfaces import BODIES
+from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.contact.two_step import STEEPEST, THICKNESS, Pressed, RoughBody, change_of_thickness, tractions_on
+from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, map_topography, topography
 from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
@@ -47,7 +49,7 @@ def add_bodies(
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.meeting)
+        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.added.meeting)
         own = (
             _of_profile(body, response, along, pressure)
             if isinstance(response, Response)
@@ -56,15 +58,15 @@ def add_bodies(
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
-        if pressed.meeting is None:
+        if pressed.added.meeting is None:
             continue
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        along, pressure = tractions_on(body, without, pressed.contact, rms_gradient, pressed.meeting)
+        along, pressure = tractions_on(body, without, pressed.contact, rms_gradient, pressed.added.meeting)
         assert along is not None  # between inclined surfaces
         for variable, long_name, values in _of_inclined(along, pressure, prefix):
             attributes = cf_attributes(long_name.format(whose), unit["pressure"])
             found[prefix + variable] = found["height"].dims, values * stress, attributes
-    if pressed.meeting is not None and problem.interface.couples:
+    if pressed.added.meeting is not None and problem.interface.couples:
         scale = rms_gradient * contact_modulus(scene)
         for variable, long_name, values in _on_surface(pressed.contact):
             found[variable] = found["height"].dims, values * scale, cf_attributes(long_name, unit["pressure"])

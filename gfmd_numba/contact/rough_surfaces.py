@@ -11,8 +11,8 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
 from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
+from gfmd_numba.contact.rough_body import RoughBody, allowed_topography, rough_body
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
-from gfmd_numba.contact.two_step import RoughBody, allowed_topography, rough_body
 from gfmd_numba.roughness import recipe
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface

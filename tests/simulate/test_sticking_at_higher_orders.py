@@ -10,7 +10,7 @@ import pytest
 from finite_elements import Body, graded
 
 import gfmd_numba
-from gfmd_numba.contact import solution, two_step
+from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path, solve_steps
 from gfmd_numba.contact.problem import given_surface
@@ -134,15 +134,15 @@ def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes
     (found,) = solve_steps([problem], [sliding], 0)
     dynamics = found.contact.equilibrium
     assert dynamics.status[0] == 0
-    together, gradient = given_surface(problem.surface.drawn(0)[0], problem.surface.rms_gradient)
+    together, _ = given_surface(problem.surface.drawn(0)[0], problem.surface.rms_gradient)
     newton = replace(problem.numerics, solver="frictional_newton", time_step=None, damping=None)
-    carried = two_step._shifted(found.responses, gradient)[np.newaxis]
+    carried = found.added.shifted[np.newaxis]
     same = solution.solve(
         replace(problem, surface=together, numerics=newton),
         range(1),
         None,
         sliding,
-        two_step._raised(found.responses, problem, gradient)[np.newaxis],
+        found.added.raised[np.newaxis],
         0.0 * carried,
         again=dynamics,
     ).equilibrium

@@ -1,0 +1,199 @@
+"""What the slopes of rough bodies add to the contact of flat ones, once the last round has told their tractions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact import inclined
+from gfmd_numba.contact.evaluation import gap
+from gfmd_numba.contact.inclined import Meeting, Moved
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_body import RoughBody
+from gfmd_numba.contact.solution import Contact
+from gfmd_numba.elasticity import map_topography, topography
+from gfmd_numba.elasticity.map_topography import MapResponse
+from gfmd_numba.elasticity.topography import Response
+from gfmd_numba.solvers.iteration import tangential_shape
+
+Responses = tuple[Response, ...] | tuple[MapResponse, ...]
+
+
+@dataclass(frozen=True)
+class Added:
+    """What slopes add to the contact of flat bodies (g L_x, g E*).
+
+    They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted` `[x]`,
+    on maps `[component, y, x]`, which is 0 where nothing rubs. Tangential tractions bear `lifted` of the mean pressure.
+    `meeting` tells where inclined surfaces touch at orders above 0; None between level ones.
+    """
+
+    raised: Reals
+    shifted: Reals
+    lifted: float = 0.0
+    meeting: Meeting | None = None
+
+    def difference(self, other: "Added", gradient: float, contact: Contact) -> float:
+        """Largest change of a displacement from one to the other (g L_x); a part of the load counts as one of these."""
+        found = contact.equilibrium
+        moved = max(float(abs(self.raised - other.raised).max()), float(abs(self.shifted - other.shifted).max()))
+        if self.meeting is not None and other.meeting is not None:
+            moved = max(moved, self.meeting.difference(other.meeting) / gradient)
+        if self.lifted != other.lifted:
+            share = abs(self.lifted - other.lifted) / float(abs(found.pressure).mean())
+            moved = max(moved, share * float(abs(found.displacement).max()))
+        return moved
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Rough bodies in contact, followed to an order in the slope; heights of the problem are in units of `gradient`.
+
+    `punch` are the heights `[(y,) x]` of a rough rigid one (L_x), None for a level one or none, and `sliding`
+    `[component]` is how far the punch, or the base of the counter body, has moved along the plane (L_x).
+    """
+
+    problem: Problem
+    bodies: tuple[RoughBody, ...]
+    gradient: float
+    order: int
+    punch: Reals | None
+    sliding: Reals
+
+    @property
+    def rub(self) -> bool:
+        """Whether nodes that slopes carry along the plane slip, and how far they do counts."""
+        return self.problem.interface.couples and self.order > 0
+
+    @property
+    def are_inclined(self) -> bool:
+        """Whether the surfaces that touch are: all but those of a rough body under a level rigid punch."""
+        return self.punch is not None or len(self.bodies) > 1
+
+    def untouched(self) -> Added:
+        """What they add before there is a contact: what prescribed tractions do, which the punch then meets."""
+        shape, tractions = self.problem.surface.shape, self.problem.tractions
+        raised, shifted = np.zeros(shape), np.zeros(tangential_shape(np.zeros((1, *shape)))[1:])
+        if tractions is not None and self.order > 0:
+            t, p = tractions.tangential, -tractions.normal
+            parts = [self.gradient * each.share if each.side > 0 else 0.0 for each in self.bodies]
+            responses = self._respond([(part * t, part * p) for part in parts], self.order)
+            raised = self._raised(responses)
+            shifted = self._shifted(responses) if self.rub else shifted
+        if self.order == 0 or not self.are_inclined:
+            return Added(raised, shifted)
+        meeting = Meeting.before_contact(shape)
+        moved = self.gradient * shifted.reshape(meeting.shifted.shape)
+        return Added(raised, shifted, meeting=replace(meeting, shifted=moved))
+
+    def responses(self, contact: Contact, meeting: Meeting | None, order: int) -> Responses:
+        """Response of each body to the tractions of a contact."""
+        return self._respond([self._borne(body, contact, meeting) for body in self.bodies], order)
+
+    def after(self, contact: Contact, responses: Responses, last: Added) -> Added:
+        """What they add, found from a contact that what they added `last` has led to."""
+        if last.meeting is None:
+            return Added(self._raised(responses), self._shifted(responses) if self.rub else last.shifted)
+        met = self._met(contact, responses, last.meeting)
+        if self.problem.interface.cohesive is not None:
+            met = met.held_across(self.gradient * gap(contact)[0])
+        shifted, lifted = last.shifted, 0.0
+        if self.rub:
+            shifted = met.shifted.reshape(shifted.shape) / self.gradient
+            if self.problem.mean_pressure is not None:
+                lifted = float(contact.equilibrium.pressure[0].mean() - in_plane(contact, met)[1].mean())
+        return Added(met.raised / self.gradient, shifted, lifted, met)
+
+    def expected_error(self, contact: Contact, responses: Responses, meeting: Meeting | None) -> float:
+        """What the next order would add to any displacement (L_x)."""
+        error = float(sum(each.highest_order for each in self.responses(contact, meeting, self.order + 1)))
+        if meeting is not None and self.problem.interface.friction is not None:
+            error += self._off_bound(contact, meeting)
+        if self.order == 0 and self.are_inclined:
+            level = Meeting.before_contact(self.problem.surface.shape)
+            met = self._met(contact, responses, level)
+            flat, tilted = (self._moved(contact, responses, each) for each in (level, met))
+            error += inclined.change(flat, tilted, met)
+        return error
+
+    def _met(self, contact: Contact, responses: Responses, last: Meeting) -> Meeting:
+        moved = self._moved(contact, responses, last)
+        return inclined.meet(self.bodies, self.punch, self.sliding, moved, last)
+
+    def _moved(self, contact: Contact, responses: Responses, meeting: Meeting) -> list[Moved]:
+        """How the surface of each body has moved (L_x)."""
+        every: Sequence[Response | MapResponse] = responses
+        found = []
+        for body, response in zip(self.bodies, every, strict=False):
+            level, tilted = (self._borne(body, contact, met) for met in (None, meeting))
+            found.append(inclined.moved(body.elastic, level, tilted, response))
+        return found
+
+    def _borne(self, body: RoughBody, contact: Contact, meeting: Meeting | None) -> tuple[Reals | None, Reals]:
+        return tractions_on(body, self.problem, contact, self.gradient, meeting)
+
+    def _respond(self, borne: Sequence[tuple[Reals | None, Reals]], order: int) -> Responses:
+        each = list(zip(self.bodies, borne, strict=False))
+        if len(self.problem.surface.shape) == 2:
+            return tuple(map_topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
+        return tuple(topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
+
+    def _raised(self, responses: Responses) -> Reals:
+        none = np.zeros(self.problem.surface.shape)
+        return np.asarray(sum((response.u3 for response in responses), none) / self.gradient)
+
+    def _shifted(self, responses: Responses) -> Reals:
+        response = responses[0]  # of the lower body: a level punch does not move, nor what no traction is prescribed on
+        along = response.u1 if isinstance(response, Response) else response.along
+        assert along is not None  # beside what rubs
+        return along / self.gradient
+
+    def _off_bound(self, contact: Contact, met: Meeting) -> float:
+        """How far nodes of a map that slip across the slope move under what they bear beyond the bound in the plane.
+
+        Coulomb's law compares forces on the surface. Those in the plane are bounded by the same ratio along the slope,
+        and by a ratio larger by half the square of the slope across it, which no order knows.
+        """
+        found = contact.equilibrium
+        assert found.tangential is not None  # beside friction
+        traction = found.tangential.traction[0]
+        if traction.ndim == 1:  # a profile knows no direction across
+            return 0.0
+        slipped = np.any(found.tangential.slip[0] != 0.0, axis=0)
+        steepness, size = np.sum(met.slope**2, axis=0), np.sum(traction**2, axis=0)
+        along = np.sum(traction * met.slope, axis=0) ** 2
+        along = np.divide(along, size, out=np.zeros_like(size), where=size > 0.0)
+        beyond = np.where(slipped, np.sqrt((1.0 + steepness) / (1.0 + along)) - 1.0, 0.0)
+        more, none = self.gradient * traction * beyond, np.zeros(size.shape)
+        moved = (b.elastic.coupled_stiffness_of_map(size.shape).deflection(b.share * more, none) for b in self.bodies)
+        return float(sum(max(float(abs(part).max()) for part in each) for each in moved))
+
+
+def in_plane(contact: Contact, met: Meeting) -> tuple[Reals, Reals]:
+    """Tractions of inclined surfaces along the plane, `[component, (y,) x]`, and the pressure out of it."""
+    found = contact.equilibrium
+    assert found.tangential is not None  # else the pressure is the same
+    return met.tractions(found.tangential.traction[0], found.pressure[0], 1)
+
+
+def tractions_on(
+    body: RoughBody, problem: Problem, contact: Contact, gradient: float, meeting: Meeting | None = None
+) -> tuple[Reals | None, Reals]:
+    """Traction along the surface, on maps `[component, y, x]`, and pressure `[(y,) x]` on a body, in its own E*.
+
+    None stands for no traction along the surface. Prescribed tractions act on the lower body. On inclined surfaces,
+    of which `meeting` tells, the tractions are those along the plane and out of it.
+    """
+    found, tangential = contact.equilibrium.pressure[0], contact.equilibrium.tangential
+    pressure = gradient * found.astype(np.float64)  # the response is computed in double precision
+    along = None if tangential is None else gradient * tangential.traction[0].astype(np.float64)
+    if meeting is None:
+        along = None if along is None else body.side * along
+    else:
+        along, pressure = meeting.tractions(along, pressure, body.side)
+        along = along[0] if pressure.ndim == 1 else along
+    if problem.tractions is not None and body.side > 0:
+        pressure = pressure - gradient * problem.tractions.normal
+        along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
+    return None if along is None else body.share * along, body.share * pressure

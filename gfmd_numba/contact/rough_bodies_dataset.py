@@ -103,7 +103,7 @@ def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[s
     """Tractions on the places of a body; the pressure on the lower one is that of the contact."""
     if prefix:
         yield "pressure", "contact pressure on the {}", pressure
-    yield from _by_axis("tangential_traction", "traction on the {} along the plane, from inclined surfaces", along)
+    yield from _by_axis("tangential_traction", "tangential traction of the contact on the {}, along the plane", along)
 
 
 def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:

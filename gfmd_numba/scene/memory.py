@@ -12,7 +12,7 @@ _ARRAYS_OF_LAWS = {
     (2, "boundary"): 32,
 }
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at order 0, and more for each order
-_ARRAYS_OF_INCLINED_SURFACES = 36  # and more above order 0
+_ARRAYS_OF_INCLINED_SURFACES = 56  # and more above order 0
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 _ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too

@@ -15,7 +15,7 @@ from gfmd_numba.interface.table import LAWS
 class Refusal:
     """Two features that do not go together, what is allowed in place of the second, and why.
 
-    Because of the `solver` that a file names, where others can do both.
+    Because of the `solver`: that of the file, where others can do both, or all solvers.
     """
 
     beside: str
@@ -40,6 +40,8 @@ def _laws_beside_each_other() -> Iterator[Refusal]:
             other = second if whole == first else first
             allowed = f"one law of normal and tangential tractions, not {other} beside {whole}, which does both itself"
             yield Refusal(whole, other, allowed, "physics")
+        elif LAWS[first].ability == LAWS[second].ability:
+            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "solver")
 
 
 REFUSALS = (

@@ -24,6 +24,11 @@ _REASONS = {
 No version of `gfmd` will accept these pairs. Each entry names two things that do not go together, and what is
 allowed in place of the first.
 """,
+    "solver": """\
+## Pairs that no solver can do
+
+These pairs make sense, but no solver does both.
+""",
     "without effect": """\
 ## Options without effect
 
@@ -79,7 +84,8 @@ PHRASES = {
 
 def combinations_page() -> str:
     """Return the page as Markdown."""
-    return "\n".join((_INTRODUCTION, *map(_section, _REASONS), _SOLVERS, *_solvers(), ""))
+    reasons = [reason for reason in _REASONS if any(row.because == reason for row in REFUSALS)]
+    return "\n".join((_INTRODUCTION, *map(_section, reasons), _SOLVERS, *_solvers(), ""))
 
 
 def _section(reason: str) -> str:

@@ -4,6 +4,8 @@ Mueser et al., Tribol. Lett. 65:118 (2017): L_x = 100 um, roll-off 20 um, cut-of
 E* = 25 MPa, w = 50 mJ/m^2, range 2.071 nm. No grid below 29700^2 nodes resolves that range (x < 1), so longer ranges
 are solved on grids that resolve them. The default takes grids up to 2048^2; `--quick` stops at 1024^2, `--whole` adds
 all waves on 4096^2. `--wall` solves all waves without adhesion on three grids up to 8192^2 and nothing else (6 GB).
+`--pieces` solves the Challenge's own range on periods of 5 um (three grids), 10 um and 20 um (8192^2 nodes, 14 GB, over
+an hour), and the long range on many surfaces of these periods, which tells what the small period changes.
 `--surface N` takes another surface.
 """
 
@@ -30,14 +32,31 @@ ROLL_OFF, CUT_OFF, RANGE = 5, 1000, 2.071e-9  # wave indices; m
 LONG = 16.62e-9  # range that 512^2 nodes resolve to x = 0.9
 
 
-def solve(cut_off, nodes, length, surface, pressure=PRESSURE):
-    """Corrected contact area under a pressure with a range of adhesion in m, None without; prints a line."""
-    law = None if length is None else ExponentialLaw(WORK / (MODULUS * PERIOD), length / PERIOD)
+def gradient(period):
+    """Rms gradient of the waves of the Challenge that a period holds, over that of all waves."""
+
+    def mean_square(of):
+        most = round(CUT_OFF * of / PERIOD)
+        each = np.arange(-most, most + 1) / of
+        wave = np.hypot(each, each[:, np.newaxis]) * PERIOD
+        kept = (wave > 0.0) & (wave < CUT_OFF * (1.0 + 1e-12))
+        return (np.maximum(wave, ROLL_OFF) ** -3.6 * wave**2)[kept].sum() / of**2
+
+    return np.sqrt(mean_square(period) / mean_square(PERIOD))
+
+
+def solve(cut_off, nodes, length, surface, pressure=PRESSURE, period=PERIOD):
+    """Corrected contact area under a pressure with a range of adhesion in m, None without; prints a line.
+
+    `cut_off` counts the shortest waves in 100 um. A `period` below 20 um has no waves of the roll-off.
+    """
+    steep, scale = (1.0, 1.0) if period == PERIOD else (gradient(period), period / PERIOD)
+    law = None if length is None else ExponentialLaw(WORK / (MODULUS * steep**2 * period), length / (steep * period))
     problem = Problem(
-        RandomSurface(SelfAffineWaves(0.8, ROLL_OFF, cut_off), nodes, 2024, dimension=2),
+        RandomSurface(SelfAffineWaves(0.8, max(ROLL_OFF * scale, 1), round(cut_off * scale)), nodes, 2024, dimension=2),
         ElasticBody(None, None),
         Interactions(True, law),
-        pressure / MODULUS,
+        pressure / (MODULUS * steep),
         None,
         Options("active_set_newton" if law is None else "truncated_newton", residual=1e-6),
     )
@@ -49,7 +68,7 @@ def solve(cut_off, nodes, length, surface, pressure=PRESSURE):
     print(
         f"{nodes:5}^2 {PERIOD / cut_off * 1e6:9.2f} {shown} {pressure / 1e3:9.1f}"
         f"{found['contact_area_fraction_counted'][0]:10.5f} {found['contact_area_fraction'][0]:10.5f}"
-        f"{found['mean_gap'][0] * PERIOD * 1e9:9.1f} {found['n_transforms'][0]:8} {seconds:8.1f}",
+        f"{found['mean_gap'][0] * steep * period * 1e9:9.1f} {found['n_transforms'][0]:8} {seconds:8.1f}",
         flush=True,
     )
     return float(found["contact_area_fraction"][0])
@@ -73,16 +92,38 @@ def header(text):
     print(" grid  cut-off/um  range/nm   x     p/kPa   counted  corrected   gap/nm  transforms   s")
 
 
+def pieces(one):
+    """The Challenge's range on small periods, and what such a period changes at the long range."""
+    for period, surfaces, nodes in ((5e-6, 40, 256), (10e-6, 20, 512), (20e-6, 10, 1024)):
+        header(f"Period {period * 1e6:g} um, all its waves, without adhesion and with the long range")
+        found = np.array(
+            [[solve(CUT_OFF, nodes, length, i, period=period) for length in (None, LONG)] for i in range(surfaces)]
+        )
+        wall, adhesive = found.mean(axis=0)
+        error = np.std(found[:, 1] / adhesive - found[:, 0] / wall, ddof=1) / np.sqrt(surfaces)
+        print(f"means {wall:.5f} and {adhesive:.5f}: adhesion adds {adhesive / wall - 1:.1%} +- {error:.1%}")
+    for period, grids in ((5e-6, (1024, 2048, 4096)), (10e-6, (4096,)), (20e-6, (8192,))):
+        header(f"Period {period * 1e6:g} um, all its waves, with the Challenge's range")
+        solve(CUT_OFF, grids[-1], None, one, period=period)
+        areas = [solve(CUT_OFF, n, RANGE, one, period=period) for n in grids]
+        if len(areas) > 2:
+            told(areas)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--surface", type=int, default=0)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--whole", action="store_true")
     parser.add_argument("--wall", action="store_true")
+    parser.add_argument("--pieces", action="store_true")
     asked = parser.parse_args()
     if asked.wall:
         header("All waves without adhesion")
         told([solve(CUT_OFF, n, None, asked.surface) for n in (2048, 4096, 8192)])
+        return
+    if asked.pieces:
+        pieces(asked.surface)
         return
     finest, one = 1024 if asked.quick else 2048, asked.surface
     grids = [n for n in (512, 1024, 2048, 4096) if n <= finest or asked.whole]

@@ -76,10 +76,9 @@ def load_curve(
     from gfmd_numba.scene.scene_file import with_heights
     from gfmd_numba.simulate.curve_dataset import load_curve as curve_of
 
-    dataset = curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), loads, realisations)
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
-        warnings.warn(sentence, stacklevel=2)
-    return dataset
+    return _warned(
+        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), loads, realisations)
+    )
 
 
 def body_fields(
@@ -211,7 +210,7 @@ def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     """
     from gfmd_numba.analysis import leakage as leakage_of
 
-    return leakage_of(_dataset("dataset", dataset, "solve"))
+    return _warned(leakage_of(_dataset("dataset", dataset, "solve")))
 
 
 def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
@@ -221,7 +220,14 @@ def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
 
-    return conductance_of(_dataset("contact", contact, "solve"))
+    return _warned(conductance_of(_dataset("contact", contact, "solve")))
+
+
+def _warned(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset, whose sentences on its validity become warnings of the caller of the function that returns it."""
+    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
+        warnings.warn(sentence, stacklevel=3)
+    return dataset
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

@@ -14,6 +14,7 @@ from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
+from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
 from gfmd_numba.analysis.tfc import fit_tfc
@@ -33,9 +34,11 @@ __all__ = [
     "plot_accuracy",
     "plot_body",
     "plot_campaign",
+    "plot_conductance",
     "plot_contact",
     "plot_curve",
     "plot_fit",
+    "plot_leakage",
     "plot_rounds",
     "plot_statistics",
     "plot_surface",

@@ -1,5 +1,7 @@
 """Leakage through the gap of a map by the Reynolds equation of a thin film, on the grid of the contact."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 from scipy.sparse import coo_array, csc_array, diags_array
@@ -12,6 +14,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 
 _REFINEMENTS, _ROUNDING = 30, 1e-14
 _LARGEST_RESIDUAL = 1e-3
+_ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many channels is below 1.5
 _DIRECTIONS = {"x": 1, "y": 0}  # to the axis of [y, x] that the pressure falls along
 
 
@@ -22,59 +25,89 @@ def leakage(dataset: xr.Dataset) -> xr.Dataset:
     which the map is periodic: div(u^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch. `hydraulic_gap`
     d is the gap of parallel walls that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x
     through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol.
-    100:12, 1978). Both are 0 without a channel. `flow_residual` is the relative difference of the flow by outlet and by
-    dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap is
-    not-a-number. Raises UnusableDataError for a dataset without these fields, a run that is not ok, or more nodes than
-    memory takes.
+    100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the flow through a node over
+    the mean flow of all nodes. `flow_residual` is the relative difference of the flow by outlet and by dissipation;
+    beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap is not-a-number. The
+    attribute `validity` names factors above 1, and those that differ much by direction. Raises UnusableDataError for a
+    profile, a dataset without these fields, a run that is not ok, or more nodes than memory takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    hydraulic, residual = xr.apply_ufunc(
+    hydraulic, residual, flow = xr.apply_ufunc(
         _both_directions,
         dataset["gap"],
         input_core_dims=[nodes],
-        output_core_dims=[["direction"], ["direction"]],
+        output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
     )
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "leakage through a contact"})
     result["hydraulic_gap"] = hydraulic
     result["flow_factor"] = (hydraulic / dataset["gap"].mean(nodes).where(hydraulic > 0.0, 1.0)) ** 3
     result["flow_residual"] = residual
+    result["local_flow"] = flow
     described = {
         "hydraulic_gap": ("gap of parallel walls that leak as much", str(dataset["gap"].attrs.get("units", "1"))),
         "flow_factor": ("leakage over that of parallel walls at the mean gap", "1"),
         "flow_residual": ("relative difference of the flow by outlet and by dissipation", "1"),
+        "local_flow": ("flow through a node over the mean flow of all nodes", "1"),
         "direction": ("direction in which the pressure of the fluid falls", "1"),
     }
     for name, (long_name, unit) in described.items():
         result[name].attrs = {"long_name": long_name, "units": unit}
+    result.attrs["validity"] = "\n".join(_doubts(result["flow_factor"]))
     return result
 
 
-def _both_directions(gap: Reals) -> tuple[Reals, Reals]:
-    """Hydraulic gaps along x and y, and their residuals."""
+def _doubts(factors: xr.DataArray) -> Iterator[str]:
+    """Sentences on flow factors that surprise: those of surfaces without a lay are alike, and on average below 1."""
+    pairs = factors.transpose(..., "direction").values.reshape(-1, len(_DIRECTIONS))
+    high, low = pairs.max(axis=1), pairs.min(axis=1)
+    largest = int(np.argmax(np.nan_to_num(high)))
+    where = " in step {}" if "step" in factors.dims else ""
+    if high[largest] > 1.0 + _LARGEST_RESIDUAL:
+        along = list(_DIRECTIONS)[int(pairs[largest].argmax())]
+        yield (
+            f"The flow factor along {along}{where.format(largest)} is {high[largest]:.3g}. The gap leaks more than "
+            "parallel walls at its mean would, because deep channels run through the map. Random surfaces without a "
+            "lay have factors below 1 on average"
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.nan_to_num(high / low, posinf=np.inf)
+    unlike = int(ratios.argmax())
+    if ratios[unlike] > _ALIKE:
+        of_x, of_y = pairs[unlike]
+        yield (
+            f"The flow factors along x and y{where.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
+            "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
+            "other seeds, or a map with more of the longest waves"
+        )
+
+
+def _both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
+    """Hydraulic gaps along x and y, their residuals, and the flow through nodes `[direction, y, x]`."""
     found = [_along_rows(np.moveaxis(gap, axis, 0)) for axis in _DIRECTIONS.values()]
-    gaps, residuals = zip(*found, strict=True)
-    return np.array(gaps), np.array(residuals)
+    gaps, residuals, flows = zip(*found, strict=True)
+    turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
+    return np.array(gaps), np.array(residuals), np.array(turned)
 
 
-def _along_rows(gap: Reals) -> tuple[float, float]:
-    """Hydraulic gap from the first row to the last, and the residual.
+def _along_rows(gap: Reals) -> tuple[float, float, Reals]:
+    """Hydraulic gap from the first row to the last, the residual, and the flow through nodes over its mean.
 
     Nodes are cells, whose faces conduct as their halves in series do. So walls of a gap that varies along the flow
     alone are solved exactly: d^-3 is the mean of u^-3.
     """
-    largest = gap.max()
+    largest, flow = gap.max(), np.zeros_like(gap)
     if largest <= 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, flow
     conductivity = (gap / largest) ** 3
     reached = _channels(conductivity > 0.0)
     if not reached.any():
-        return 0.0, 0.0
+        return 0.0, 0.0, flow
     conductivity = np.where(reached, conductivity, 0.0)
     number = np.cumsum(reached).reshape(reached.shape) - 1
-    along = conductivity[:-1], conductivity[1:], number[:-1], number[1:]
-    across = conductivity, np.roll(conductivity, -1, axis=1), number, np.roll(number, -1, axis=1)
-    one, other, conductance = (np.concatenate(parts) for parts in zip(_faces(*along), _faces(*across), strict=True))
+    along = _faces(conductivity[:-1], conductivity[1:], number[:-1], number[1:])
+    across = _faces(conductivity, np.roll(conductivity, -1, axis=1), number, np.roll(number, -1, axis=1))
+    one, other, conductance = (np.concatenate(parts) for parts in zip(along, across, strict=True))
     inlet, outlet = (np.zeros(int(reached.sum())) for _ in range(2))
     for ends, row in ((inlet, 0), (outlet, -1)):
         ends[number[row][reached[row]]] = 2.0 * conductivity[row][reached[row]]  # half a cell
@@ -86,7 +119,10 @@ def _along_rows(gap: Reals) -> tuple[float, float]:
     rows, columns = gap.shape
     residual = abs(out - dissipated) / dissipated
     cube = dissipated * rows / columns if residual <= _LARGEST_RESIDUAL else np.nan
-    return float(largest * np.cbrt(cube)), residual
+    ends = inlet * (1.0 - pressure) + outlet * pressure
+    parts = (_through_nodes(*faces, pressure, rim) for faces, rim in ((along, ends), (across, 0.0)))
+    flow[reached] = np.hypot(*parts) * columns / out if residual <= _LARGEST_RESIDUAL else np.nan
+    return float(largest * np.cbrt(cube)), residual, flow
 
 
 def _channels(open_nodes: Flags) -> Flags:
@@ -100,6 +136,12 @@ def _faces(here: Reals, there: Reals, number: Indices, other: Indices) -> tuple[
     """Numbers of the nodes on both sides of each open face, and its conductance."""
     both = (here > 0.0) & (there > 0.0)
     return number[both], other[both], 2.0 * here[both] * there[both] / (here[both] + there[both])
+
+
+def _through_nodes(one: Indices, other: Indices, conductance: Reals, pressure: Reals, rim: Reals | float) -> Reals:
+    """Flow through each node in one direction, the mean of that through its two faces; a rim is a face of one node."""
+    flow, n = conductance * (pressure[one] - pressure[other]), len(pressure)
+    return np.asarray(0.5 * (np.bincount(one, flow, n) + np.bincount(other, flow, n) + rim))
 
 
 def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, outlet: Reals) -> Reals:

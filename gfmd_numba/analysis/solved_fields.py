@@ -14,8 +14,13 @@ _POINTS = "points_per_period"
 def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:
     """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact."""
     kind = "a map's contact" if maps_only else "a contact"
-    if not {"x", "status", *needed} <= dataset.variables.keys() or (maps_only and "y" not in dataset.dims):
+    if not {"x", "status", *needed} <= dataset.variables.keys():
         raise UnusableDataError(f"given no results of {kind}; allowed: what `gfmd solve` leaves of one")
+    if maps_only and "y" not in dataset.dims:
+        raise UnusableDataError(
+            "given the contact of a profile, in which no channel leads around the contacts; allowed: that of a map "
+            "(solve a scene with `dimension: 2`, whose surface is random or a measured map)"
+        )
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     fields = [dataset[name] for name in _FIELDS if name in needed]
     names = ("x", "status", *needed)

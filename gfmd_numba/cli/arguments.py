@@ -18,6 +18,7 @@ output_option = click.option(
     type=click.Path(dir_okay=False, path_type=Path),
     help="netCDF file to write",
 )
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
 _OF_CONTACTS, OF_PATHS = ("kappa", "kappa_counted", "kappa_r"), ("hysteresis", "pull_off_pressure")
 _variables = click.Choice([*_OF_CONTACTS, "contact_area_fraction", *OF_PATHS])

@@ -136,8 +136,8 @@ def fit_options(
     return options
 
 
-def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
-    """Write the picture of a campaign with its fit, or of anything else without."""
+def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool = False) -> None:
+    """Write the picture of a campaign with its fit, or of anything else without, and say so."""
     from gfmd_numba.analysis import plot_campaign
     from gfmd_numba.analysis.plots.kinds import picture_of
     from gfmd_numba.storage.atomic_file import write_picture
@@ -149,7 +149,7 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> None:
         else:
             figure = (drawing or plot_campaign)(dataset)
         write_picture(path, figure, dpi=150)
-    click.echo(f"picture  {printable(path)}")
+    click.echo(f"picture  {printable(path)}", err=err)
 
 
 def has_rounds(dataset: xr.Dataset) -> bool:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from gfmd_numba.cli.arguments import json_option
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.sentences import say, say_command
 from gfmd_numba.cli.tables import duration
@@ -17,7 +18,7 @@ _directory = click.argument("directory", type=click.Path(exists=True, file_okay=
 
 @main.command()
 @_directory
-@click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
+@json_option
 @click.option("--watch", is_flag=True, help="Repeat every two seconds until the run has ended")
 def status(directory: Path, as_json: bool, watch: bool) -> None:
     """Show how far the campaign in an output DIRECTORY is.

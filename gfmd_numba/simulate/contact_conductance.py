@@ -11,6 +11,10 @@ from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.scene import InputError
 
 _RESIDUAL = 1e-10
+_OF_RIDGES = (
+    "The contact is that of a profile: its spots are ridges without end along y, and conduct as those do. For the "
+    "spots of a rough surface, solve a scene with `dimension: 2`"
+)
 _ALLOWED = "what gfmd_numba.solve returns of a contact"
 
 
@@ -22,12 +26,15 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     the two bodies, beyond that in the uniform flow, per m (L_x without a length). A single round spot of radius a has
     2 a s (Holm, Electric Contacts, 1967). Frictionless half-spaces with the contact held have the stiffness
     dp/d(mean gap) = `conductance` times E* (Barber, Proc. R. Soc. Lond. A 459:53, 2003). It is 0 without contact and
-    infinite in full contact. Dims other than `y` and `x` stay. Raises InputError for a dataset that no contact was
-    solved for, or a run that is not ok.
+    infinite in full contact. `current_density` is the current through a node over the mean of all nodes. Dims other
+    than `y` and `x` stay. Contacts of a profile are ridges without end along y, which the attribute `validity` says.
+    Raises InputError for a dataset that no contact was solved for, or a run that is not ok.
     """
     nodes = _nodes(contact)
     touching = contact["gap"] <= 0.0
-    reduced = xr.apply_ufunc(_reduced, touching, input_core_dims=[nodes], vectorize=True)
+    reduced, density = xr.apply_ufunc(
+        _reduced, touching, input_core_dims=[nodes], output_core_dims=[[], nodes], vectorize=True
+    )
     spacing = float(contact["x"][1] - contact["x"][0])
     result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
     result["conductance"] = reduced / (spacing * contact.sizes["x"])
@@ -37,16 +44,21 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
         "units": "1" if unit == "1" else f"{unit}-1",
     }
     result["conductance"].attrs = described
+    result["current_density"] = density
+    result["current_density"].attrs = {"long_name": "current through a node over the mean of all nodes", "units": "1"}
+    result.attrs["validity"] = _OF_RIDGES if len(nodes) == 1 else ""
     return result
 
 
-def _reduced(touching: Flags) -> float:
-    """Conductance in 1 / L_x: half the mean current of one half-space at unit potential under the touching nodes.
+def _reduced(touching: Flags) -> tuple[float, Reals]:
+    """Conductance in 1 / L_x, and the current through nodes over its mean.
+
+    The conductance is half the mean current of one half-space at unit potential under the touching nodes.
 
     Its potential is sum_q j~(q) / q exp(iqx), with zero mean: the mean is that of the uniform flow.
     """
     if touching.all() or not touching.any():
-        return np.inf if touching.all() else 0.0
+        return np.inf if touching.all() else 0.0, touching.astype(np.float64)
     field = Convolution(1, *touching.shape)
     q = grid.magnitudes(touching.shape)
     potential_of = field.symbol(np.divide(1.0, q, out=np.zeros_like(q), where=q > 0.0))
@@ -64,7 +76,9 @@ def _reduced(touching: Flags) -> float:
     compliance = LinearOperator(shape, lambda current: on_contact(potential_of, current), dtype=np.float64)
     near_field = LinearOperator(shape, lambda potential: on_contact(current_of, potential), dtype=np.float64)
     current, failed = cg(compliance, np.ones(len(places)), rtol=_RESIDUAL, maxiter=10_000, M=near_field)
-    return float("nan") if failed else 0.5 * float(current.sum()) / touching.size
+    density: Reals = np.zeros(touching.shape)
+    density.flat[places] = np.nan if failed else current * touching.size / current.sum()
+    return float("nan") if failed else 0.5 * float(current.sum()) / touching.size, density
 
 
 def _nodes(contact: xr.Dataset) -> list[str]:

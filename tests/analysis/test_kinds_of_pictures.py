@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import gfmd_numba
-from gfmd_numba.analysis import UnusableDataError, plot_accuracy, plot_fit
+from gfmd_numba.analysis import UnusableDataError, leakage, plot_accuracy, plot_fit
 from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
 from support import synthetic_campaigns
@@ -28,6 +28,10 @@ FILE = {"scene": SCENE, "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t":
 
 def _contact():
     return gfmd_numba.solve(FILE)
+
+
+def _map():
+    return gfmd_numba.solve(FILE | {"scene": SCENE | {"dimension": 2}})
 
 
 def _paths():
@@ -63,6 +67,8 @@ WRITTEN = {
     "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
     "load curve": lambda: gfmd_numba.load_curve(FILE, [0.1, 0.2]),
     "statistics of a contact": lambda: gfmd_numba.contact_statistics(_contact()),
+    "leakage": lambda: leakage(_map()),
+    "conductance": lambda: gfmd_numba.contact_conductance(_map()),
     "surface": lambda: gfmd_numba.make_surface(
         {"surface": {"method": "psd", "hurst": 0.8, "rms_height": 0.01, "points": 64, "cut_on": 0.1, "roll_off": 0.5}}
     ),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.analysis import UnusableDataError, leakage
 from support.solved_maps import made, pressed, wave
 
 analysis_leakage = import_module("gfmd_numba.analysis.leakage")  # the room has a function of that name
@@ -15,7 +15,7 @@ OPEN = np.zeros((32, 32), dtype=bool)
 
 
 def cubes(touching, gap=1.0):
-    found = gfmd_numba.leakage(made(touching, gap))
+    found = leakage(made(touching, gap))
     assert (found["flow_residual"] < 1e-9).all()
     return found["hydraulic_gap"].values ** 3
 
@@ -24,12 +24,12 @@ def cubes(touching, gap=1.0):
 def test_a_straight_channel_leaks_by_its_width_and_the_cube_of_its_gap(gap):
     touching = ~OPEN
     touching[5:13] = False  # a quarter of the width, along x
-    found = gfmd_numba.leakage(made(touching, gap))["hydraulic_gap"]
+    found = leakage(made(touching, gap))["hydraulic_gap"]
     np.testing.assert_allclose(found / gap, [0.25 ** (1 / 3), 0.0], rtol=1e-12)
 
 
 def test_parallel_walls_have_the_flow_factor_one():
-    found = gfmd_numba.leakage(made(OPEN, 0.3))
+    found = leakage(made(OPEN, 0.3))
     np.testing.assert_allclose(found["flow_factor"], 1.0, rtol=1e-12)
     np.testing.assert_allclose(found["hydraulic_gap"], 0.3, rtol=1e-12)
 
@@ -94,11 +94,11 @@ def test_what_no_channel_connects_does_not_leak():
     rng = np.random.default_rng(6)
     touching = rng.random((30, 24, 24)) < 0.4
     dataset = made(touching, rng.random(touching.shape) + 0.1)
-    leaks = gfmd_numba.leakage(dataset)["hydraulic_gap"] > 0.0
+    leaks = leakage(dataset)["hydraulic_gap"] > 0.0
     connects = gfmd_numba.gap_percolation(dataset)["gap_connects"] > 0
     np.testing.assert_array_equal(leaks, connects)
     assert 0 < leaks.sum() < leaks.size
-    assert (gfmd_numba.leakage(made(~OPEN))["flow_factor"] == 0.0).all()
+    assert (leakage(made(~OPEN))["flow_factor"] == 0.0).all()
 
 
 @pytest.mark.parametrize("narrow", [1e-2, 1e-3, 1e-4, 1e-5])
@@ -108,7 +108,7 @@ def test_two_narrow_places_resist_one_after_the_other(narrow):
     for row in (10, 25):
         gap[row] = 0.0
         gap[row, 7] = narrow
-    found = gfmd_numba.leakage(made(gap == 0.0, gap))
+    found = leakage(made(gap == 0.0, gap))
     assert float(found["hydraulic_gap"].sel(direction="y")) == pytest.approx(0.5 ** (1 / 3) * narrow, rel=1e-5)
 
 
@@ -116,7 +116,7 @@ def test_a_place_too_narrow_to_tell_its_flow_is_not_a_number():
     gap = np.ones((20, 20))
     gap[[5, 15]] = 0.0
     gap[[5, 15], 7] = 1e-7
-    found = gfmd_numba.leakage(made(gap == 0.0, gap)).sel(direction="y")
+    found = leakage(made(gap == 0.0, gap)).sel(direction="y")
     assert np.isnan(found["hydraulic_gap"])
     assert np.isnan(found["flow_factor"])
     assert found["flow_residual"] > 1e-3
@@ -124,7 +124,7 @@ def test_a_place_too_narrow_to_tell_its_flow_is_not_a_number():
 
 def test_a_pressed_ridge_leaks_along_itself_only():
     dataset = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
-    found = gfmd_numba.leakage(dataset)
+    found = leakage(dataset)
     expected = float((dataset["gap"] ** 3).mean())  # channels in parallel
     assert found["hydraulic_gap"].sel(direction="x") == 0.0
     assert float(found["hydraulic_gap"].sel(direction="y")) ** 3 == pytest.approx(expected, rel=1e-9)
@@ -132,8 +132,49 @@ def test_a_pressed_ridge_leaks_along_itself_only():
 
 
 def test_profiles_do_not_leak():
-    with pytest.raises(UnusableDataError, match="given no results of a map's contact"):
-        gfmd_numba.leakage(made(OPEN).isel(y=0))
+    with pytest.raises(UnusableDataError, match=r"given the contact of a profile.*solve a scene with `dimension: 2`"):
+        leakage(made(OPEN).isel(y=0))
+
+
+def test_the_flow_through_nodes_is_that_of_the_channel_they_are_in():
+    touching = ~OPEN
+    touching[5:13] = False  # a quarter of the width, along x
+    touching[20:24, :30] = False  # a dead end
+    channel = np.isin(np.arange(32), np.arange(5, 13))[:, np.newaxis] & ~touching
+    found = leakage(made(touching))["local_flow"]
+    np.testing.assert_allclose(found.sel(direction="x"), np.where(channel, 4.0, 0.0))
+    assert (found.sel(direction="y") == 0.0).all()
+
+
+def test_waves_across_the_flow_carry_the_same_everywhere_and_along_it_by_the_cube():
+    gap = np.broadcast_to(1.0 + 0.5 * np.cos(2.0 * np.pi * np.arange(64) / 64), (64, 64))
+    found = leakage(made(gap == 0.0, gap))["local_flow"]
+    np.testing.assert_allclose(found.sel(direction="x"), 1.0, rtol=1e-9)
+    np.testing.assert_allclose(found.sel(direction="y"), gap**3 / (gap**3).mean(), rtol=1e-9)
+
+
+def test_factors_above_one_or_unlike_in_both_directions_are_told_with_their_values():
+    grooves = np.broadcast_to(1.0 + 0.7 * np.cos(2.0 * np.pi * np.arange(64) / 64), (64, 64))
+    with pytest.warns(UserWarning, match="flow factor") as told:
+        said = gfmd_numba.leakage(made(grooves == 0.0, grooves)).validity.splitlines()
+    assert [str(each.message) for each in told] == said
+    assert [sentence[:50] for sentence in said] == [
+        "The flow factor along y is 1.74. The gap leaks mor",
+        "The flow factors along x and y are 0.149 and 1.74.",
+    ]
+
+
+def test_the_step_of_a_path_whose_factors_surprise_is_named():
+    even = np.ones((3, 32, 32))
+    even[1, :, 8:24] = 0.1
+    said = leakage(made(even == 0.0, even)).validity
+    assert "along y in step 1 is" in said
+    assert "along x and y in step 1 are" in said
+
+
+@pytest.mark.parametrize("gap", [1.0, 0.3 + np.random.default_rng(2).random((32, 32))], ids=["parallel", "random"])
+def test_factors_that_are_alike_are_no_matter(gap):
+    assert leakage(made(OPEN, gap)).validity == ""
 
 
 def test_more_nodes_than_memory_takes_are_told(monkeypatch):
@@ -142,4 +183,4 @@ def test_more_nodes_than_memory_takes_are_told(monkeypatch):
 
     monkeypatch.setattr(analysis_leakage, "splu", factorise)
     with pytest.raises(UnusableDataError, match="given channels of 1024 nodes, whose flow takes more memory"):
-        gfmd_numba.leakage(made(OPEN))
+        leakage(made(OPEN))

@@ -1,4 +1,6 @@
-"""`gfmd statistics`: what it writes, prints and draws of a solved contact, and only what was asked for."""
+"""`gfmd statistics`, `leakage` and `conductance`: what they write, print and draw of a solved contact."""
+
+import json
 
 import numpy as np
 import pytest
@@ -9,8 +11,7 @@ from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
 
 MAP = SCENE.replace("scene:\n", "scene:\n  dimension: 2\n").replace(", aspect_ratio: 1/2", "")
-ASKED = ("--percolation", "--leakage", "--conductance")
-BEYOND = {"gap_connects", "hydraulic_gap", "conductance"}
+TRANSPORT = {"leakage": gfmd_numba.leakage, "conductance": gfmd_numba.contact_conductance}
 
 
 @pytest.fixture(scope="module")
@@ -33,55 +34,103 @@ def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(fold
     assert (tmp_path / "statistics.png").stat().st_size > 10_000
     written = xr.load_dataset(tmp_path / "statistics.nc")
     xr.testing.assert_allclose(written, gfmd_numba.contact_statistics(folder / "map.nc"))
-    assert not BEYOND & set(written.variables)
+    assert "gap_connects" not in written
     printed = [line.split("  ")[0] for line in done.stdout.splitlines()[2:]]
     assert printed == ["Persson's contact area", "mean gap over rms height", "perimeter"]
 
 
-@pytest.mark.parametrize("asked", range(3))
-def test_what_is_asked_for_is_added_and_printed(folder, tmp_path, asked):
-    done = gfmd("statistics", folder / "map.nc", "-o", tmp_path / "statistics.nc", ASKED[asked])
+def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
+    done = gfmd("statistics", folder / "map.nc", "-o", tmp_path / "statistics.nc", "--percolation")
     assert done.exit_code == 0, done.output
     written = xr.load_dataset(tmp_path / "statistics.nc")
-    functions = (gfmd_numba.gap_percolation, gfmd_numba.leakage, gfmd_numba.contact_conductance)
-    expected = functions[asked](folder / "map.nc")
+    expected = gfmd_numba.gap_percolation(folder / "map.nc")
     for name in expected.data_vars:
         xr.testing.assert_allclose(written[name].drop_attrs(), expected[name].drop_attrs())
         assert written[name].attrs == expected[name].attrs
-    words = ("channel along x", "hydraulic gap along y", "conductance")[asked]
-    assert words in done.output
-    assert len(BEYOND & set(written.variables)) == 1
+    assert "channel along x" in done.output
 
 
-def test_the_steps_of_a_path_are_a_table(folder, tmp_path):
-    done = gfmd("statistics", folder / "path.nc", "-o", tmp_path / "statistics.nc", *ASKED)
+@pytest.mark.filterwarnings("ignore:The flow factor")
+@pytest.mark.parametrize("command", TRANSPORT)
+def test_what_crosses_a_contact_is_written_drawn_and_printed(folder, tmp_path, command):
+    done = gfmd(command, folder / "map.nc", "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert {"leakage": "hydraulic gap along y", "conductance": "conductance   "}[command] in done.stdout
+    expected = TRANSPORT[command](folder / "map.nc")
+    xr.testing.assert_allclose(xr.load_dataset(tmp_path / "out.nc"), expected)
+    assert " ".join(expected.validity.split()) in unfolded(done.stderr)
+    (tmp_path / "out.png").unlink()
+    assert gfmd("plot", tmp_path / "out.nc").exit_code == 0
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+
+
+@pytest.mark.filterwarnings("ignore:The flow factor")
+@pytest.mark.parametrize("command", TRANSPORT)
+def test_without_an_output_nothing_is_written_and_programs_read_json(folder, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    done = gfmd(command, folder / "path.nc", "--json")
+    assert done.exit_code == 0, done.output
+    assert not list(tmp_path.iterdir())
+    read = json.loads(done.stdout, parse_constant=pytest.fail)
+    expected = TRANSPORT[command](folder / "path.nc")
+    for name, told in read["data_vars"].items():
+        np.testing.assert_array_equal(np.array(told["data"], dtype=float), expected[name])
+        assert told["attrs"]["units"] == expected[name].units
+    assert read["dims"]["step"] == 2
+    done = gfmd(command, folder / "path.nc", "--json", "-o", tmp_path / "out.nc")
+    assert json.loads(done.stdout) == read
+    assert (tmp_path / "out.png").exists()
+
+
+def test_what_is_not_finite_is_null_in_json(folder, tmp_path):
+    closed = xr.load_dataset(folder / "map.nc")
+    closed["gap"] *= 0.0
+    closed.to_netcdf(tmp_path / "closed.nc", engine="netcdf4")
+    done = gfmd("conductance", tmp_path / "closed.nc", "--json")
+    assert json.loads(done.stdout, parse_constant=pytest.fail)["data_vars"]["conductance"]["data"] is None
+    assert "conductance                 inf" in gfmd("conductance", tmp_path / "closed.nc").stdout
+
+
+@pytest.mark.filterwarnings("ignore:The flow factor")
+@pytest.mark.parametrize("command", ["statistics", *TRANSPORT])
+def test_the_steps_of_a_path_are_a_table(folder, tmp_path, command):
+    done = gfmd(command, folder / "path.nc", "-o", tmp_path / "out.nc")
     assert done.exit_code == 0, done.output
     assert max(map(len, done.output.partition("steps of the path")[2].splitlines())) <= 80
-    rows = [line.split()[0] for line in done.output.splitlines() if line.split() and line.split()[0] in "01"]
+    rows = [line.split()[0] for line in done.stdout.splitlines() if line.split() and line.split()[0] in "01"]
     assert rows == ["0", "1"] * (len(rows) // 2)
-    assert "hydraulic" in done.output
 
 
-def test_a_profile_has_distributions_and_a_conductance_but_no_channels(folder, tmp_path):
-    done = gfmd("statistics", folder / "profile.nc", "-o", tmp_path / "statistics.nc", "--conductance")
+def test_a_profile_has_distributions_but_no_channels(folder, tmp_path):
+    done = gfmd("statistics", folder / "profile.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 0, done.output
     assert "segments" in xr.load_dataset(tmp_path / "statistics.nc")
-    for option in ASKED[:2]:
-        done = gfmd("statistics", folder / "profile.nc", "-o", tmp_path / "statistics.nc", option)
+    for command in (("statistics", "--percolation"), ("leakage",)):
+        done = gfmd(*command, folder / "profile.nc", "-o", tmp_path / "out.nc")
         assert done.exit_code == 2
         said = unfolded(done.stderr)
-        assert f"{folder / 'profile.nc'}: given no results of a map's contact; allowed: what `gfmd solve`" in said
+        assert f"{folder / 'profile.nc'}: given the contact of a profile" in said
+        assert "solve a scene with `dimension: 2`" in said
 
 
-def test_a_failed_run_has_no_statistics(folder, tmp_path):
-    done = gfmd("statistics", folder / "failed.nc", "-o", tmp_path / "statistics.nc")
+def test_a_profile_conducts_with_a_word_on_its_ridges(folder):
+    done = gfmd("conductance", folder / "profile.nc")
+    assert done.exit_code == 0
+    assert "ridges without end along y" in unfolded(done.stderr)
+
+
+@pytest.mark.parametrize("command", ["statistics", *TRANSPORT])
+def test_a_failed_run_has_no_statistics(folder, tmp_path, command):
+    done = gfmd(command, folder / "failed.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 2
-    assert "given a run that is not ok" in unfolded(done.stderr)
+    assert f"{folder / 'failed.nc'}: given a run that is not ok" in unfolded(done.stderr)
     assert not list(tmp_path.iterdir())
 
 
-def test_the_results_themselves_are_not_overwritten(folder):
-    done = gfmd("statistics", folder / "map.nc", "-o", folder / "map.nc")
+@pytest.mark.parametrize("command", ["statistics", *TRANSPORT])
+def test_the_results_themselves_are_not_overwritten(folder, command):
+    done = gfmd(command, folder / "map.nc", "-o", folder / "map.nc")
     assert done.exit_code == 2
     assert "which is an input" in unfolded(done.stderr)
 
@@ -91,7 +140,8 @@ def test_a_unit_that_somebody_wrote_is_escaped(folder, tmp_path):
     altered["gap"].attrs["units"] = "\x1b[2J"
     altered["x"].attrs["units"] = np.array([1, 2])
     altered.to_netcdf(tmp_path / "altered.nc", engine="netcdf4")
-    done = gfmd("statistics", tmp_path / "altered.nc", "-o", tmp_path / "statistics.nc", *ASKED)
-    assert done.exit_code == 0, done.output
-    assert "\x1b" not in done.output
-    assert r"\x1b[2J" in done.output
+    for command in (("statistics", "--percolation"), ("leakage",), ("conductance",)):
+        done = gfmd(*command, tmp_path / "altered.nc", "-o", tmp_path / "statistics.nc")
+        assert done.exit_code == 0, done.output
+        assert "\x1b" not in done.output
+        assert r"\x1b[2J" in done.output or command[0] == "conductance"

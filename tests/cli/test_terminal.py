@@ -22,6 +22,8 @@ COMMANDS = """
 accuracy campaign.yaml --realisations=2
 check campaign.yaml
 collect small
+conductance contact.nc
+conductance steps.nc -o conductance.nc
 curve broken-one.yaml --loads 0.1,0.2 -o curve.nc
 curve one.yaml --loads 1e-3:1:4 -o curve.nc
 curve one.yaml --loads 1e-3:1:4 --realisations 3 -o curve.nc
@@ -30,6 +32,8 @@ fields contact.nc -o fields.nc
 fit small
 fit small --fixed eps_c=0.5:2 --exponents free --variable kappa_counted -o fit.nc
 init new.yaml
+leakage map.nc -o leakage.nc
+leakage steps.nc
 plan campaign.yaml --pilot=0.1
 plan campaign.yaml --target=10% --write planned.yaml
 plot small
@@ -39,9 +43,9 @@ run means.yaml --workers=0
 solve broken-scene.yaml -o contact.nc
 solve path.yaml -o path.nc
 solve scene.yaml -o contact.nc
-statistics contact.nc -o statistics.nc --conductance
-statistics map.nc -o statistics.nc --percolation --leakage --conductance
-statistics steps.nc -o statistics.nc --percolation --leakage --conductance
+statistics contact.nc -o statistics.nc
+statistics map.nc -o statistics.nc --percolation
+statistics steps.nc -o statistics.nc --percolation
 status broken
 status small
 surface surface.yaml -o surface.nc

@@ -73,7 +73,7 @@ KINDS = {
     "statistics of a map": lambda: gfmd_numba.contact_statistics(gfmd_numba.solve(scene(dimension=2))),
     "percolation": lambda: gfmd_numba.gap_percolation(gfmd_numba.solve(scene(dimension=2))),
     "leakage": lambda: gfmd_numba.leakage(gfmd_numba.solve(scene(dimension=2))),
-    "conductance": lambda: gfmd_numba.contact_conductance(a_path()),
+    "conductance": lambda: gfmd_numba.contact_conductance(gfmd_numba.solve(scene(dimension=2))),
     "stiffness": lambda: contact_stiffness(a_path()),
     "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0, "kappa", 0.1, 0.1, 1e-5)]),
 }

@@ -54,7 +54,19 @@ def test_a_pressed_ridge_conducts_as_westergaard_says_to_a_node():
 def test_a_profile_conducts_as_the_map_of_its_ridge():
     dataset = pressed(wave(64, 0.01), 0.003)
     of_profile = dataset.isel(y=0).drop_vars("y")
-    assert conductance(of_profile) == pytest.approx(conductance(dataset), rel=1e-9)
+    with pytest.warns(UserWarning, match="that of a profile: its spots are ridges without end along y"):
+        found = conductance(of_profile)
+    assert found == pytest.approx(conductance(dataset), rel=1e-9)
+
+
+def test_the_current_crosses_touching_nodes_and_is_largest_at_edges():
+    found = gfmd_numba.contact_conductance(pressed(paraboloid(64), 2e-4))
+    density, touching = found["current_density"].values, pressed(paraboloid(64), 2e-4)["gap"].values == 0.0
+    assert density.mean() == pytest.approx(1.0)
+    assert (density[~touching] == 0.0).all()
+    assert (density[touching] > 0.0).all()
+    assert density[touching].min() == pytest.approx(density[32, 32], rel=0.05)
+    assert found.validity == ""
 
 
 def test_a_rough_map_conducts_as_it_is_stiff():

@@ -14,12 +14,15 @@ from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
+from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 
 KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has
     "fields inside a body": ("von_mises", plot_body),
     "surface": ("spectral_density", plot_surface),
     "accuracy": ("study", plot_accuracy),
     "statistics of a contact": ("pressure_density", plot_statistics),
+    "leakage": ("local_flow", plot_leakage),
+    "conductance": ("current_density", plot_conductance),
     "load curve": ("prescribed_load", plot_curve),
     "fit": ("kappa_tfc", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),

@@ -59,7 +59,7 @@ def of_variable(dataset: xr.Dataset, variable: str) -> str:
 
 def with_unit(text: str, variable: xr.DataArray) -> str:
     """Text with the unit of a variable behind it."""
-    unit = variable.attrs.get("units", "1")
+    unit = str(variable.attrs.get("units", "1"))
     return text if unit == "1" else f"{text} ({unit})"
 
 
@@ -77,7 +77,7 @@ def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]
 
 def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
     """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1."""
-    unit = variable.attrs.get("units", "1")
+    unit = str(variable.attrs.get("units", "1"))
     largest = float(abs(variable).max())
     if unit == "1":
         power = int(np.floor(np.log10(largest))) if largest else 0

@@ -31,7 +31,8 @@ DRAGGED = {
 def limit(found):
     """Limit and error of what a campaign fits, at every step or of the path."""
     fitted = gfmd_numba.fit_tfc(found, **json.loads(found.attrs["fit"]))
-    return fitted["kappa_tfc"].values, fitted["kappa_tfc_error"].values
+    name = f"{fitted.attrs['variable']}_tfc"
+    return fitted[name].values, fitted[f"{name}_error"].values
 
 
 def main(variable="hysteresis", runs="40"):

@@ -16,7 +16,7 @@ _GAIN = 0.998  # of the error, for which another share of a level is worth takin
 
 @dataclass(frozen=True)
 class Design:
-    """Realisations of the reference and of each level, the relative error of kappa_tfc they give, and their cost in s.
+    """Realisations of the reference and of each level, the relative error of the limit they give, and their cost in s.
 
     Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot. `sampling` and
     `exponents` are the parts of the error, `limiting` says what it mostly comes from.
@@ -52,7 +52,7 @@ def cheapest_design(
     variable: str = "kappa",
     fixed: Mapping[str, float | Sequence[float]] | None = None,
 ) -> Design:
-    """Return the cheapest realisations by which every group's relative error of kappa_tfc is below a target.
+    """Return the cheapest realisations by which every group's relative error of the TFC limit is below a target.
 
     `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
     UnusableDataError where a million realisations do not reach it.

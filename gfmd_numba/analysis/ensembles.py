@@ -114,7 +114,7 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
 
 
 def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
-    """Return the relative error of kappa_tfc of nested realisations, and what it were at exponents well known."""
+    """Return the relative error of the TFC limit of nested realisations, and what it were at exponents well known."""
     asked = counts[ensemble.level]
     information = np.zeros_like(ensemble.covariance)
     before = 0.0

@@ -1,4 +1,4 @@
-"""What the error of an extrapolated kappa is made of, source by source."""
+"""What the error of a TFC limit is made of, source by source."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ SOURCES = (*LIMITS, "interaction", "sampling", "residual")
 def error_budget(
     index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals], residuals: Reals
 ) -> Reals:
-    """Return what each of `SOURCES` adds to the error of a group's kappa_tfc (source), nan for limits not varied.
+    """Return what each of `SOURCES` adds to the error of a group's TFC limit (source), nan for limits not varied.
 
     A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
     corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error. The
@@ -53,7 +53,7 @@ def _variance(weight: Reals, value: Reals) -> float:
 
 
 def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> float:
-    """Return the variance of the mean of kappa_tfc at given parameters of a limit's law."""
+    """Return the variance of the mean of the TFC limit at given parameters of a limit's law."""
     mine = [index for index, parameter in enumerate(choice.parameters) if parameter.limit == limit]
     _, same = np.unique(choice.nodes[:, mine], axis=0, return_inverse=True)
     weight = np.bincount(same.ravel(), share)
@@ -63,7 +63,7 @@ def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> floa
 
 
 def _influence(index: int, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
-    """Return the derivative of kappa_tfc to each mean (case): of the fits, and of the weights of the nodes."""
+    """Return the derivative of the TFC limit to each mean (case): of the fits, and of the weights of the nodes."""
     weight = np.concatenate(shares)
     value, influence, pull = (
         np.concatenate([getattr(choice.fits[index], name) for choice in choices])

@@ -31,8 +31,8 @@ class Estimates:
         return cls(np.full((*shape, _INTERACTION.stop), np.nan))
 
     @property
-    def kappa_tfc(self) -> Reals:
-        """Values (...) in the limit."""
+    def tfc(self) -> Reals:
+        """Values (...) in the TFC limit."""
         return self.table[..., 0]
 
     @property
@@ -58,14 +58,14 @@ class Estimates:
 
 @dataclass(frozen=True)
 class GroupFit:
-    """What a fit says of one group: `budget` is the error of kappa_tfc (source); nan where the fit is refused."""
+    """What a fit says of one group: `budget` is the error of the TFC limit (source); nan where the fit is refused."""
 
     status: Literal["ok", "refused"]
     message: str
     estimate: Estimates
     error: Estimates
-    kappa_tfc_low: float
-    kappa_tfc_high: float
+    low: float  # ends of the 90 % interval of the TFC limit
+    high: float
     budget: Reals
     rms_residual: float
     chi2: float

@@ -13,25 +13,25 @@ from gfmd_numba.analysis.selection import LIMITS, Group, axes
 _OF_THE_VARIABLE = "unit of the variable that is fitted"
 
 _UNITS_AND_NAMES = {
-    "kappa_tfc": (_OF_THE_VARIABLE, "extrapolated value in the thermodynamic, fractal and continuum limit"),
-    "kappa_tfc_error": (_OF_THE_VARIABLE, "standard error: surfaces, laws of the limits, interactions"),
-    "kappa_tfc_low": (_OF_THE_VARIABLE, "lower end of the 90 % interval"),
-    "kappa_tfc_high": (_OF_THE_VARIABLE, "upper end of the 90 % interval"),
+    "{variable}_tfc": (_OF_THE_VARIABLE, "{variable} in the thermodynamic, fractal and continuum limit"),
+    "{variable}_tfc_error": (_OF_THE_VARIABLE, "standard error: surfaces, laws of the limits, interactions"),
+    "{variable}_tfc_low": (_OF_THE_VARIABLE, "lower end of the 90 % interval of {variable}_tfc"),
+    "{variable}_tfc_high": (_OF_THE_VARIABLE, "upper end of the 90 % interval of {variable}_tfc"),
     "C": (_OF_THE_VARIABLE, "coefficient of eps^alpha"),
     "C_error": (_OF_THE_VARIABLE, "standard error of the coefficient of eps^alpha"),
     "alpha": ("1", "exponent"),
     "alpha_error": ("1", "standard error of the exponent"),
-    "correction": (_OF_THE_VARIABLE, "correction of the limit at the reference discretisation"),
+    "correction": (_OF_THE_VARIABLE, "correction of {variable} by the limit at the reference discretisation"),
     "correction_error": (_OF_THE_VARIABLE, "standard error of the correction"),
     "interaction": (_OF_THE_VARIABLE, "what two corrections together differ by from their sum, at the reference"),
     "interaction_error": (_OF_THE_VARIABLE, "standard error of the interaction"),
     "curve_eps": ("1", "discretisation along each limit"),
-    "curve": (_OF_THE_VARIABLE, "fit along each limit, the others at the reference"),
+    "curve": (_OF_THE_VARIABLE, "{variable} by the fit along each limit, the others at the reference"),
     "rms_residual": (_OF_THE_VARIABLE, "rms difference of case means and fit"),
     "chi2": ("1", "sum of squared residuals weighted by the shrunk covariance, of the likeliest laws"),
     "fit_status": ("1", "ok, or refused where an exponent is not identified"),
     "message": ("1", "what is to be known of the fit, a line for each thing"),
-    "reference": (_OF_THE_VARIABLE, "mean at the reference discretisation"),
+    "reference": (_OF_THE_VARIABLE, "mean of {variable} at the reference discretisation"),
     "reference_error": (_OF_THE_VARIABLE, "standard error of the mean"),
     "reference_eps": ("1", "reference discretisation"),
     "n_cases": ("1", "cases fitted"),
@@ -39,7 +39,8 @@ _UNITS_AND_NAMES = {
     "n_excluded": ("1", "results left out: not finite or status not ok"),
     "error_budget": (
         _OF_THE_VARIABLE,
-        "error of kappa_tfc by the laws of the limits, interactions, sampling, and at most by the solver's residual",
+        "error of {variable}_tfc by the laws of the limits, interactions, sampling, and at most by the solver's "
+        "residual",
     ),
     "seconds": ("s", "processor time of the cases fitted; groups that share a problem each count it"),
     "group": ("1", "group of cases that differ only in discretisation"),
@@ -55,11 +56,11 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     estimate = Estimates(np.array([fit.estimate.table for fit in fits]))
     error = Estimates(np.array([fit.error.table for fit in fits]))
     variables: dict[str, Any] = {
-        "kappa_tfc": ("group", estimate.kappa_tfc),
-        "kappa_tfc_error": ("group", error.kappa_tfc),
+        f"{variable}_tfc": ("group", estimate.tfc),
+        f"{variable}_tfc_error": ("group", error.tfc),
     }
-    for name in ("kappa_tfc_low", "kappa_tfc_high"):
-        variables[name] = ("group", [getattr(fit, name) for fit in fits])
+    for end in ("low", "high"):
+        variables[f"{variable}_tfc_{end}"] = ("group", [getattr(fit, end) for fit in fits])
     for name, parameter in (("C", "coefficient"), ("alpha", "exponent"), ("correction", "correction")):
         variables[name] = (("group", "limit"), getattr(estimate, parameter))
         variables[f"{name}_error"] = (("group", "limit"), getattr(error, parameter))
@@ -93,5 +94,14 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     result = xr.Dataset(variables, parameters | dimensions)
     own_unit = dataset[variable].attrs.get("units", "1")
     for name, (unit, long_name) in _UNITS_AND_NAMES.items():
-        result[name].attrs = {"long_name": long_name, "units": own_unit if unit == _OF_THE_VARIABLE else unit}
+        described = {"long_name": long_name, "units": own_unit if unit == _OF_THE_VARIABLE else unit}
+        result[name.format(variable=variable)].attrs = {
+            key: text.format(variable=variable) for key, text in described.items()
+        }
     return result
+
+
+def in_the_limit(fit: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the variable that was fitted in the TFC limit, and its standard error, both over `group`."""
+    name = f"{fit.attrs['variable']}_tfc"
+    return fit[name], fit[f"{name}_error"]

@@ -104,7 +104,10 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
     if not steep or any(choice.laws["eps_f"].whole for choice in choices):
         return []
-    return ["near H = 1 kappa goes as 1 / log(1 / eps_f): a power of eps_f may fit, but its limit is not that of kappa"]
+    return [
+        f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f), as kappa does: a power of eps_f may fit, but its "
+        f"limit is then not that of {group.variable}"
+    ]
 
 
 def additivity(group: Group, estimate: Reals, error: Reals) -> list[str]:
@@ -116,14 +119,15 @@ def additivity(group: Group, estimate: Reals, error: Reals) -> list[str]:
     open_ones = [number for number, _ in pairs if number not in crossed]
     lines = []
     if crossed:
-        size = f"{found[crossed].sum():.2g} +- {np.hypot.reduce(unknown[crossed]):.2g}"
+        total, doubt = float(found[crossed].sum()), float(np.hypot.reduce(unknown[crossed]))
+        size = group.shown(total, doubt)
         lines.append(f"corrections together differ from their sum by {size}, as the cross levels say")
     if open_ones:
         which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
+        difference = group.shown(float(np.hypot.reduce(unknown[open_ones])))
         lines.append(
             f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
-            f"{np.hypot.reduce(unknown[open_ones]):.2g}: add `cross` to the limits, cases in which two eps differ from "
-            "the reference"
+            f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"
         )
     return lines
 

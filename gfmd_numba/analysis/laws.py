@@ -52,8 +52,8 @@ class Parameter:
 class Law:
     """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
 
-    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over kappa_tfc:
-    such a law has no coefficient of its own.
+    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over the TFC
+    limit: such a law has no coefficient of its own.
     """
 
     parameters: tuple[Parameter, ...]

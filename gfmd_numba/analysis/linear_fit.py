@@ -1,10 +1,10 @@
 """The fit of thesis (4.3), with interactions, where the laws of the limits are known: it is linear.
 
-Its coefficients are kappa_tfc, a correction for each limit, and an interaction for each pair of limits, by which their
-corrections taken together differ from their sum. Interactions are products of the two laws. Nothing but cross levels,
-where two discretisations differ from the reference at once, tells them. What is known before is that they are of the
-size of the smaller correction, and that the correction in eps_t wanes with eps_f: it comes from the few longest waves,
-whose part in the slope falls.
+Its coefficients are the TFC limit, a correction for each limit, and an interaction for each pair of limits, by which
+their corrections taken together differ from their sum. Interactions are products of the two laws. Nothing but cross
+levels, where two discretisations differ from the reference at once, tells them. What is known before is that they are
+of the size of the smaller correction, and that the correction in eps_t wanes with eps_f: it comes from the few longest
+waves, whose part in the slope falls.
 """
 
 from dataclasses import dataclass
@@ -51,13 +51,13 @@ class Before:
 class Linear:
     """The linear fits of one group (node, ...) at the nodes of a quadrature.
 
-    The coefficients are kappa_tfc, the correction of each limit at the reference and the interaction of each pair.
+    The coefficients are the TFC limit, the correction of each limit at the reference and the interaction of each pair.
     """
 
     misfit: Reals  # chi^2 (node)
     coefficients: Reals  # (node, coefficient)
     covariance: Reals  # (node, coefficient, coefficient)
-    influence: Reals  # of each mean on kappa_tfc (node, case)
+    influence: Reals  # of each mean on the TFC limit (node, case)
     pull: Reals  # derivative of chi^2 to each mean (node, case)
     exponents: Reals  # of each limit's law at the reference (node, limit)
 
@@ -67,7 +67,7 @@ def linear(means: Means, laws: Laws, nodes: Reals, before: Before) -> Linear:
     coefficients, solving, residual = solved(means, laws, nodes, before)
     inverse = solving @ np.swapaxes(solving, 1, 2)
     n_cases = means.values.size
-    # from the columns' coefficients to kappa_tfc, corrections and interactions, in the unit of kappa
+    # from the columns' coefficients to the TFC limit, corrections and interactions, in the unit of the variable
     limits = list(means.levels)
     change = np.zeros((len(nodes), 1 + len(limits) + len(means.pairs), coefficients.shape[1]))
     change[:, 0, 0] = 1.0
@@ -138,7 +138,7 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
     whole = np.ones((len(nodes), means.values.size))
     found = []
     for (limit, column), scatter in zip(laws_of.items(), before.own, strict=True):
-        if laws[limit].whole:  # kappa_tfc (1 + excess): no coefficient of its own
+        if laws[limit].whole:  # the TFC limit times (1 + excess): no coefficient of its own
             whole = whole + column * excess(laws, limit, np.array([means.reference[limit]]), nodes)
         else:
             found.append(_unit(scatter) * column)
@@ -202,7 +202,7 @@ def as_if_exact(before: Before) -> Before:
 
 
 def linear_influence(means: Means) -> tuple[Reals, int]:
-    """Return the derivative of kappa_tfc to each mean (case) for linear laws, and how many contrasts have none."""
+    """Return the derivative of the TFC limit to each mean (case) for linear laws, and how many contrasts have none."""
     laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}
     nodes = np.ones((1, len(laws)))
     free = Before(np.full(len(means.levels), np.inf), np.full(len(means.pairs), np.inf))

@@ -122,7 +122,7 @@ def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> R
 
 
 def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float]:
-    """Return a choice of laws as a linear fit about its mean parameters, with kappa_tfc there.
+    """Return a choice of laws as a linear fit about its mean parameters, with the TFC limit there.
 
     The columns (case, coefficient), their derivatives (case, parameter) to the positions of the parameters in their
     ranges, and what is known before of coefficients and parameters: one over the variance of each.

@@ -15,7 +15,7 @@ _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the on
 
 @dataclass(frozen=True)
 class Prediction:
-    """Relative error of kappa_tfc to expect of one group, times the `factor`.
+    """Relative error of the TFC limit to expect of one group, times the `factor`.
 
     `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
     the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from gfmd_numba.analysis.facts_of_cases import dimension_of, nodes_per_segment, residual_error
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.uncertain import with_error
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
 CROSS = "cross"  # in `limit` of a case that differs from the reference in several of them
@@ -41,6 +43,8 @@ class UnusableDataError(InputError):
 class Group:
     """The results of one group of cases, which differ only in discretisation, as a fit takes them."""
 
+    variable: str
+    unit: str  # of the variable
     parameters: dict[str, float]
     cases: NDArray[np.intp]  # where its cases stand in the dataset
     values: Reals  # (realisation, case)
@@ -64,6 +68,12 @@ class Group:
     def n_cases(self) -> int:
         """Number of cases."""
         return int(self.values.shape[1])
+
+    def shown(self, value: float, error: float = nan) -> str:
+        """Return a number in the unit of the variable for a sentence, with its standard error where it has one."""
+        factor, unit = si_prefix(max(abs(value), 0.0 if isnan(error) else error), self.unit)
+        number = with_error(factor * value, factor * error, digits=2)
+        return number if unit == "1" else f"({number}) {unit}" if "±" in number else f"{number} {unit}"
 
     def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""
@@ -200,7 +210,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         if np.unique(level).size > 1:
             levels[name] = level
         else:
-            notes.append(f"{name} is not varied: kappa_tfc is not extrapolated in it")
+            notes.append(f"{name} is not varied: {variable}_tfc is not extrapolated in it")
     dimension = dimension_of(cases)
     nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
     if nodes < fewest:
@@ -211,6 +221,8 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             f"the area is that of the grid, not of the surface; take {finer} or a higher pressure"
         )
     return Group(
+        variable=variable,
+        unit=cases[variable].attrs.get("units", "1"),
         parameters=parameters,
         cases=cases["_position"].values[kept],
         values=values,

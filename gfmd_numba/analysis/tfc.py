@@ -38,8 +38,9 @@ from gfmd_numba.analysis.steps_of_paths import joined, steps_of
 from gfmd_numba.arrays import Reals
 
 MODEL = (
-    "kappa = kappa_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = eps_i^alpha_i "
-    "[thesis (4.3)] or, of kappa against eps_f, 1 / sqrt(1 - S) - 1 with the share S of g^2 that contacts do not see"
+    "{variable} = {variable}_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = "
+    "eps_i^alpha_i [thesis (4.3)] or, of a kappa against eps_f, 1 / sqrt(1 - S) - 1 with the share S of g^2 that "
+    "contacts do not see"
 )
 _TAIL = 0.05  # beyond each end of an interval
 _WORTH_A_NOTE = 1.01  # factor on errors
@@ -60,10 +61,11 @@ def fit_tfc(
     tell.
     Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
     the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
-    campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: kappa_tfc,
-    reference (mean of the reference case) and message (one line for each thing to know) over (group), C, alpha and
-    correction over (group, limit), interaction over (group, pair), their errors, error_budget over (group, source),
-    all dimensionless, and seconds of processor time over (group), where groups that share a problem each count it; the
+    campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: the limit, under
+    the name of the variable with `_tfc` behind it like kappa_tfc or mean_gap_tfc, reference (mean of the reference
+    case) and message (one line for each thing to know) over (group), C, alpha and correction over (group, limit),
+    interaction over (group, pair), their errors, error_budget over (group, source). All but alpha have the unit of the
+    variable. Also seconds of processor time over (group), where groups that share a problem each count it; the
     attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is not identified; ValueError
     for an unknown variable, mode or limit, or a wrong fixed exponent.
 
@@ -86,7 +88,7 @@ def fit_tfc(
     return fit_dataset(dataset, variable, members, fits).assign_attrs(
         variable=variable,
         exponents=exponents,
-        model=MODEL,
+        model=MODEL.format(variable=variable),
         fixed=", ".join(shown) or "none",
         omit_nyquist=str(omit_nyquist),
         **processor_time(dataset),
@@ -145,7 +147,8 @@ def _fit(
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
-            f"the residual may have put kappa_tfc off by another {loose:.2g}: ask the solver for a smaller one"
+            f"the residual may have put {group.variable}_tfc off by another {group.shown(loose)}: ask the solver for "
+            "a smaller one"
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
@@ -154,8 +157,8 @@ def _fit(
         message="\n".join(notes),
         estimate=Estimates(estimate),
         error=Estimates(error),
-        kappa_tfc_low=low,
-        kappa_tfc_high=high,
+        low=low,
+        high=high,
         budget=budget,
         rms_residual=rms_residual,
         chi2=excess * chi2,
@@ -180,7 +183,7 @@ def _curve(
 def _table(group: Group, fit: Linear) -> Reals:
     """Return the parameters (node, parameter) of fits in the order of `Estimates`, nan for limits not varied."""
     found = Estimates.unknown(len(fit.misfit))
-    found.kappa_tfc[:] = fit.coefficients[:, 0]
+    found.tfc[:] = fit.coefficients[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
         found.correction[:, limit] = fit.coefficients[:, 1 + row]
@@ -195,7 +198,7 @@ def _variances(group: Group, fit: Linear) -> Reals:
     """Return the variances of `_table` at known parameters of the laws."""
     variance = np.diagonal(fit.covariance, axis1=1, axis2=2)
     found = Estimates.unknown(len(fit.misfit))
-    found.kappa_tfc[:] = variance[:, 0]
+    found.tfc[:] = variance[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
         found.correction[:, limit] = variance[:, 1 + row]
@@ -259,8 +262,8 @@ def _refused(group: Group, reason: str) -> GroupFit:
         message="\n".join([reason, *group.notes]),
         estimate=Estimates.unknown(),
         error=Estimates.unknown(),
-        kappa_tfc_low=np.nan,
-        kappa_tfc_high=np.nan,
+        low=np.nan,
+        high=np.nan,
         budget=np.full(len(SOURCES), np.nan),
         rms_residual=np.nan,
         chi2=np.nan,

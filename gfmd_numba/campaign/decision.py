@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.ensembles import level_of_case
+from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.limits import CROSS, MOST
@@ -82,7 +83,8 @@ class Decision:
 def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
     """Errors of the worst group; UnusableDataError for results that do not tell."""
     expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
-    errors = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).fillna(inf).values
+    limit, error = in_the_limit(fitted)
+    errors = (error / abs(limit)).fillna(inf).values
     worst = max(range(len(errors)), key=lambda group: errors[group] * expected[group].factor)
     return Judgement(float(errors[worst]), expected[worst].factor, max(each.error for each in expected))
 

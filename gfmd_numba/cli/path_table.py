@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import isnan
 from typing import TYPE_CHECKING
 
 from gfmd_numba.cli.arguments import LIMITS
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters
+from gfmd_numba.text.uncertain import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +34,7 @@ def show_paths(dataset: xr.Dataset) -> None:
         if name in dataset:
             unit = dataset[name].attrs["units"]
             heading = name.replace("_", " ") + (f" ({unit})" if unit != "1" else "")
-            means[heading] = [_cell(*each) for each in zip(*ensemble_mean(shown, name), strict=True)]
+            means[heading] = [with_error(*each) for each in zip(*ensemble_mean(shown, name), strict=True)]
     steps = dataset.sizes["step"] - 1
     print_table(
         f"end of the path of {steps} steps, mean of the realisations (one standard error)",
@@ -43,9 +43,3 @@ def show_paths(dataset: xr.Dataset) -> None:
     )
     if dataset.sizes["case"] > MOST_ROWS:
         say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
-
-
-def _cell(value: float, error: float) -> str:
-    if isnan(value):
-        return "-"
-    return f"{value:.4g}" + ("" if isnan(error) else f"±{error:.2g}")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import isfinite, isinf, isnan, sqrt
+from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING
 
 from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.uncertain import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,24 +64,18 @@ def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[s
     factor, shown = _suited(dataset, name)
     errors = dataset.get(f"{name}_standard_error")
     values = dataset[name].values.ravel().tolist()
-    deviations = [float("nan")] * len(values) if errors is None else errors.values.ravel().tolist()
-    cells = [_figure(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
+    deviations = [nan] * len(values) if errors is None else errors.values.ravel().tolist()
+    cells = [with_error(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
     return f"{WORDS[name]} ({shown})" if shown else WORDS[name], cells
 
 
 def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
     """Return words, number and unit of a variable that is one number."""
     factor, shown = _suited(dataset, name)
-    return WORDS[name], _figure(factor * float(dataset[name]), float("nan"), 6), shown
+    return WORDS[name], with_error(factor * float(dataset[name]), nan, 6), shown
 
 
 def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
     sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value) and value != 0.0]
     middle = sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
     return si_prefix(middle, unit(dataset, name))
-
-
-def _figure(value: float, error: float, digits: int) -> str:
-    if isnan(value) or isinf(value):
-        return "-" if isnan(value) else "inf"
-    return f"{value:.{digits}g}" if isnan(error) else f"{value:.{digits}g}±{error:.2g}"

@@ -8,32 +8,30 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.cli.arguments import LIMITS
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.sentences import say
+from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.uncertain import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = [
-    "reference",
-    "reference_error",
-    "kappa_tfc",
-    "kappa_tfc_error",
-    "correction",
-    "correction_error",
-]
+_IN_UNIT_OF_VARIABLE = ["reference", "reference_error", "correction", "correction_error"]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _LONGEST_NAME = 40
 
 
 def show_fit(fitted: xr.Dataset) -> None:
-    """Print kappa at the reference and in the limit, and what separates the two."""
+    """Print the variable at the reference and in the limit, and what separates the two."""
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
     factor, unit = _readable_unit(fitted["reference"])
-    title = f"{fitted.attrs['variable']}{unit} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
-    shown = fitted[_IN_UNIT_OF_VARIABLE] / factor
+    of_unit = f" ({unit})" if unit else ""
+    title = f"{fitted.attrs['variable']}{of_unit} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    shown = fitted[_IN_UNIT_OF_VARIABLE] * factor
     values = {
         "reference": _with_errors(shown["reference"], shown["reference_error"]),
-        "limit": _with_errors(shown["kappa_tfc"], shown["kappa_tfc_error"]),
+        "limit": _with_errors(*(factor * each for each in in_the_limit(fitted))),
     }
     for limit, kind in LIMITS.items():
         values[kind] = _with_errors(*(shown[name].sel(limit=limit) for name in ("correction", "correction_error")))
@@ -42,7 +40,7 @@ def show_fit(fitted: xr.Dataset) -> None:
         if fitted["alpha"].sel(limit=limit).notnull().any():
             say("exponent", f"{limit} {_exponent_found(fitted, limit):16} ({kind})")
     if (fitted["error_budget"] > 0).any():
-        say("error", _sources(fitted))
+        say("error", _sources(fitted, factor, unit))
     messages = [str(message).splitlines() for message in fitted["message"].values]
     for line in dict.fromkeys(line for lines in messages for line in lines):
         having = [i for i, lines in enumerate(messages) if line in lines]
@@ -51,17 +49,21 @@ def show_fit(fitted: xr.Dataset) -> None:
 
 
 def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
-    """Power of ten that values are shown in, 1 for those from 0.1 to 1e4, and how it is written with their unit."""
+    """Return the factor on values, 1 for those from 0.1 to 1e4 without a prefix, and the unit that they then have."""
     largest = float(abs(values).max())
+    factor, unit = si_prefix(largest, values.attrs.get("units", "1"))
+    largest *= factor
     exponent = floor(log10(largest)) if 0.0 < largest < inf else 0
     power = "" if -1 <= exponent <= 3 else f"1e{exponent:+03d}"
-    unit = " ".join(filter(None, (power, values.attrs.get("units", "1").removeprefix("1"))))
-    return float(power or 1.0), f" ({unit})" if unit else ""
+    return factor / float(power or 1.0), " ".join(filter(None, (power, unit.removeprefix("1"))))
 
 
 def show_target(fitted: xr.Dataset, target: float) -> None:
     """Print the error each group was meant to have, and the one it has."""
-    reached = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).values
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
+    limit, error = in_the_limit(fitted)
+    reached = (error / abs(limit)).values
     missed = [f"{error:.2%}" for error in reached if not error <= target]
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
     say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
@@ -146,36 +148,28 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     return " and ".join(groups) + ": "
 
 
-def _sources(fitted: xr.Dataset) -> str:
+def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
     """Return the parts of the errors of the limit, the largest of each source, and the contacts' processor time."""
-    most = fitted["error_budget"].max("group")
+    most = factor * fitted["error_budget"].max("group")
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
     spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
-    return f"largest parts {', '.join(parts)}{spent}"
+    return f"largest parts {', '.join(parts)}{f' (in {unit})' if unit else ''}{spent}"
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     """Return the exponent of a limit, or if they differ one for each group in their order, or their range."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
-    found = [_with_error(*each) for each in zip(values, errors, strict=True)]
+    found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
         return found[0]
     known = [value for value in values.tolist() if not isnan(value)]
-    return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{min(known):.3f} to {max(known):.3f}"
+    return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{min(known):.4g} to {max(known):.4g}"
 
 
 def _number(value: Any) -> str:
     return "-" if isnan(float(value)) else f"{float(value):g}"
 
 
-def _with_error(value: Any, error: Any) -> str:
-    return "-" if isnan(float(value)) else _figure(value) + ("" if isnan(float(error)) else f"±{_figure(error)}")
-
-
 def _with_errors(values: Any, errors: Any) -> list[str]:
-    return [_with_error(*each) for each in zip(values, errors, strict=True)]
-
-
-def _figure(value: Any) -> str:
-    return f"{float(value):.3f}" if abs(float(value)) < 1e4 else f"{float(value):.2e}"
+    return [with_error(float(value), float(error)) for value, error in zip(values, errors, strict=True)]

@@ -31,7 +31,7 @@ def whole(fit):
 
 
 def limit_for(dataset, name, exponent):
-    """kappa_tfc of data without noise at a given exponent."""
+    """TFC limit of data without noise at a given exponent."""
     columns = [dataset[limit].values ** (MIDDLE | {name: exponent})[limit] for limit in MIDDLE]
     design = np.column_stack([np.ones(dataset.sizes["case"]), *columns])
     return np.linalg.lstsq(design, dataset["kappa_r"].mean("realisation").values, rcond=None)[0][0]
@@ -56,9 +56,9 @@ def test_the_parts_in_quadrature_are_the_whole_error(cross, variable):
     dataset = noisy(campaign(realisations=30, cross=cross), np.random.default_rng(14), spread=0.05)
     fit = fit_tfc(dataset.rename(kappa=variable), variable, fixed=RANGES)
     sources = "eps_c", "eps_f", "interaction", "sampling"
-    assert min(part(fit, source) for source in sources) > 0.02 * fit["kappa_tfc_error"].item()
+    assert min(part(fit, source) for source in sources) > 0.02 * fit[f"{variable}_tfc_error"].item()
     assert part(fit, "eps_t") == 0.0
-    assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-9)
+    assert whole(fit) == pytest.approx(fit[f"{variable}_tfc_error"].item(), rel=1e-9)
 
 
 def test_with_exact_exponents_all_is_sampling_and_interactions():
@@ -108,8 +108,8 @@ def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(varia
     for case, error in enumerate((share * dataset[variable]).mean("realisation").values):
         moved = dataset.copy(deep=True)
         moved[variable][case] += 100 * error  # the same in every realisation: the weights stay
-        shifted = fit_tfc(moved, variable, fixed=fixed)["kappa_tfc"]
-        worst += abs(shifted - fit["kappa_tfc"]).item() / 100
+        shifted = fit_tfc(moved, variable, fixed=fixed)[f"{variable}_tfc"]
+        worst += abs(shifted - fit[f"{variable}_tfc"]).item() / 100
     assert part(fit, "residual") == pytest.approx(worst, rel=2e-2)
     assert "residual" not in fit["message"].item()
 

@@ -72,8 +72,8 @@ def test_what_is_known_of_the_path_as_a_whole_has_one_limit(loaded):
     loaded = loaded.assign(hysteresis=(("case", "realisation"), law.values[:, None] * noise, {"units": "J m-2"}))
     fitted = fit_tfc(loaded, "hysteresis", fixed=ALPHA)
     assert "path_step" not in fitted
-    assert fitted["kappa_tfc"].values == pytest.approx(3e-7, rel=1e-4)
-    assert fitted["kappa_tfc"].attrs["units"] == "J m-2"
+    assert fitted["hysteresis_tfc"].values == pytest.approx(3e-7, rel=1e-4)
+    assert fitted["hysteresis_tfc"].attrs["units"] == "J m-2"
 
 
 def test_a_limit_is_drawn_over_the_steps_and_the_path_at_the_reference(loaded):

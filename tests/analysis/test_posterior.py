@@ -124,10 +124,10 @@ def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     kappa, variance, chi2 = dense(means, nodes, relative_at, sizes)
     mean, error, weight = mixture(np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
     fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA | ranges).isel(group=0)
-    assert fit["kappa_tfc"].item() == pytest.approx(mean, abs=0.01 * error)
-    assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.01)
+    assert fit["kappa_r_tfc"].item() == pytest.approx(mean, abs=0.01 * error)
+    assert fit["kappa_r_tfc_error"].item() == pytest.approx(error, rel=0.01)
     ends = [quantile(share, weight, kappa, variance, group.n_realisations - 1) for share in (0.05, 0.95)]
-    np.testing.assert_allclose([fit["kappa_tfc_low"], fit["kappa_tfc_high"]], ends, atol=0.02 * error)
+    np.testing.assert_allclose([fit["kappa_r_tfc_low"], fit["kappa_r_tfc_high"]], ends, atol=0.02 * error)
     for axis, name in enumerate(ranges):
         alpha = fit.sel(limit=name)
         spread_of_alpha = np.sqrt(weight @ (nodes[:, axis] - weight @ nodes[:, axis]) ** 2)

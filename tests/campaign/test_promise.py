@@ -103,7 +103,8 @@ def test_a_plan_with_a_target_shows_the_size_of_its_design(tmp_path):
 
 
 def test_a_missed_target_is_explained(capsys):
-    missed = xr.Dataset({"kappa_tfc": ("group", [2.0, 2.0]), "kappa_tfc_error": ("group", [0.1, 0.2])})
+    limits = {"kappa_tfc": ("group", [2.0, 2.0]), "kappa_tfc_error": ("group", [0.1, 0.2])}
+    missed = xr.Dataset(limits, attrs={"variable": "kappa"})
     show_target(missed, 0.08)
     said = capsys.readouterr().out
     assert "missed by 1 of 2 groups" in said

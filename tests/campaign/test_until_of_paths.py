@@ -42,7 +42,7 @@ def test_a_run_ends_with_the_error_of_every_step_or_of_the_path(tmp_path, variab
     assert found.attrs["ended"] == "reached"
     fitted = fit_tfc(found, variable, fixed=KNOWN)
     assert fitted.sizes["group"] == (3 if variable == "kappa" else 1)
-    errors = (fitted["kappa_tfc_error"] / abs(fitted["kappa_tfc"])).values
+    errors = (fitted[f"{variable}_tfc_error"] / abs(fitted[f"{variable}_tfc"])).values
     assert found["round_error"].values[-1] in errors.tolist()  # that of the worst, by the factor of each
     factor = float(found["round_error_factor"][-1])
     assert found["round_error"].values[-1] * factor <= 0.15

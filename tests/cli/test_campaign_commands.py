@@ -7,6 +7,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.solvers import integrators
+from gfmd_numba.text.uncertain import with_error
 from support.campaigns import SMALL, campaign
 from support.command_line import gfmd, unfolded
 
@@ -33,7 +34,7 @@ def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
     assert done.exit_code == 0
     fitted = xr.open_dataset(tmp_path / "fit.nc")
     assert (fitted["fit_status"] == "ok").all()
-    assert f"{float(fitted['kappa_tfc'][0]):.3f}" in done.output
+    assert with_error(float(fitted["kappa_tfc"][0]), float(fitted["kappa_tfc_error"][0])) in done.output
     done = gfmd("plot", "small/small.nc", "-o", "picture.png", "--variable", "kappa_counted")
     assert done.exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 10_000
@@ -49,10 +50,9 @@ def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations):
     kappa = xr.open_dataset(tmp_path / "out" / "small.nc")["kappa"]
     assert "nu = 0.33, a = inf, p* = 0.05, eps_c = 0.25, eps_f = 0.0625, eps_t = 0.5\n" in done.output
     rows = [line.split() for line in done.output.splitlines() if line.startswith("0.")]
-    assert [row[0] for row in rows] == ["0.3", "0.8"]
-    found = [row[1].partition("±") for row in rows]
-    assert [mean for mean, _, _ in found] == [f"{mean:.3f}" for mean in kappa.mean("realisation").values]
-    assert all((error != "") == (realisations > 1) for _, _, error in found)
+    errors = kappa.std("realisation", ddof=1).values / realisations**0.5 if realisations > 1 else [float("nan")] * 2
+    found = map(with_error, kappa.mean("realisation").values.tolist(), errors)
+    assert rows == [list(row) for row in zip(["0.3", "0.8"], found, strict=True)]
     assert "nan" not in done.output
     drawn = gfmd("plot", tmp_path / "out", "-o", tmp_path / "out.png")
     assert drawn.exit_code == 0, drawn.output
@@ -88,7 +88,7 @@ def test_fit_prints_each_groups_own_reference_and_each_reason_once(results):
         (kappa.std("realisation", ddof=1) / 6**0.5).values,
         strict=True,
     ):
-        assert f"{mean:.3f}±{error:.3f}" in row
+        assert with_error(mean, error) in row
     said = gfmd("fit", results, "--fixed=eps_f=1").output.replace("\n         ", " ")  # notes are folded
     notes = [line for line in said.splitlines() if line.startswith("note")]
     assert len(notes) == len(set(notes)) < 6

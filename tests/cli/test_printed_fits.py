@@ -23,19 +23,19 @@ def exponent_line(alphas, capsys):
 
 
 def test_every_group_has_its_exponent_at_its_place(capsys):
-    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, 0.5], capsys) == "0.900 0.800 0.700 0.800 0.600 0.500"
+    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, 0.5], capsys) == "0.9 0.8 0.7 0.8 0.6 0.5"
 
 
 def test_a_group_without_an_exponent_keeps_its_place(capsys):
-    assert exponent_line([0.9, np.nan, 0.7, np.nan, 0.6, 0.5], capsys) == "0.900 - 0.700 - 0.600 0.500"
+    assert exponent_line([0.9, np.nan, 0.7, np.nan, 0.6, 0.5], capsys) == "0.9 - 0.7 - 0.6 0.5"
 
 
 def test_one_exponent_of_all_groups_is_printed_once(capsys):
-    assert exponent_line([0.7] * 6, capsys) == "0.700"
+    assert exponent_line([0.7] * 6, capsys) == "0.7"
 
 
 def test_exponents_of_many_groups_are_a_range(capsys):
-    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, np.nan, 0.8], capsys) == "0.600 to 0.900"
+    assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, np.nan, 0.8], capsys) == "0.6 to 0.9"
 
 
 def test_a_problem_that_cases_share_is_paid_for_once(capsys):
@@ -55,3 +55,18 @@ def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
     assert "cpu_seconds" not in fit.attrs
     show_fit(fit)
     assert "processor time" not in capsys.readouterr().out
+
+
+def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
+    dataset = noisy(campaign((0.3, 0.8)), np.random.default_rng(1))
+    dataset["mean_gap"] = (1e-6 * dataset["kappa"]).assign_attrs(units="m")
+    of_gap, of_kappa = (fit_tfc(dataset, name, fixed=ALPHA | {"eps_f": (0.5, 1.0)}) for name in ("mean_gap", "kappa"))
+    show_fit(of_gap)
+    said = unfolded(capsys.readouterr().out)
+    assert "mean_gap (µm) and its limit" in said
+    sampling = 1e6 * float(of_gap["error_budget"].sel(source="sampling").max())
+    assert f"sampling {sampling:.2g}" in said
+    assert "(in µm)" in said
+    assert "nm: add `cross` to the limits" in said
+    show_fit(of_kappa)
+    assert "(in " not in capsys.readouterr().out

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
+from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.plots.looks import Key, Look, Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.parameter import plot_parameter
@@ -145,7 +146,7 @@ def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, look: Look) -> None:
 def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) -> None:
     for each, fit in fitted.items():
         look = looks.of[each]
-        position, value, error = looks.position(each), float(fit["kappa_tfc"]), float(fit["kappa_tfc_error"])
+        position, (value, error) = looks.position(each), map(float, in_the_limit(fit))
         axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=4.5, capsize=3, lw=1.3)
     axis.set_xticks(range(len(looks.coloured)), [f"{value:g}" for value in looks.coloured])
     axis.tick_params(axis="x", rotation=90 if len(looks.coloured) > 4 else 0)

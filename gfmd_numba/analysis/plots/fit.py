@@ -1,9 +1,11 @@
-"""Figure of a fit: kappa in the limit against a parameter, drawn without pyplot so that no state is shared."""
+"""Figure of a fit: its variable in the limit against a parameter, drawn without pyplot so that no state is shared."""
 
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.plots.parameter import over_parameter
+from gfmd_numba.analysis.plots.style import with_unit
 from gfmd_numba.analysis.selection import UnusableDataError, axes
 from gfmd_numba.arrays import Reals
 
@@ -15,14 +17,16 @@ def plot_fit(fit: xr.Dataset) -> Figure:
 
     Groups whose fit is refused are left out. UnusableDataError for anything but a fit, or one without a limit.
     """
-    if not {"kappa_tfc", "kappa_tfc_error", "fit_status"} <= set(fit.variables) or not axes(fit):
+    variable = str(fit.attrs.get("variable"))
+    if not {f"{variable}_tfc", f"{variable}_tfc_error", "fit_status"} <= set(fit.variables) or not axes(fit):
         raise UnusableDataError("given no fit; allowed: what `gfmd fit -o` leaves")
-    accepted = fit[["kappa_tfc", "kappa_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
+    accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
     if not accepted.sizes["group"]:
         raise UnusableDataError("given a fit that was refused in every group; allowed: one with a limit")
-    symbol = _SYMBOLS.get(fit.attrs["variable"], str(fit.attrs["variable"]))
-    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, f"{symbol} in the TFC limit")
+    label = with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
+    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label)
 
 
 def _limits(groups: xr.Dataset) -> tuple[Reals, Reals]:
-    return groups["kappa_tfc"].values, groups["kappa_tfc_error"].values
+    value, error = in_the_limit(groups)
+    return value.values, error.values

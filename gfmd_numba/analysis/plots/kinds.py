@@ -24,7 +24,7 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
     "leakage": ("local_flow", plot_leakage),
     "conductance": ("current_density", plot_conductance),
     "load curve": ("prescribed_load", plot_curve),
-    "fit": ("kappa_tfc", plot_fit),
+    "fit": ("fit_status", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),
     "contact": ("pressure", plot_contact),
     "loading path of a campaign": ("step_load", plot_path),

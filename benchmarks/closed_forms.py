@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
@@ -42,7 +42,7 @@ def table(title, sizes, *case):
     first = last = None
     for nx in sizes:
         pressures, length = errors(nx, *case)
-        corrected = length - 2 * EDGE_BIAS
+        corrected = length - 2 * HALF_SPACE.excess
         print(
             f"{nx:7}  {pressures[0]:8.1e}  {pressures[1]:14.1e}  {pressures[2]:9.1e}  {pressures[3]:9.1e}"
             f"   {length.mean():12.2f}  {abs(length).max():8.2f}  {corrected.mean():14.2f}  {abs(corrected).max():8.2f}"

@@ -7,7 +7,7 @@ paraboloid. The contacts are along y or turned by random angles, where edges of 
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from gfmd_numba.contact.edges import perimeter_bias
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -52,7 +52,7 @@ for n, smallest, longer, turned, count in (
     rows = [contact(n, body, width, longer, angle, rng) for width, angle in zip(widths, angles, strict=True)]
     counted, area, facing_x, facing_y = np.array(rows).T
     excess = (counted - area) / (facing_x + facing_y)
-    expected = perimeter_bias(facing_x.sum(keepdims=True), facing_y.sum(keepdims=True))[0]
+    expected = HALF_SPACE.perimeter_bias(facing_x.sum(keepdims=True), facing_y.sum(keepdims=True))[0]
     print(
         f"{n:6} {smallest:4g} to {2 * smallest:2g} {longer:8.2g} {turned!s:>7} {excess.mean():15.4f} "
         f"({excess.std(ddof=1) / np.sqrt(count):.4f}) {expected:12.4f}",

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
@@ -97,7 +97,7 @@ def units():
     u, restoring = verlet(heights, load, 100_000, 1.9, 0.5, tolerance=1e-8 / modulus)
     naive = ((u >= heights.max() - heights) & (restoring < load)).mean()
     ours, seconds = certified(heights, load)
-    edges = ours.touching.mean() - 2 * EDGE_BIAS / 256
+    edges = ours.touching.mean() - 2 * HALF_SPACE.excess / 256
     row(
         "E = 1 mPa, stop at a force of 1e-8 Pa",
         f"contact length {naive / truth - 1:+.0%}",
@@ -115,7 +115,7 @@ def edges():
     begun = time.perf_counter()
     counted = np.array([certified(heights, load)[0].touching.mean() for load in loads])
     cost = (time.perf_counter() - begun) / len(loads)
-    naive, ours = counted / truth - 1, (counted - 2 * EDGE_BIAS / nx) / truth - 1
+    naive, ours = counted / truth - 1, (counted - 2 * HALF_SPACE.excess / nx) / truth - 1
     nodes = f"{counted.min() * nx:.0f} to {counted.max() * nx:.0f}"
     said = f"mean {ours.mean():+.1%}, scatter {ours.std():.0%}"
     row(

@@ -7,7 +7,7 @@ import numpy.typing as npt
 from scipy.ndimage import label
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.edges import EDGE_BIAS, contact_length, perimeter_bias
+from gfmd_numba.contact import edges
 from gfmd_numba.contact.once import once
 from gfmd_numba.contact.solution import Contact
 
@@ -15,6 +15,13 @@ from gfmd_numba.contact.solution import Contact
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     """Nodes in contact `[realisation, (y,) x]`: those on which the hard wall presses."""
     return contact.equilibrium.touching
+
+
+@once
+def edge(contact: Contact) -> edges.Edge:
+    """What the grid makes of the edges of the contact."""
+    now = contact.heights[0]
+    return edges.edge(contact.stiffness, 1.0 / now.shape[-1], now.ndim)
 
 
 @once
@@ -107,17 +114,22 @@ def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
     if contact.heights.ndim == 3:
         sides = perimeter(contact)
-        edges = perimeter_bias(*sides) * sum(sides) / contact.heights[0].size
-        return np.asarray(mean_of_nodes(filled(contact)) - edges)
-    nx = contact.heights.shape[1]
-    return np.asarray(mean_of_nodes(filled(contact)) - EDGE_BIAS * _elastic_ends(contact) / nx)
+        excess = edge(contact).perimeter_bias(*sides) * sum(sides)
+    else:
+        excess = edge(contact).excess * _elastic_ends(contact)
+    return np.asarray(mean_of_nodes(filled(contact)) - excess / contact.heights[0].size)
 
 
 def contact_area_fraction_error(contact: Contact) -> Reals:
-    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing."""
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
+
+    On thin bodies also their mean position is uncertain, where stretches are short.
+    """
     if contact.heights.ndim == 3:
         return _unknown(contact)
-    return np.asarray(np.sqrt(_elastic_ends(contact) / 12.0) / contact.heights.shape[1])
+    ends, nodes = _elastic_ends(contact), touching(contact).sum(axis=1)
+    of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
+    return np.asarray(np.sqrt(ends / 12.0 + of_mean**2) / contact.heights.shape[1])
 
 
 def contact_area_fraction_edges(contact: Contact) -> Reals:
@@ -137,7 +149,7 @@ def contact_area_fraction_edges_error(contact: Contact) -> Reals:
 @once
 def _located(contact: Contact) -> tuple[Reals, Reals]:
     found = contact.equilibrium
-    return contact_length(found.pressure, found.touching, elastic_nodes(contact), filled(contact))
+    return edges.contact_length(found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact))
 
 
 def mean_segment_length(contact: Contact) -> Reals:

@@ -1,48 +1,120 @@
 """Where a contact ends between two nodes of the grid.
 
-On profiles, for the spectral discretisation with the stiffness q E*/2 cut at Nyquist, the Wiener-Hopf solution at the
-edge of a half-infinite contact gives the pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}) with
-sum a_m z^m = (1-z)^(-3/2) / g+(z) and log g+(z) = sum_k s_k z^k / k, s_k = Si(k pi)/pi - 1/2. The true edge then lies
-3/4 + c + b node spacings beyond the last touching node, c = sum_k s_k. It is never farther than 3/4 + c, and one
-spacing less brings the next node out of contact.
+On profiles the grid knows the stiffness K(q) of waves up to Nyquist alone: a longer wave number q acts as its alias
+w(q) between -pi and pi over the node spacing. The Wiener-Hopf solution at the edge of a half-infinite contact gives the
+pressures at its nodes, counted inward, as p_m ~ a_m + b (a_m - a_{m-1}), -1 <= b <= 0, with
+sum a_m z^m = (1-z)^(-2) exp(sum_k c_k z^k), where c_k are the Fourier coefficients of ln K on the grid. The true edge
+then lies 1 - e + b node spacings beyond the last touching node. Counted nodes so reach beyond the true edge, on average
+over its position, by the excess of
+
+    e = (1/pi) int_0^inf ln(K(q) / K(w(q))) / q^2 dq
+
+node spacings. It is linear in ln K: 0.19 for the half-space, K = q/2; 0 where the body is so thin that K does not
+depend on q (Winkler); -0.38 for an incompressible layer as thin, K ~ q^-2.
 
 On maps the nodes along a straight edge with normal n form rows of equal pressure, and the wave q n acts as its alias
-w(q n) in the first Brillouin zone of the grid. The same solution with |w(q n)| for q says that counted nodes reach
-beyond the edge, on average over its position, by (1/pi) int_0^inf ln(q / |w(q n)|) / q^2 dq node spacings: by 1/4 - c
-along an axis. Round contacts stretched r-fold along y have r sides of nodes that face x for each that faces y, and the
-mean over their edges, in nodes a side, is (1 / 4 pi r (1 + r)) int ln(|q| / |w(q)|) / rho^3 d^2q over the whole plane,
-rho^2 = (q_x / r)^2 + q_y^2. (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161, 2017, have (pi - 1 + ln 2) / 24 a
-side from geometry.)
+w(q n) in the first Brillouin zone of the grid: e is the same with |w(q n)| for w(q). Round contacts stretched r-fold
+along y have r sides of nodes that face x for each that faces y, and the mean over their edges, in nodes a side, is
+(1 / r (1 + r)) int_0^(pi/2) e / rho^3 dphi over the direction phi of n, rho^2 = (cos phi / r)^2 + sin^2 phi.
+(Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161, 2017, have (pi - 1 + ln 2) / 24 a side from geometry.)
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.polynomial import legendre
 from scipy.special import sici
 
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.stiffness import half_space
 
-# A touching stretch of N nodes is shorter than N dx: on average over its position by this many dx at each of its two
-# ends, 1/4 - c.
-EDGE_BIAS = 0.1900092859259187
-# A contact on a map is smaller than its counted nodes by this share of a node for each pair of neighbours in and out,
-# where |r - 1| / (r + 1) is 0, 0.1 ... 1; 0 is isotropic.
-_PERIMETER_BIAS = (
-    *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189, 0.1161360, 0.1235081, 0.1330420, 0.1454299, 0.1621301),
-    EDGE_BIAS,
-)
-_FARTHEST = 1.0 - EDGE_BIAS  # 3/4 + c
-_A1 = 1.5 - (float(sici(np.pi)[0]) / np.pi - 0.5)  # a_1; a_0 is 1
 # below that many nodes a stretch is no half-infinite contact: its edges are then taken at their mean position
 _LEAST_NODES = 6
+_STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 an edge along an axis
 
 
-def perimeter_bias(facing_x: Indices, facing_y: Indices) -> Reals:
-    """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
-    sides = np.maximum(facing_x + facing_y, 1)
-    return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, np.linspace(0.0, 1.0, 11), _PERIMETER_BIAS))
+@dataclass(frozen=True)
+class Edge:
+    """What the grid makes of an edge of contact: nodes counted too many, and the pressures beside it.
+
+    A touching stretch of N nodes of a profile is shorter than N node spacings, on average over its position by `excess`
+    at each of its two ends. A contact on a map is smaller than its counted nodes by a share `of_sides` of a node for
+    each pair of neighbours in and out, where |r - 1| / (r + 1) is 0, 0.1 ... 1. `second` is a_1 over a_0. Ends of short
+    stretches are uncertain by `short` / N nodes, as these do not feel waves that are longer than twice their length.
+    """
+
+    excess: float
+    second: float
+    of_sides: tuple[float, ...]
+    short: float
+
+    def perimeter_bias(self, facing_x: Indices, facing_y: Indices) -> Reals:
+        """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
+        sides = np.maximum(facing_x + facing_y, 1)
+        return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, _STRETCHED, self.of_sides))
+
+
+_ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0
+_CUBES, _WEIGHTS = _ROOTS**3, 1.5 * _ROOTS**2 * legendre.leggauss(32)[1]  # int_0^1 f by nodes that are dense at 0
+_ZONES = 20  # along a direction, beyond which waves and their aliases are independent
+_HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
+HALF_SPACE = Edge(
+    _HALF,
+    2.0 - float(sici(np.pi)[0]) / np.pi,
+    (
+        *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189, 0.116136, 0.1235081, 0.133042, 0.1454299, 0.1621301),
+        _HALF,
+    ),
+    0.0,
+)
+
+
+def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) -> Edge:
+    """Edge of contact on a body of a stiffness (E*/L_x) at wave numbers q > 0, on nodes of a `spacing` (L_x).
+
+    All bodies are half-spaces to their shortest waves: what base and layers add to ln K they add to that of its edge.
+    """
+    q = np.geomspace(1e-4, 1e10, 1200)  # over the spacing, from waves beyond any contact to those no layer is thin to
+    added = np.log(stiffness(q / spacing) / half_space(q / spacing))
+    if not added.any():
+        return HALF_SPACE
+
+    def logarithm(wave: Reals) -> Reals:
+        return np.asarray(np.interp(np.log(wave), np.log(q), added))
+
+    zone = np.pi * _CUBES  # ln K has a logarithm's singularity at 0
+    second = HALF_SPACE.second + float(_WEIGHTS @ (logarithm(zone) * np.cos(zone)))
+    on_axis = HALF_SPACE.excess + _along(0.0, logarithm)
+    of_sides = [on_axis]
+    if dimension == 2:
+        directions = 0.5 * np.pi * _CUBES  # edges of long contacts mostly face along an axis
+        each = np.array([_along(direction, logarithm) for direction in directions]) * 0.5 * np.pi * _WEIGHTS
+        for stretched, bias in zip(_STRETCHED[:-1], HALF_SPACE.of_sides, strict=False):
+            r = (1.0 + stretched) / (1.0 - stretched)
+            rho = np.hypot(np.cos(directions) / r, np.sin(directions))
+            of_sides.insert(-1, bias + float((each / rho**3).sum()) / (r * (1.0 + r)))
+    long = np.array([1.0, 2.0]) * max(0.1, 2.0 * np.pi * spacing)
+    long[1] = max(long[1], 1.0)
+    steepness = float(np.diff(logarithm(long))[0] / np.diff(np.log(long))[0])  # K ~ q^(1 + steepness)
+    return Edge(on_axis, second, tuple(of_sides), 0.25 * abs(steepness) / np.pi)
+
+
+def _along(direction: float, logarithm: Callable[[Reals], Reals]) -> float:
+    """The integral e of a logarithm of q, for an edge whose normal has a `direction` (rad) to the x axis."""
+    period = 2.0 * np.pi
+    near, share = np.concatenate([-_CUBES[::-1], _CUBES]), np.concatenate([_WEIGHTS[::-1], _WEIGHTS])
+    q = (period * np.arange(1, _ZONES)[:, np.newaxis] + np.pi * near).ravel()  # before them, waves are their own alias
+    dq = np.pi * np.tile(share, _ZONES - 1)
+    last = period * (_ZONES - 0.5)
+    x, y = q * np.cos(direction), q * np.sin(direction)
+    alias = logarithm(np.hypot(x - period * np.round(x / period), y - period * np.round(y / period)))
+    beyond = (_WEIGHTS @ logarithm(last / _CUBES) - alias @ dq / dq.sum()) / last
+    return float(((logarithm(q) - alias) / q**2) @ dq + beyond) / np.pi
 
 
 def contact_length(
-    pressure: Reals, touching: Flags, elastic: Flags | None = None, filled: Reals | None = None
+    pressure: Reals, touching: Flags, edge: Edge, elastic: Flags | None = None, filled: Reals | None = None
 ) -> tuple[Reals, Reals]:
     """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
 
@@ -55,14 +127,13 @@ def contact_length(
     beyond = np.zeros(len(pressure))
     unknown = np.zeros(len(pressure))
     for inward in (1, -1):
-        edge = elastic & ~np.roll(touching, inward, axis=1)
-        resolved = edge.copy()
+        last = elastic & ~np.roll(touching, inward, axis=1)
+        resolved = last.copy()
         for m in range(1, _LEAST_NODES):
             resolved &= np.roll(elastic, -m * inward, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = pressure / np.roll(pressure, -inward, axis=1)
-            b = (1.0 - ratio * _A1) / (ratio * (_A1 - 1.0) - 1.0)
-        position = np.where(resolved, np.clip(_FARTHEST + b, _FARTHEST - 1.0, _FARTHEST), 0.5 - EDGE_BIAS)
-        beyond += np.where(edge, position - 0.5, 0.0).sum(axis=1)
-        unknown += (edge & ~resolved).sum(axis=1)
+            b = (1.0 - ratio * edge.second) / (ratio * (edge.second - 1.0) - 1.0)
+        beyond += np.where(last, np.where(resolved, 0.5 + np.clip(b, -1.0, 0.0), 0.0) - edge.excess, 0.0).sum(axis=1)
+        unknown += (last & ~resolved).sum(axis=1)
     return (shares + beyond) / nx, np.sqrt(unknown / 12.0) / nx

@@ -12,13 +12,13 @@ from gfmd_numba.contact.contact_area import (
     contact_area_fraction_counted,
     contact_area_fraction_edges,
     contact_area_fraction_edges_error,
+    edge,
     elastic_nodes,
     filled,
     mean_of_nodes,
     perimeter,
     touching,
 )
-from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.once import once
@@ -72,7 +72,7 @@ def kappa_residual_error(contact: Contact) -> Reals:
     leaving = (now & (pressure <= _OPEN_PRESSURE * violated)).sum(axis=along)
     joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
     # a node that fills a gap of one takes its edges with it, on maps four of at most as much as a profile's
-    edges = 1.0 + 2.0 * (now.ndim - 1) * EDGE_BIAS
+    edges = 1.0 + 2.0 * (now.ndim - 1) * abs(edge(contact).excess)
     nodes = edges * np.maximum(leaving, joining) / now[0].size
     share = violated.reshape(-1) / mean_pressure(contact) + nodes / contact_area_fraction(contact)
     return np.asarray(share * kappa(contact))
@@ -100,7 +100,8 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)
     axes = tuple(range(1, now.ndim))
-    bias = EDGE_BIAS if now.ndim == 2 else np.expand_dims(perimeter_bias(*perimeter(contact)), axes)
+    of_grid = edge(contact)
+    bias = of_grid.excess if now.ndim == 2 else np.expand_dims(of_grid.perimeter_bias(*perimeter(contact)), axes)
     share = filled(contact).astype(float)
     elastic = elastic_nodes(contact)
     for axis in axes:

@@ -1,6 +1,7 @@
 """What `gfmd solve` writes of a contact: a dataset of one loading, or of all steps of a path."""
 
 from collections.abc import Iterable
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -18,15 +19,18 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
+from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.path_observables import recorded_along
 from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import Contact, Followed
+from gfmd_numba.contact.solution import Contact, Followed, condensed_stiffness
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
 from gfmd_numba.solvers.status import Status
+
+_UNKNOWN_EDGES = 0.05  # of the contact area
 
 
 def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
@@ -110,7 +114,22 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
     implausible = (sentence for surface in given.measured for sentence in surface.doubts)
     own = (doubt(given, dataset) for doubt in (_beyond_elasticity, _overlap, _rounded_heights))
-    return "\n".join([*implausible, *filter(None, (rough, coarse, *own))])
+    return "\n".join([*implausible, *filter(None, (rough, coarse, *own, _short_stretches(path.problems[0], dataset)))])
+
+
+def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
+    """Return a warning about contacts of few nodes on a thin body, whose edges are not known; else nothing."""
+    shape = problem.surface.shape
+    short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
+    touching = dataset["contact_area_fraction_counted"] * np.prod(shape)
+    across = (touching / dataset["n_segments"].where(touching > 0)) ** (1.0 / len(shape))
+    unknown = float((2.0 * len(shape) * short / across**2).max())
+    if not unknown > _UNKNOWN_EDGES:
+        return ""
+    return (
+        f"contacts are {float(across.min()):.2g} nodes wide on average, on a body thin against the node spacing: the "
+        f"correction for their edges leaves {100.0 * unknown:.2g} % of the contact area unknown, so refine the grid"
+    )
 
 
 def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:

@@ -1,7 +1,8 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,8 @@ class Contact:
     displacement below it) at zero. Where tractions are prescribed, `punch` and `equilibrium` count from the
     `deflected` surface (tangential, normal) that these have made, of their shapes, before the punch comes. `dented` is
     how far earlier steps of a path have flattened the punch, of its shape: the `punch` is flat there. `followed` tells
-    of the step of a path that led here, None where steps are not divided. `found` is what observables have found of it.
+    of the step of a path that led here, None where steps are not divided. `stiffness` is that of the deformable bodies
+    at any wave numbers (E*/L_x). `found` is what observables have found of it.
     """
 
     heights: Reals
@@ -52,6 +54,7 @@ class Contact:
     deflected: tuple[Reals, Reals] | None = None
     followed: Followed | None = None
     dented: Reals | float = 0.0
+    stiffness: Callable[[Reals], Reals] = stiffness.half_space
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -123,7 +126,8 @@ def solve(
         wall = equilibrium.pressure if law is None else equilibrium.pressure + law.traction(np.zeros(1))
         bears = equilibrium.touching & (wall >= (1.0 - problem.numerics.residual) * problem.interface.hardness)
         equilibrium.plastic[:] |= bears & (np.asarray(dented) > 0.0)
-    return Contact(heights, punch, equilibrium, deflected, dented=dented)
+    of_waves = partial(condensed_stiffness, problem)
+    return Contact(heights, punch, equilibrium, deflected, dented=dented, stiffness=of_waves)
 
 
 def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:

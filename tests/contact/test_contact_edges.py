@@ -1,12 +1,17 @@
 """Where a contact ends between two nodes, against closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
+import gfmd_numba
 from gfmd_numba.contact import contact_area, solution
-from gfmd_numba.contact.edges import contact_length, perimeter_bias
+from gfmd_numba.contact.edges import HALF_SPACE, contact_length, edge
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -45,7 +50,7 @@ def test_contact_length_is_right_to_a_small_part_of_a_spacing(height, half_width
     errors, counted = [], []
     for load in np.linspace(0.002, 0.006, 9):
         found = press(height(x), load)
-        length, unknown = contact_length(found.pressure, found.touching)
+        length, unknown = contact_length(found.pressure, found.touching, HALF_SPACE)
         errors.append((length[0] - 2 * half_width(load)) * nx)
         counted.append(found.touching.sum() - 2 * half_width(load) * nx)
         assert unknown == 0.0
@@ -59,7 +64,7 @@ def test_two_contacts_of_a_two_scale_wave_add_up():
     for nx in (512, 4096):
         x = np.arange(nx) / nx - 0.5
         found = press(0.01 * np.cos(2 * np.pi * x) + 0.002 * np.cos(6 * np.pi * x + 1.0), 0.004)
-        lengths[nx] = contact_length(found.pressure, found.touching)[0][0], found.touching.mean()
+        lengths[nx] = contact_length(found.pressure, found.touching, HALF_SPACE)[0][0], found.touching.mean()
     assert lengths[512][0] == pytest.approx(lengths[4096][0], abs=0.05 / 512)
     assert abs(lengths[512][1] - lengths[4096][0]) > 0.1 / 512
 
@@ -68,7 +73,7 @@ def test_short_stretches_have_a_length_and_an_error():
     touching = np.zeros((2, 32), dtype=bool)
     touching[0, 3:5] = touching[0, 9] = True
     touching[1, :] = True
-    length, error = contact_length(touching.astype(float), touching)
+    length, error = contact_length(touching.astype(float), touching, HALF_SPACE)
     assert length[0] * 32 == pytest.approx(3 - 4 * 0.19001, abs=1e-4)
     assert error[0] * 32 == pytest.approx(np.sqrt(4 / 12))
     assert length[1] == 1.0
@@ -77,6 +82,70 @@ def test_short_stretches_have_a_length_and_an_error():
 
 def aliased(q):
     return q - 2 * np.pi * np.round(q / (2 * np.pi))
+
+
+@pytest.mark.parametrize("power", [0, 2, -2])
+def test_the_excess_of_an_edge_is_linear_in_the_power_of_the_stiffness(power):
+    """Winkler's foundation, K ~ q^0, has none; an incompressible film, K ~ q^-2, has twice that of q the other way."""
+    found = edge(lambda q: 0.5 * q**power, 1.0 / 512, 2)
+    assert found.excess == pytest.approx(power * HALF_SPACE.excess, abs=1e-5)
+    np.testing.assert_allclose(found.of_sides, power * np.array(HALF_SPACE.of_sides), atol=2e-3)
+    assert found.second == pytest.approx(2.0 + power * (HALF_SPACE.second - 2.0), abs=2e-3)
+
+
+THIN = {
+    "slab as thin as a node spacing": ElasticBody(0.3, 1 / 512),
+    "Winkler": ElasticBody(0.3, 0.01 / 512),
+    "incompressible, as thin as a node spacing": ElasticBody(0.5, 1 / 512),
+    "incompressible film": ElasticBody(0.5, 0.1 / 512),
+    "soft layer on a stiff half-space": ElasticBody.layered((0.3 / 512,), (Material(1.0, 0.3),), Material(50.0, 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", THIN)
+def test_edges_on_thin_bodies_lie_where_a_finer_grid_has_them(name):
+    """Of one asperity on 16 positions between the nodes; the half-space's correction is off by 0.1 to 0.5 nodes."""
+    body, nx, finer, half_width = THIN[name], 512, 16, 0.05
+
+    def areas(nx, positions, load):
+        stiff = body.condensed_stiffness(grid.wavenumbers(nx))
+        stiff[0] = 0.0
+        punch = (np.arange(nx) / nx - 0.5 + positions[:, np.newaxis]) ** 2 / 2
+        found = equilibrate(punch, stiff, load, Options("active_set_newton"))
+        assert (found.status == 0).all()
+        made = solution.Contact(-punch, punch, found, stiffness=body.condensed_stiffness)
+        return contact_area.contact_area_fraction(made) * nx, contact_area.contact_area_fraction_edges(made) * nx
+
+    stiff = body.condensed_stiffness(np.array([np.pi / half_width]))[0]  # a load for about the width
+    load, positions = stiff * half_width**3 / 3.0, np.arange(16) / 16 / nx
+    mean, located = areas(nx, positions, load)
+    true = areas(nx * finer, np.zeros(1), load)[1][0] / finer
+    assert true > 12.0
+    assert abs(mean.mean() - true) < 0.1
+    assert np.abs(located - true).max() < 0.3
+
+
+def solved(nx, aspect_ratio, reduced_pressure):
+    x = np.arange(nx) / nx
+    heights = 1e-4 * np.cos(80 * np.pi * x) + 3e-5 * np.cos(14 * np.pi * x)
+    body = {"poissons_ratio": 0.3, "aspect_ratio": aspect_ratio}
+    scene = {"body": body, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": reduced_pressure}}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return gfmd_numba.solve(scene, heights)
+
+
+def test_a_scene_of_a_thin_slab_has_the_contact_length_of_a_finer_grid():
+    coarse, fine = solved(1000, 1e-5, 25.0), solved(16_000, 1e-5, 25.0)
+    off = coarse["contact_area_fraction"] - fine["contact_area_fraction_counted"]
+    assert abs(off) < 2.0 * coarse["contact_area_fraction_error"]
+    assert coarse.attrs["validity"] == ""
+
+
+def test_edges_of_contacts_of_few_nodes_on_thin_slabs_are_doubted():
+    doubt = solved(200, 1e-5, 5.0).attrs["validity"]
+    assert "nodes wide on average, on a body thin against the node spacing" in doubt
+    assert solved(200, 0.5, 0.05).attrs["validity"] == ""
 
 
 @pytest.mark.parametrize("longer", [1.0, 3.0, 19.0])
@@ -93,7 +162,7 @@ def test_perimeter_bias_is_the_mean_over_the_edges_of_stretched_contacts(longer)
         ]  # the mean of the logarithm over the zone is about that of 2.4
         reach += length * ((np.log(q / alias) / q**2).sum() * 0.01 + rest) / np.pi
         sides += facing_x + facing_y
-    found = perimeter_bias(np.array([round(1000 * longer)]), np.array([1000]))
+    found = HALF_SPACE.perimeter_bias(np.array([round(1000 * longer)]), np.array([1000]))
     assert found[0] == pytest.approx(reach / sides, rel=0.002)
 
 

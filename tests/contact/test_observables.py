@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import contact_area, evaluation
-from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
@@ -34,7 +34,7 @@ def contact(touching, heights=None, status=Status.ok):
 
 def test_edge_bias_is_the_wiener_hopf_constant():
     excess = mpmath.nsum(lambda k: mpmath.si(k * mpmath.pi) / mpmath.pi - 0.5, [1, mpmath.inf])
-    assert pytest.approx(float(0.25 - excess), abs=1e-13) == EDGE_BIAS
+    assert pytest.approx(float(0.25 - excess), abs=1e-13) == HALF_SPACE.excess
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_segments_are_counted_around_the_period(nodes, segments):
     c = contact(touching)
     assert contact_area.n_segments(c)[0] == segments
     assert contact_area.contact_area_fraction_counted(c)[0] == touching.mean()
-    corrected = (touching.sum() - 2 * EDGE_BIAS * segments) / 8
+    corrected = (touching.sum() - 2 * HALF_SPACE.excess * segments) / 8
     assert contact_area.contact_area_fraction(c)[0] == pytest.approx(corrected)
 
 
@@ -64,7 +64,7 @@ def test_kappa_and_gradient_are_those_over_the_contact():
     slope = 2 * np.pi * np.sin(2 * np.pi * np.arange(14, 19) / 64)
     g, p = np.sqrt(2) * np.pi, 15 / 64
     assert values["rms_gradient"][0] == pytest.approx(g)
-    share = np.array([1 - EDGE_BIAS, 1, 1, 1, 1 - EDGE_BIAS])
+    share = np.array([1 - HALF_SPACE.excess, 1, 1, 1, 1 - HALF_SPACE.excess])
     assert values["rms_gradient_contact"][0] == pytest.approx(np.sqrt((share * slope**2).sum() / share.sum()))
     assert values["kappa_counted"][0] == pytest.approx(5 / 64 * g / p)
     area = values["contact_area_fraction"][0]
@@ -82,7 +82,7 @@ def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
 
 def test_observables_share_what_they_have_in_common(monkeypatch):
     calls = []
-    for module, name in ((evaluation.statistics, "power"), (contact_area, "contact_length")):
+    for module, name in ((evaluation.statistics, "power"), (contact_area.edges, "contact_length")):
         original = getattr(module, name)
         monkeypatch.setattr(
             module, name, lambda *given, name=name, original=original: calls.append(name) or original(*given)

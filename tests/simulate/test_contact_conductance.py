@@ -6,7 +6,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness
-from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.edges import HALF_SPACE
 from support.solved_maps import made, paraboloid, pressed, wave
 
 IMAGES = 3.9002649  # -sum of 1/r over the square lattice without the origin, its mean taken off
@@ -35,7 +35,7 @@ def test_parallel_ridges_conduct_as_a_row_of_strips(ridges, nodes):
     """
     flags = np.zeros((ridges * 64, ridges * 64), dtype=bool)
     flags[:, np.arange(ridges * 64) % 64 < nodes] = True
-    width = (nodes - 2.0 * EDGE_BIAS) / 64
+    width = (nodes - 2.0 * HALF_SPACE.excess) / 64
     expected = -ridges * np.pi / (2.0 * np.log(np.sin(0.5 * np.pi * width)))
     assert conductance(made(flags)) == pytest.approx(expected, rel=2e-3)
     assert conductance(made(flags.T)) == pytest.approx(expected, rel=2e-3)

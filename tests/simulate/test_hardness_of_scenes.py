@@ -11,7 +11,7 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.work_precision import study_of
 from gfmd_numba.cli import main
 from gfmd_numba.contact import contact_area
-from gfmd_numba.contact.edges import EDGE_BIAS, perimeter_bias
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
@@ -97,7 +97,11 @@ def test_edges_of_plastic_nodes_are_not_corrected(dimension):
     assert fringe.any()
     assert plastic.any()
     assert sum(sides) > 0
-    bias = EDGE_BIAS if dimension == 1 else perimeter_bias(np.array([sides[1]]), np.array([sides[0]]))[0]
+    bias = (
+        HALF_SPACE.excess
+        if dimension == 1
+        else HALF_SPACE.perimeter_bias(np.array([sides[1]]), np.array([sides[0]]))[0]
+    )
     counted = (now & ~fringe).sum() + pressure[fringe].sum() / 0.05
     expected = (counted - bias * sum(sides)) / now.size
     assert float(found["contact_area_fraction"]) == pytest.approx(expected, rel=1e-12)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gfmd_numba.contact.edges import EDGE_BIAS
+from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
@@ -104,7 +104,7 @@ def test_refinement_changes_no_more_than_the_error_said(seed, hurst, load):
     for nx in (256, 512, 1024):
         touching = press(self_affine.profiles(hurst, 1, 16, nx, 5, range(seed, seed + 1)), load).touching[0]
         edges = 2 * np.count_nonzero(touching & ~np.roll(touching, 1))
-        areas.append((touching.sum() - EDGE_BIAS * edges) / nx)
+        areas.append((touching.sum() - HALF_SPACE.excess * edges) / nx)
         errors.append(np.sqrt(edges / 12) / nx)
     # stretches may merge between two grids: an edge is then off by up to a spacing rather than by its deviation
     assert abs(areas[0] - areas[2]) < 5 * np.hypot(errors[0], errors[2]) + 2 / 256

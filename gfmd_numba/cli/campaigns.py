@@ -17,7 +17,7 @@ from gfmd_numba.cli.arguments import (
     processor_time_option,
     until_option,
 )
-from gfmd_numba.cli.fits import draw, draw_rounds, fit_options, has_rounds, picture_of_rounds
+from gfmd_numba.cli.fits import draw, draw_second, fit_options, second_picture
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.path_table import show_paths
@@ -201,8 +201,9 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     from gfmd_numba.storage.mark import may_be_replaced
 
     pictures = {picture: partial(draw, dataset, fitted)}
-    if has_rounds(dataset):
-        pictures[picture_of_rounds(picture)] = partial(draw_rounds, dataset)
+    second = second_picture(dataset, picture)
+    if second is not None:
+        pictures[second] = partial(draw_second, dataset)
     try:
         for path, drawing in pictures.items():
             if may_be_replaced(path):

@@ -75,6 +75,9 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa_r",
     "plastic_area_fraction",
     "mean_plastic_depth",
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+    "stick_fraction",
     "energy_lost",
 )
 _PRESCRIBED = (

@@ -76,7 +76,8 @@ def plot(
 
     RESULTS is the output directory of a campaign, or the netCDF file of a campaign, a fit, a contact, a load curve, a
     surface, a loaded body, an accuracy study, or the fields inside a body. If a campaign ran --until an error, a
-    second picture, NAME-rounds, shows the error against processor time.
+    second picture, NAME-rounds, shows the error against processor time. The picture of a loading path shows its loop,
+    and of one contact a second one, NAME-last-step, shows where it ends.
     """
     from gfmd_numba.analysis.plots.kinds import picture_of
     from gfmd_numba.campaign.results import read_results, results_file
@@ -86,8 +87,9 @@ def plot(
     check_output(picture, file, file.parent / "campaign.yaml")
     check_picture(picture)
     dataset = read_results(file)
-    if has_rounds(dataset):
-        check_output(picture_of_rounds(picture), file, file.parent / "campaign.yaml")
+    second = second_picture(dataset, picture)
+    if second is not None:
+        check_output(second, file, file.parent / "campaign.yaml")
     with naming(file):
         has_fit = picture_of(dataset) is None
         for option, given in (("--variable", variable), ("--exponents", exponents), ("--fixed", fixed)):
@@ -95,8 +97,8 @@ def plot(
                 raise click.UsageError(f"{option}: given for {file}; allowed: nothing, as its picture has no fit")
         fitted = _fit(dataset, fixed, variable, exponents) if has_fit else None
         draw(dataset, fitted, picture)
-        if has_rounds(dataset):
-            draw_rounds(dataset, picture_of_rounds(picture))
+        if second is not None:
+            draw_second(dataset, second)
 
 
 @contextmanager
@@ -152,20 +154,20 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool =
     click.echo(f"picture  {printable(path)}", err=err)
 
 
-def has_rounds(dataset: xr.Dataset) -> bool:
-    """Whether these are results of a run until an error, with rounds to draw."""
-    return "round" in dataset.dims and bool((dataset["round_error"] > 0).any())
+def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
+    """Name of the second picture of a dataset, after that of the first; None where there is but one."""
+    from gfmd_numba.analysis.plots.kinds import second_picture_of
+
+    second = second_picture_of(dataset)
+    return picture.with_stem(f"{picture.stem}-{second[0]}") if second is not None else None
 
 
-def picture_of_rounds(picture: Path) -> Path:
-    """Name of the picture of the rounds that goes with the picture of a campaign."""
-    return picture.with_stem(f"{picture.stem}-rounds")
-
-
-def draw_rounds(dataset: xr.Dataset, path: Path) -> None:
-    """Write the picture of the error against processor time."""
-    from gfmd_numba.analysis import plot_rounds
+def draw_second(dataset: xr.Dataset, path: Path) -> None:
+    """Write the second picture of a dataset that has one."""
+    from gfmd_numba.analysis.plots.kinds import second_picture_of
     from gfmd_numba.storage.atomic_file import write_picture
 
-    write_picture(path, plot_rounds(dataset), dpi=150)
-    click.echo(f"picture  {printable(path)}")
+    second = second_picture_of(dataset)
+    if second is not None:
+        write_picture(path, second[1](dataset), dpi=150)
+        click.echo(f"picture  {printable(path)}")

@@ -32,12 +32,20 @@ WORDS = {
     "kappa_r": "kappa_r",
     "plastic_area_fraction": "plastic area fraction",
     "mean_plastic_depth": "mean plastic depth",
+    "mean_tangential_traction": "mean tangential traction",
+    "mean_tangential_traction_y": "mean tangential traction along y",
+    "stick_fraction": "sticking share",
     "energy_lost": "energy lost",
+    "hysteresis": "hysteresis",
+    "pull_off_pressure": "pull-off pressure",
     "residual": "residual",
 }
-_PRESSURES = {"mean_pressure", "peak_pressure"}
+_PRESSURES = {"mean_pressure", "peak_pressure", "pull_off_pressure"} | {
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+}
 _LENGTHS = {"punch_displacement", "sliding", "sliding_y", "mean_gap", "mean_plastic_depth"}
-_ENERGIES = {"elastic_energy", "energy_lost"}
+_ENERGIES = {"elastic_energy", "energy_lost", "hysteresis"}
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:

@@ -1,5 +1,6 @@
 """`gfmd plot` draws whatever gfmd writes, and its pictures can be read in grey and without blank axes."""
 
+import json
 from itertools import pairwise
 from tempfile import TemporaryDirectory
 
@@ -11,7 +12,7 @@ from matplotlib.figure import Figure
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, leakage, plot_accuracy, plot_fit
-from gfmd_numba.analysis.plots.kinds import KINDS, picture_of
+from gfmd_numba.analysis.plots.kinds import KINDS, picture_of, second_picture_of
 from gfmd_numba.analysis.plots.style import log_ticks, ordered_colours
 from support import synthetic_campaigns
 from support.command_line import gfmd
@@ -77,7 +78,7 @@ WRITTEN = {
     ),
     "accuracy": _studies,
     "fit": _fit,
-    "loading path of a campaign": _paths,
+    "loading path": _paths,
 }
 
 
@@ -94,6 +95,50 @@ def test_plot_draws_what_was_written(kind, tmp_path):
     said = gfmd("plot", tmp_path / "written.nc")
     assert said.exit_code == 0, said.output
     assert (tmp_path / "written.png").stat().st_size > 5_000
+
+
+RUBBING = SCENE | {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}}}
+DISPLACED = SCENE | {"loading": {"displacement": 1e-3}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "steps", "x", "y", "label"),
+    [
+        (RUBBING, {"sliding": [0.0, 1e-3, 0.0, -1e-3]}, "sliding", "mean_tangential_traction", "Sliding of the punch"),
+        (DISPLACED, {"displacement": [1e-3, 4e-3, 2e-3]}, "punch_displacement", "mean_pressure", "Punch displacement"),
+        (SCENE, {"reduced_pressure": [0.1, 0.3, 0.2]}, "reduced_pressure", "contact_area_fraction", "Reduced pressure"),
+    ],
+)
+def test_the_picture_of_a_path_is_its_loop_and_a_second_one_its_last_step(scene, steps, x, y, label, tmp_path):
+    ((name, values),) = steps.items()
+    path = gfmd_numba.solve(FILE | {"scene": scene, "path": [{name: value} for value in values[1:]]})
+    loop = picture_of(path)(path)
+    assert faults(loop) == []
+    axis = loop.axes[0]
+    assert axis.get_xlabel().startswith(label)
+    drawn = axis.lines[0].get_xydata()
+    for found, variable in zip(drawn.T, (x, y), strict=True):
+        np.testing.assert_allclose(found * np.ptp(path[variable].values), path[variable] * np.ptp(found), rtol=1e-9)
+    path.to_netcdf(tmp_path / "path.nc")
+    said = gfmd("plot", tmp_path / "path.nc")
+    assert said.exit_code == 0, said.output
+    assert sorted(each.name for each in tmp_path.glob("*.png")) == ["path-last-step.png", "path.png"]
+    last = path.isel(step=-1)
+    assert picture_of(last) is KINDS["contact"][1]
+    assert second_picture_of(last) is None
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_the_steps_of_friction_say_the_tangential_traction_and_what_sticks(dimension, tmp_path):
+    scene = RUBBING | {"dimension": dimension}
+    (tmp_path / "rub.yaml").write_text(json.dumps(FILE | {"scene": scene, "path": [{"sliding": 1e-3}]}))
+    said = gfmd("solve", tmp_path / "rub.yaml", "-o", tmp_path / "rub.nc")
+    assert said.exit_code == 0, said.output
+    table = said.output.partition("steps of the path")[2]
+    assert table.count("tangential") == dimension
+    assert "sticking" in table
+    found = xr.open_dataset(tmp_path / "rub.nc")
+    assert f" {found['stick_fraction'].values[-1]:.4g} " in table
 
 
 @pytest.mark.parametrize("count", range(2, 8))

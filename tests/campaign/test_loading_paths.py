@@ -215,7 +215,7 @@ def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
     assert said.exit_code == 0, said.output
     assert "end of the path of 8 steps" in said.output
     assert "hysteresis" in said.output
-    assert "pull off" in said.output
+    assert "pull-off" in said.output
     assert "1 realisations along a path of 8 steps" in gfmd("check", written).output
     assert gfmd("plot", "out", "-o", "picture.png").exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 5_000

@@ -12,6 +12,7 @@ from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
+from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
@@ -26,8 +27,8 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
     "load curve": ("prescribed_load", plot_curve),
     "fit": ("fit_status", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),
+    "loading path": ("step", plot_path),
     "contact": ("pressure", plot_contact),
-    "loading path of a campaign": ("step_load", plot_path),
 }
 
 
@@ -35,4 +36,12 @@ def picture_of(dataset: xr.Dataset) -> Callable[[xr.Dataset], Figure] | None:
     """Function that draws this kind of dataset; None for one that is drawn with its fit: a campaign without a path."""
     if "case" in dataset.dims and "step" not in dataset.dims:
         return None
-    return next((draw for variable, draw in KINDS.values() if variable in dataset.variables), None)
+    tells = {*dataset.dims, *(name for name, each in dataset.variables.items() if each.dims)}
+    return next((draw for variable, draw in KINDS.values() if variable in tells), None)
+
+
+def second_picture_of(dataset: xr.Dataset) -> tuple[str, Callable[[xr.Dataset], Figure]] | None:
+    """What the name of a second picture ends in, and the function that draws it; None where one picture shows all."""
+    if "round" in dataset.dims and (dataset["round_error"] > 0).any():
+        return "rounds", plot_rounds
+    return ("last-step", plot_contact) if picture_of(dataset) is plot_path and "pressure" in dataset else None

@@ -1,4 +1,4 @@
-"""Figure of a campaign along a loading path: what each step prescribed and what came of it, and what the path lost."""
+"""Figure of a loading path, of one contact or a campaign: what each step prescribed, what came of it, what was lost."""
 
 from functools import partial
 from typing import NamedTuple
@@ -21,6 +21,13 @@ from gfmd_numba.arrays import Reals
 _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
 
 
+_LOADS = ("punch_displacement", "line_load", "force", "prescribed_pressure", "reduced_pressure")  # of one contact
+_OF_STEPS = (
+    *("mean_pressure", "contact_area_fraction", "mean_tangential_traction", "mean_tangential_traction_y"),
+    *("stick_fraction", "energy_lost", "status"),
+)
+
+
 class _Panel(NamedTuple):
     """One variable over another along the path, with labels and what stands for their unit 1; "" for a pure number."""
 
@@ -31,20 +38,21 @@ class _Panel(NamedTuple):
 
 
 def plot_path(dataset: xr.Dataset) -> Figure:
-    """Draw a campaign along a path: means over the realisations at each step, and of the path against a parameter.
+    """Draw a contact or a campaign along a path: what came of each step, and of the path against a parameter.
 
-    Of cases that differ in their grid alone the finest reference is drawn. Raises UnusableDataError for a dataset of no
-    path, or of none that is ok.
+    Of a campaign these are means over the realisations, and of cases that differ in their grid alone the finest
+    reference is drawn. Raises UnusableDataError for a dataset of no path, or of none that is ok.
     """
+    if "case" not in dataset.dims and "step" in dataset.dims and set(_LOADS) & set(map(str, dataset.coords)):
+        dataset = _as_campaign(dataset)
     if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
-        raise UnusableDataError("given no loading path of a campaign; allowed: what `gfmd run` leaves of one")
+        raise UnusableDataError("given no loading path; allowed: what `gfmd solve` or `gfmd run` leaves of one")
     if not (dataset["status"] == 0).any():
-        raise UnusableDataError("given no path that is ok; allowed: a campaign with runs that are ok")
+        raise UnusableDataError("given no path that is ok; allowed: one with runs that are ok")
     dataset = _finest(dataset)
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)
-    known = [name for name in _OF_PATH if name in dataset and good(dataset, name).any()]
-    of_path = known if varied is not None else []
+    of_path = [name for name in _OF_PATH if varied and name in dataset and good(dataset, name).any()]
     columns = 1 if len(panels) + len(of_path) == 1 else 2
     rows = -(-(len(panels) + len(of_path)) // columns)
     with mpl.rc_context(STYLE):
@@ -68,6 +76,21 @@ def plot_path(dataset: xr.Dataset) -> Figure:
             figure.set_figheight(3.6 * rows + LINE * -(-len(handles) // (2 * columns)))
             figure.legend(handles=handles, loc="outside upper center", ncols=2 * columns)
     return figure
+
+
+def _as_campaign(contact: xr.Dataset) -> xr.Dataset:
+    """Return the path of one contact as that of a campaign with one case and one realisation."""
+    load = next(name for name in _LOADS if name in contact.coords)
+    kept = contact.reset_coords(drop=True)[[name for name in _OF_STEPS if name in contact]]
+    prescribed = {"step_load": contact[load]} | {
+        f"step_{name}": contact[name] for name in ("sliding", "sliding_y") if name in contact.coords
+    }
+    physics = {"long_name": "case", "units": "1", "axis": "physics"}
+    return kept.expand_dims(["case", "realisation"]).assign_coords(
+        {name: (("case", "step"), each.values[np.newaxis], each.attrs) for name, each in prescribed.items()}
+        | {"case": [0], "is_reference": ("case", [True]), "nx": ("case", [1]), "contact": ("case", [0.0], physics)}
+        | ({"punch_displacement": contact[load]} if load == "punch_displacement" else {})
+    )
 
 
 def _scaled_mean(variable: str, factor: float, cases: xr.Dataset) -> tuple[Reals, Reals]:

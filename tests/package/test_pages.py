@@ -1,36 +1,29 @@
-"""Pages that people read: no wide table, no long line, and the README comes to the point in two screens."""
+"""Pages that people read: nothing is too wide, and whatever a page prints to be typed does what the page says."""
 
+import ast
 import re
-from pathlib import Path
+import shutil
 
+import numpy as np
 import pytest
+import yaml
+from click.testing import CliRunner
 
-ROOT = Path(__file__).parents[2]
-NARROW = (
-    *(
-        "accuracy",
-        "architecture",
-        "bodies",
-        "campaigns",
-        "clusters",
-        "combinations",
-        "errata",
-        "friction",
-        "hard-cases",
-    ),
-    *("hardness", "licences", "limit", "maps", "peers", "results", "statistics", "surfaces", "two-step"),
-)
+from gfmd_numba.cli import main
+from support.pages import FILES, PAGES, ROOT, files_of, options, printed, profile, smaller, words
+
+DOCS = [page for page in PAGES if page.name != "CONTRIBUTING.md"]
 
 
-@pytest.mark.parametrize("page", ["README.md", *(f"docs/{name}.md" for name in NARROW)])
+@pytest.mark.parametrize("page", DOCS, ids=lambda path: path.name)
 def test_no_table_is_wider_than_80_columns(page):
-    lines = (ROOT / page).read_text(encoding="utf-8").splitlines()
+    lines = page.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if line.lstrip().startswith("|") and len(line) > 80] == []
 
 
-@pytest.mark.parametrize("page", ["README.md", "CHANGELOG.md", *(f"docs/{name}.md" for name in NARROW)])
+@pytest.mark.parametrize("page", [ROOT / "CHANGELOG.md", *PAGES], ids=lambda path: path.name)
 def test_no_line_of_prose_is_longer_than_120_characters(page):
-    text = re.sub(r"^ *```.*?^ *```$", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"^ *```.*?^ *```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
     assert [line for line in text.splitlines() if len(line) > 120 and not line.startswith("    ")] == []
 
 
@@ -38,3 +31,154 @@ def test_the_readme_comes_to_more_after_two_screens():
     before, found, _ = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## More\n")
     assert found
     assert before.count("\n") <= 100
+
+
+# what a test cannot type, by its beginning, and what answers for it
+ELSEWHERE = {
+    "python3 -m venv": "the gate makes an environment with it",
+    ".venv/bin/pip install": "the gate installs the extras",
+    ".venv/bin/python": "the gate runs the tests and builds the site",
+    ".venv/bin/ruff": "the gate",
+    ".venv/bin/mypy": "the gate",
+    ".venv/bin/lint-imports": "the gate",
+    "python docs/site/build.py": "the gate",
+    "python -m build": "it needs the network",
+    "pip install": "it needs the network",
+    "docker": "it needs a container engine",
+}
+PLACEHOLDERS = {"DIRECTORY": "campaign", "FILE": "scene.yaml"}
+
+
+def typed(arguments):
+    """What a command says; raises AssertionError unless it ends well."""
+    done = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    where = f"gfmd {' '.join(map(str, arguments))}"
+    assert done.exit_code == 0, f"{where}: exit {done.exit_code}\n{done.output[-800:]}\n{done.exception!r}"
+    return done.output
+
+
+class Reader:
+    """Types what a page prints, in order, in a folder of its own."""
+
+    def __init__(self, folder, page):
+        self.folder, self.known, self.python = folder, dict(FILES), {}
+        for item in printed(page):  # a page may speak of a file before it prints it
+            if item.kind == "yaml" and not item.text.startswith("# excerpt"):
+                for name, record in files_of(item, self.known):
+                    (folder / name).write_text(yaml.safe_dump(smaller(record)))
+
+    def follow(self, item):
+        """Type one block or command; raises whatever goes wrong."""
+        if item.kind == "command":
+            self._command(item)
+        elif item.kind == "yaml":
+            for name, record in files_of(item, self.known):
+                self._file(name, record, excerpt=item.text.startswith("# excerpt"))
+        elif item.kind == "python":
+            self._python(item.text)
+        else:
+            assert item.kind in ("text", "dockerfile"), f"{item}: no test reads {item.kind!r}"
+
+    def _file(self, name, record, excerpt):
+        path = self.folder / (f"excerpt-{name}" if excerpt else name)
+        path.write_text(yaml.safe_dump(record, sort_keys=False))
+        typed(["check", path])  # as printed
+        path.write_text(yaml.safe_dump(smaller(record), sort_keys=False))
+        if not excerpt:
+            self.known[name] = record
+        if "surface" in record:
+            typed(["surface", path, "-o", path.with_suffix(".nc")])
+        elif "name" in record:
+            typed(["run", path, "--workers", 0])
+        elif "scene" in record:
+            out = "contact.nc" if name == "scene.yaml" and not excerpt else path.with_suffix(".nc")
+            typed(["solve", path, "-o", out])
+
+    def _command(self, item):
+        if item.text.startswith(tuple(ELSEWHERE)):
+            return
+        line = item.text.removeprefix(".venv/bin/").split(" > ")[0]
+        program, *arguments = words(line)
+        if program == "python":
+            assert compile((self.folder / arguments[0]).read_text(), arguments[0], "exec")
+        elif program == "gfmd":
+            self._gfmd(line, [PLACEHOLDERS.get(word, word) for word in arguments], item.inline)
+
+    def _gfmd(self, line, arguments, inline):
+        command = main.commands[arguments[0]]
+        known = {name for parameter in command.params for name in parameter.opts}
+        assert set(options(line)) <= known, f"{line}: no such option"
+        if inline and (len(arguments) < 2 or arguments[1].startswith("-")):
+            return  # it names a command
+        if {"--cluster", "--scheduler"} & set(arguments):
+            with command.make_context(arguments[0], arguments[1:]):
+                return  # a test of its own has the workers
+        if arguments[0] == "run":
+            arguments = [*_without(arguments, "--workers"), "--workers", "0"]
+            arguments = [re.sub(r"=\d+%$", "=30%", word) for word in arguments]  # the price of the target is no matter
+        typed(arguments)
+
+    def _python(self, text):
+        if "workers=" in text:
+            ast.parse(text)  # a test of its own has the workers
+        else:
+            exec(compile(text, "block", "exec"), self.python)
+
+
+def _without(arguments, option):
+    if option not in arguments:
+        return arguments
+    at = arguments.index(option)
+    return arguments[:at] + arguments[at + 2 :]
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    """Folder with the files that pages speak of, and with the results of two commands of the README."""
+    folder = tmp_path_factory.mktemp("desk")
+    for name, record in FILES.items():
+        (folder / name).write_text(yaml.safe_dump(record))
+    heights = profile()
+    rows = "".join(f"{i / heights.size},{1e6 * height}\n" for i, height in enumerate(heights))
+    for name in ("profile.csv", "steel.csv", "new.csv", "worn.csv", "polished.csv"):
+        (folder / name).write_text(f"x [mm],z [um]\n{rows}")
+    for name, unit in {"profile.npy": 1e-6, "punch.npy": 1e-3, "surface.npy": 1e-3}.items():
+        np.save(folder / name, heights / unit)  # in um, and in L_x
+    free = np.arange(heights.size) % 64 > 20
+    np.savetxt(folder / "punch.csv", np.where(free, np.nan, -heights))
+    np.savetxt(folder / "wave.csv", 1e4 * np.sin(np.linspace(0.0, 2.0 * np.pi, heights.size, endpoint=False)))
+    np.save(folder / "shear.npy", np.full(heights.size, 1e-4))
+    shutil.copytree(ROOT / "benchmarks", folder / "benchmarks", ignore=shutil.ignore_patterns("__pycache__"))
+    (folder / "campaigns").mkdir()
+    for path in (ROOT / "campaigns").glob("*.yaml"):
+        (folder / "campaigns" / path.name).write_text(yaml.safe_dump(smaller(yaml.safe_load(path.read_text()))))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        typed(["solve", "scene.yaml", "-o", "contact.nc"])
+        typed(["solve", "map.yaml", "-o", "map.nc"])
+        for campaign in ("campaign.yaml", "loads.yaml", "campaigns/quickstart.yaml"):
+            typed(["run", campaign, "--workers", 0])
+    return folder
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_every_block_and_command_of_a_page_does_what_it_says(page, desk, tmp_path, monkeypatch):
+    shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    reader, failed = Reader(tmp_path, page), []
+    for item in printed(page):
+        try:
+            reader.follow(item)
+        except (Exception, SystemExit) as error:
+            failed.append(f"{item}\n    {error!r}")
+    assert not failed, f"{len(failed)} of {len(printed(page))} fail:\n" + "\n".join(failed)
+
+
+def test_pages_print_blocks_and_commands():
+    """So that no change of their look hides them from the test above."""
+    kinds = [item.kind for page in PAGES for item in printed(page)]
+    assert kinds.count("yaml") >= 26
+    assert kinds.count("python") >= 7
+    commands = [item.text for page in PAGES for item in printed(page) if item.kind == "command"]
+    assert sum(" " in command.removeprefix("gfmd ") for command in commands) >= 90

@@ -1,5 +1,6 @@
 """A task of a run, done by one process: its blocks solved one after another, and stored or handed back."""
 
+import hashlib
 import time
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -16,6 +17,7 @@ from gfmd_numba.campaign.provenance import difference, versions
 from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage import atomic_file
 
 SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
 
@@ -80,7 +82,9 @@ def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
 
 def trace(directory: Path, name: str) -> Path:
     """Return the file in an output directory in which a process that ends itself names the block it was working on."""
-    return directory / "shards" / f"{name}.late.tmp"
+    return atomic_file.temporary(
+        directory / shards.FOLDER / f"{name}.late", hashlib.sha256(name.encode()).hexdigest()[:16]
+    )
 
 
 def too_long(timeout: float | None) -> Failure:

@@ -17,7 +17,7 @@ from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_path
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
-from gfmd_numba.campaign.results import sealed
+from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.dataset import (
@@ -36,29 +36,35 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
-from gfmd_numba.storage.atomic_file import netcdf, replace
+from gfmd_numba.storage.atomic_file import write_dataset
+from gfmd_numba.text.input_error import InputError
 
 NOTED = ("predicted_cpu_seconds_p50", "predicted_cpu_seconds_p90", "last_run_blocks", "last_run_seconds")
-_RUN = "run.json"
+NOTES = "run.json"
 
 Measures = dict[str, npt.NDArray[Any]]
 
 
 def collect(planned: Plan, directory: Path) -> Path:
     """Write what the finished shards hold to the campaign's netCDF file; the rest is marked in `status`."""
-    path = directory / f"{planned.campaign.name}.nc"
-    replace(path, sealed(netcdf(_assemble(planned, directory))))
+    path = results_path(planned, directory)
+    write_dataset(path, _assemble(planned, directory))
     return path
+
+
+def results_path(planned: Plan, directory: Path) -> Path:
+    """File of the results of a campaign in its output directory."""
+    return directory / f"{planned.campaign.name}.nc"
 
 
 def note(directory: Path, **values: float) -> None:
     """Store facts of a run, named in `NOTED`; the results file will have them as attributes."""
-    json_file.write(directory / _RUN, noted(directory) | values)
+    json_file.write(directory / NOTES, noted(directory) | values)
 
 
 def noted(directory: Path) -> dict[str, float]:
     """What has been noted about the runs in a directory: numbers of `NOTED`, whatever else the file holds."""
-    facts = json_file.read(directory / _RUN)
+    facts = json_file.read(directory / NOTES)
     return {name: facts[name] for name in NOTED if type(facts.get(name)) in (int, float) and 0 <= facts[name] < 2**53}
 
 
@@ -120,8 +126,12 @@ def described(planned: Plan) -> dict[str, Any]:
     }
 
 
-def is_altered(results: xr.Dataset, planned: Plan) -> bool:
+def is_altered(file: Path, planned: Plan) -> bool:
     """Whether the numbers of results differ from their digest, or what they say of the campaign from its file."""
+    try:
+        results = read_results(file)
+    except InputError:
+        return True
     said = results.attrs
     return content_digest(results) != said.get("content_sha256") or not all(
         name in said and np.array_equal(said[name], value) for name, value in described(planned).items()

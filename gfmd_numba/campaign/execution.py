@@ -19,6 +19,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage.atomic_file import make_folder
 from gfmd_numba.text.input_error import brief
 
 _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
@@ -117,9 +118,8 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
     Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
     then is kept.
     """
-    (directory / "shards").mkdir(exist_ok=True)
-    for bundle in shards.Finished(directory).unreadable:
-        bundle.unlink()  # its blocks are among the tasks
+    make_folder(directory / shards.FOLDER)
+    shards.remove_unreadable(directory)  # their blocks are among the tasks
     if not tasks:
         return
     together = -(-sum(len(task) for task in tasks) // _MOST_FILES)

@@ -6,7 +6,6 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
@@ -17,11 +16,12 @@ from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.job_supply import JobSupply
 from gfmd_numba.campaign.queue_state import QueueTold
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage import atomic_file
 from gfmd_numba.text.input_error import brief
 
 FOLDER = "jobs"  # in the output directory: what jobs print, and for the time of a run the certificates of its workers
 _INTERVAL = "2s"  # between looks at how many jobs are wanted
-_KEYS = "tls-"  # how the folder of keys and certificates begins, in that folder
+_KEYS = "tls"  # what the folder of keys and certificates is temporary for, in that folder
 _ROLES = ("scheduler", "worker", "client")
 _COMMANDS = ("sbatch", "squeue", "scancel")
 _ON_CLUSTER = OF_A_RUN | {
@@ -89,7 +89,7 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
     from gfmd_numba.campaign.slurm_jobs import JobsCluster
 
     folder = directory / FOLDER
-    folder.mkdir(exist_ok=True)
+    atomic_file.make_folder(folder)
     name = f"gfmd-{uuid4().hex[:8]}"
     with (
         dask.config.set(_ON_CLUSTER),
@@ -127,16 +127,21 @@ def _security(folder: Path) -> Iterator[Any]:
     """Key and certificate of a run, in files that nobody else can read and that do not outlive it."""
     from distributed.security import Security
 
-    for left in folder.glob(f"{_KEYS}*"):  # by a run that was killed
-        shutil.rmtree(left, ignore_errors=True)
-    with TemporaryDirectory(prefix=_KEYS, dir=folder) as private:
+    for left in folder.iterdir():
+        if atomic_file.is_temporary(left.name) and atomic_file.is_folder(left):  # of a run that was killed
+            shutil.rmtree(left, ignore_errors=True)
+    private = atomic_file.temporary(folder / _KEYS)
+    private.mkdir(mode=0o700)
+    try:
         of_role = Security.temporary().get_tls_config_for_role("worker")
-        files = {name: Path(private) / f"{name}.pem" for name in ("ca_file", "cert", "key")}
+        files = {name: private / f"{name}.pem" for name in ("ca_file", "cert", "key")}
         for name, file in files.items():
             file.touch(mode=0o600)
             file.write_text(of_role[name])
         of_all = {f"tls_{role}_{name}": str(files[name]) for role in _ROLES for name in ("cert", "key")}
         yield Security(require_encryption=True, tls_ca_file=str(files["ca_file"]), **of_all)
+    finally:
+        shutil.rmtree(private, ignore_errors=True)
 
 
 def _options(cluster: Cluster, name: str) -> dict[str, Any]:

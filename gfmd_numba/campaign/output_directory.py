@@ -3,7 +3,6 @@
 import codecs
 import hashlib
 import os
-import re
 import sys
 import time
 from collections.abc import Iterator
@@ -12,16 +11,20 @@ from errno import EDQUOT, ENOSPC
 from pathlib import Path
 from typing import IO
 
+from gfmd_numba.campaign import shards
 from gfmd_numba.scene import InputError
-from gfmd_numba.storage import json_file
-from gfmd_numba.storage.atomic_file import TEMPORARY, replace
+from gfmd_numba.storage import atomic_file, json_file
+from gfmd_numba.storage.mark import Content, is_note
 from gfmd_numba.text.input_error import brief
 
 LABEL = "campaign.yaml"  # copy of the campaign file
 MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, digests of the labels put there, and
 _HOME = "folder"  # the folder that names of files in the label are relative to
 _LOCK = ".lock"
-_LEFTOVER = re.compile(rf"{TEMPORARY}|.*\.late\.tmp")
+
+
+class AlteredError(InputError):
+    """A file of an output directory is not as a run left it."""
 
 
 @contextmanager
@@ -30,9 +33,9 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
 
     Names of files in the text are relative to the `folder`.
     """
-    _check_content(directory)
+    _check_content(directory, text.encode())
     _make(directory)
-    with open(directory / _LOCK, "ab") as lock:
+    with atomic_file.open_own(directory / _LOCK) as lock:
         for attempt in range(5):  # a look at the status holds the lock for a moment
             try:
                 _lock(lock, exclusive=True)
@@ -46,17 +49,19 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
                 time.sleep(0.05)
         _check_owner(directory, name)
         _label(directory, name, text, folder)
-        for leftover in (*directory.glob("*.tmp"), *directory.glob("shards/*.tmp")):
-            if _LEFTOVER.fullmatch(leftover.name):
-                leftover.unlink(missing_ok=True)
+        for left_in in (directory, directory / shards.FOLDER):
+            if atomic_file.is_folder(left_in):
+                for leftover in filter(_is_leftover, list(left_in.iterdir())):
+                    leftover.unlink(missing_ok=True)
         yield
 
 
 def at_work(directory: Path) -> bool:
     """Whether a run is at work in an output directory, which need not be writable."""
-    if not (directory / _LOCK).exists():
+    lock = atomic_file.opened(directory / _LOCK)
+    if lock is None:
         return False
-    with open(directory / _LOCK, "rb") as lock:
+    with lock:
         try:
             _lock(lock, exclusive=False)
         except (BlockingIOError, PermissionError):
@@ -71,35 +76,67 @@ def home_of(file: Path) -> Path | None:
 
 
 def check_label(directory: Path) -> None:
-    """Raise InputError unless a run made this directory and its copy of the campaign file is as the run left it."""
-    label = directory / LABEL
-    if not (directory / MARK).is_file():
-        raise InputError(f"{directory}: given a directory without {MARK}; allowed: one that `gfmd run` made")
-    if not label.is_file():
-        raise InputError(f"{directory}: given a directory without {LABEL}; allowed: one that `gfmd run` made")
-    if _digest(label.read_bytes()) not in _labels(directory):
-        raise InputError(
+    """Raise InputError unless a run made this directory, AlteredError unless its mark and campaign file are as then."""
+    mark, label = directory / MARK, directory / LABEL
+    for file in (mark, label):
+        if not os.path.lexists(file):
+            raise InputError(f"{directory}: given a directory without {file.name}; allowed: one that `gfmd run` made")
+    _check_mark(directory)
+    present = atomic_file.read(label)
+    if present is None or _digest(present) not in _labels(directory):
+        raise AlteredError(
             f"{label}: given a copy of the campaign file that somebody has changed since; allowed: the copy that "
             f"`gfmd run` left (`gfmd run {label} --output {directory}` runs the changed one)"
         )
 
 
-def _check_content(directory: Path) -> None:
-    """Raise InputError for a directory that holds something and is not ours."""
-    if not directory.exists() or (directory / MARK).is_file():
-        return
-    if not directory.is_dir() or any(
-        entry.name != _LOCK and not _LEFTOVER.fullmatch(entry.name) for entry in directory.iterdir()
-    ):
-        raise InputError(
-            f"{directory}: given a path that holds something else; allowed: a new or empty directory, "
-            f"or one that `gfmd run` made and marked with a file {MARK} (choose with --output)"
+def _check_mark(directory: Path) -> None:
+    """Raise AlteredError for a mark that is not as a run left it."""
+    if clause := atomic_file.foreign(directory / MARK, is_note):
+        raise AlteredError(
+            f"{directory / MARK}: given a path {clause}; allowed: the mark that `gfmd run` left (move it away: "
+            f"`gfmd run {directory / LABEL} --output {directory}` makes it again)"
         )
+
+
+def _check_content(directory: Path, text: bytes) -> None:
+    """Raise InputError for a directory that holds something and is not ours.
+
+    One that has lost its mark is ours if it holds this text as its label, and finished work.
+    """
+    if not directory.exists():
+        return
+    if directory.is_dir():
+        _check_mark(directory)
+        if json_file.read(directory / MARK) or all(_is_nothing(entry) for entry in directory.iterdir()):
+            return
+        if _is_text(atomic_file.read(directory / LABEL), text):
+            found = shards.Finished(directory)
+            if any(map(found.is_sound, found)):
+                return
+    raise InputError(
+        f"{directory}: given a path that holds something else; allowed: a new or empty directory, "
+        f"or one that `gfmd run` made and marked with a file {MARK} (choose with --output)"
+    )
+
+
+def _is_nothing(entry: Path) -> bool:
+    """Whether a file tells of no work: a lock, an empty mark, or what a kill leaves behind."""
+    return _is_leftover(entry) or (entry.name in (_LOCK, MARK) and atomic_file.read(entry) == b"")
+
+
+def _is_leftover(entry: Path) -> bool:
+    return atomic_file.is_temporary(entry.name) and entry.is_file() and not entry.is_symlink()
+
+
+def _is_text(content: bytes | None, text: bytes) -> bool:
+    return content is not None and content.removeprefix(codecs.BOM_UTF8) == text
 
 
 def _make(directory: Path) -> None:
     try:
         directory.mkdir(parents=True, exist_ok=True)
+        atomic_file.sync(directory.parent)
     except OSError as error:
         if error.errno in (ENOSPC, EDQUOT):
             raise
@@ -121,11 +158,14 @@ def _check_owner(directory: Path, name: str) -> None:
 
 def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     """Put the text of the campaign into its directory, but not in place of what somebody wrote there."""
-    label, content = directory / LABEL, text.encode()
-    present = label.read_bytes() if label.is_file() else None
-    equal = present is not None and present.removeprefix(codecs.BOM_UTF8) == content
-    ours = not label.is_symlink() and present is not None and _digest(present) in _labels(directory)
-    if os.path.lexists(label) and not (equal or ours):
+    label, content, labels = directory / LABEL, text.encode(), _labels(directory)
+
+    def ours(present: Content) -> bool:
+        return _digest(present) in labels
+
+    present = atomic_file.read(label)
+    equal = _is_text(present, content)
+    if not equal and atomic_file.foreign(label, ours):
         raise InputError(
             f"{label}: given a copy of the campaign file that somebody has changed, and that differs from the "
             f"file to run; allowed: the copy that `gfmd run` left (`gfmd run {label} --output {directory}` runs the "
@@ -135,7 +175,7 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     mark = {"campaign": name, "labels": sorted(known), _HOME: os.path.abspath(folder)}
     json_file.write(directory / MARK, mark)
     if not equal:
-        replace(label, content)
+        atomic_file.replace(label, content, ours)
 
 
 def _labels(directory: Path) -> list[str]:
@@ -144,7 +184,7 @@ def _labels(directory: Path) -> list[str]:
     return known if isinstance(known, list) else []
 
 
-def _digest(content: bytes) -> str:
+def _digest(content: Content) -> str:
     return hashlib.sha256(content).hexdigest()
 
 

@@ -1,6 +1,5 @@
 """The netCDF files of campaigns and contacts: which one a path means, and whether it can be read."""
 
-import hashlib
 from pathlib import Path
 
 import xarray as xr
@@ -8,16 +7,10 @@ import xarray as xr
 from gfmd_numba.scene.document import read_document
 from gfmd_numba.scene.netcdf_trial import can_be_read
 from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.storage import mark
 from gfmd_numba.text.input_error import InputError
 
 _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
-_SEAL = b"gfmd seal 1\n"
-_DIGEST_BYTES = hashlib.sha256().digest_size
-
-
-def sealed(content: memoryview) -> bytes:
-    """Content of a file with its digest behind it, which netCDF readers do not look at."""
-    return b"".join((content, hashlib.sha256(content).digest(), _SEAL))
 
 
 def results_file(path: Path) -> Path:
@@ -64,9 +57,6 @@ def read_results(path: Path) -> xr.Dataset:
 
 
 def _unaltered(file: Path) -> bool:
-    """Whether a file is as it was sealed; one without a seal passes if it can be read at all."""
+    """Whether a file is as its mark says; one without a mark passes if it can be read at all."""
     content = file.read_bytes()
-    if not content.endswith(_SEAL):
-        return can_be_read(file, most_numbers())
-    end = len(content) - _DIGEST_BYTES - len(_SEAL)
-    return hashlib.sha256(content[:end]).digest() == content[end : -len(_SEAL)]
+    return mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())

@@ -15,12 +15,12 @@ from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
-from gfmd_numba.storage import atomic_file
+from gfmd_numba.storage import json_file
 
 PILOT = 20  # realisations of every case, the fewest that a design is made from
 _SPARE = 8  # realisations beyond the cases of a group, by which a pilot knows its errors to a factor of 1.5,
 _MOST_OF_A_PILOT = 40  # as far as there are so many
-_FILE = "rounds.json"
+FILE = "rounds.json"
 _RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 _VARIABLES = {
@@ -108,19 +108,19 @@ class Rounds(BaseModel):
 def read(directory: Path) -> Rounds | None:
     """Rounds of a run in a directory; None if there are none, or something else in their file."""
     try:
-        return Rounds.model_validate_json((directory / _FILE).read_bytes())
-    except (OSError, ValidationError):
+        return Rounds.model_validate(json_file.read(directory / FILE))
+    except ValidationError:
         return None
 
 
 def write(directory: Path, rounds: Rounds) -> None:
     """Keep the rounds in a directory, whole or not at all."""
-    atomic_file.replace(directory / _FILE, rounds.model_dump_json(indent=1).encode())
+    json_file.write(directory / FILE, rounds.model_dump(mode="json"))
 
 
 def forget(directory: Path) -> None:
     """Forget the rounds in a directory, for a run with the realisations of its campaign file."""
-    (directory / _FILE).unlink(missing_ok=True)
+    json_file.remove(directory / FILE)
 
 
 def pilot_plan(planned: Plan, goal: Goal) -> Plan:

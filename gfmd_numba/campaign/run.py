@@ -6,16 +6,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gfmd_numba.campaign import failures, rounds
+from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, split
-from gfmd_numba.campaign.collection import collect, note
+from gfmd_numba.campaign.collection import NOTES, collect, note, results_path
 from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute, held
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene.source import Source
+from gfmd_numba.storage import mark
+from gfmd_numba.storage.atomic_file import check as check_file
 
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
 
@@ -95,6 +97,7 @@ def finish(
     Raises InputError where the memory does not do, OSError where the disk or the cluster gives up.
     """
     new: Failures = {}
+    _check_names(planned, todo, directory)
 
     def finished(blocks: int, reasons: Failures) -> bool:
         for name, failure in reasons.items():
@@ -121,6 +124,14 @@ def finish(
     execute(tasks(todo, predicted, workers.most), directory, workers, planned.campaign.case_timeout, finished)
     note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
     return not (new and choice.fail_fast)
+
+
+def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
+    """Raise InputError where something that is not ours has the name of a file that a run is going to write."""
+    check_file(results_path(planned, directory), mark.is_product)
+    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
+        check_file(note_of_run, mark.is_note)
+    shards.check_names(directory, [block.name for block in todo])
 
 
 def failed(blocks: list[Block], directory: Path) -> Failures:

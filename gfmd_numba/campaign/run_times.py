@@ -5,6 +5,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from gfmd_numba.storage import cache, json_file
+from gfmd_numba.text.input_error import InputError
 
 
 def remembered() -> dict[str, float]:
@@ -21,11 +22,11 @@ def remember(seconds: dict[str, float]) -> None:
         path = _memory()
         path.parent.mkdir(mode=0o700, exist_ok=True)
         json_file.write(path, seconds)
-    except OSError:
+    except (OSError, InputError):
         pass  # the next plan measures again
 
 
 def _memory() -> Path:
     """File of what this version took on this machine."""
     name = f"{version('gfmd-numba')}-{version('numba')}-{platform.node()}-{platform.machine()}"
-    return cache.directory() / "run-times" / f"{name}.json"
+    return cache.directory() / "times" / f"{name}.json"

@@ -7,18 +7,20 @@ with their names and lengths at its head.
 import hashlib
 import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.storage.atomic_file import replace
+from gfmd_numba.storage import atomic_file, mark
 
 Arrays = dict[str, npt.NDArray[Any]]
-_FOLDER, _SHARD, _BUNDLE = "shards", ".shard", ".bundle"
-_MAGIC, _MAGIC_OF_BUNDLE = b"gfmd shard 1\n", b"gfmd bundle 1\n"
+FOLDER, _SHARD, _BUNDLE = "shards", ".shard", ".bundle"
+_MAGIC, _MAGIC_OF_BUNDLE = b"\x89gfmd shard 1\n", b"\x89gfmd bundle 1\n"
+_OURS = {_SHARD: mark.begins_with(_MAGIC), _BUNDLE: mark.begins_with(_MAGIC_OF_BUNDLE)}
 _DIGEST_BYTES = hashlib.sha256().digest_size
 _LENGTH_BYTES = 8
 
@@ -32,12 +34,12 @@ class _Place(NamedTuple):
 
     def content(self) -> bytes:
         """Content of the shard, or less; nothing if the file is gone."""
-        try:
-            with open(self.file, "rb") as file:
-                file.seek(self.start)
-                return file.read(-1 if self.length is None else self.length)
-        except FileNotFoundError:
+        file = atomic_file.opened(self.file)
+        if file is None:
             return b""
+        with file:
+            file.seek(self.start)
+            return file.read(-1 if self.length is None else self.length)
 
 
 class Finished:
@@ -46,10 +48,15 @@ class Finished:
     def __init__(self, directory: Path) -> None:
         self._places: dict[str, list[_Place]] = {}  # a block that was damaged may be there again
         self.unreadable: list[Path] = []  # bundles that do not tell what they hold
-        for file in (directory / _FOLDER).glob(f"*{_SHARD}"):
-            self._places.setdefault(file.stem, []).append(_Place(file, 0, None))
-        for file in (directory / _FOLDER).glob(f"*{_BUNDLE}"):
-            held = _held(file)
+        self.foreign: list[Path] = []  # that have names of such files, and are none
+        folder = directory / FOLDER
+        for file in sorted(folder.iterdir()) if atomic_file.is_folder(folder) else ():
+            if file.suffix not in _OURS:
+                continue
+            if atomic_file.foreign(file, _OURS[file.suffix]):
+                self.foreign.append(file)
+                continue
+            held = _held(file) if file.suffix == _BUNDLE else [(file.stem, 0, None)]
             if held is None:
                 self.unreadable.append(file)
             for name, start, length in held or ():
@@ -81,8 +88,8 @@ class Finished:
 def path_of(directory: Path, names: Sequence[str]) -> Path:
     """File in which blocks of these names are finished together."""
     if len(names) == 1:
-        return directory / _FOLDER / f"{names[0]}{_SHARD}"
-    return directory / _FOLDER / f"{hashlib.sha256(' '.join(names).encode()).hexdigest()[:24]}{_BUNDLE}"
+        return directory / FOLDER / f"{names[0]}{_SHARD}"
+    return directory / FOLDER / f"{hashlib.sha256(' '.join(names).encode()).hexdigest()[:24]}{_BUNDLE}"
 
 
 def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
@@ -93,29 +100,42 @@ def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
         length = len(head).to_bytes(_LENGTH_BYTES, "big")
         contents.insert(0, _MAGIC_OF_BUNDLE + hashlib.sha256(head).digest() + length + head)
     if contents:
-        replace(path_of(directory, list(blocks)), b"".join(contents))
+        path = path_of(directory, list(blocks))
+        atomic_file.replace(path, b"".join(contents), _OURS[path.suffix])
+
+
+def check_names(directory: Path, names: Iterable[str]) -> None:
+    """Raise InputError where something that is not ours has the name of the file of a block."""
+    for name in names:
+        atomic_file.check(path_of(directory, [name]), _OURS[_SHARD])
+
+
+def remove_unreadable(directory: Path) -> None:
+    """Remove bundles that do not tell what they hold."""
+    for bundle in Finished(directory).unreadable:
+        atomic_file.remove(bundle, _OURS[_BUNDLE])
 
 
 def are_stored(directory: Path, names: Sequence[str]) -> bool:
     """Whether these blocks are finished together, and as they were written."""
     path = path_of(directory, names)
     held = [(names[0], 0, None)] if len(names) == 1 else _held(path) or []
-    sound = [name for name, *where in held if _payload(name, _Place(path, *where).content()) is not None]
+    sound = [name for name, start, length in held if _payload(name, _Place(path, start, length).content()) is not None]
     return sound == list(names)
 
 
-def _held(bundle: Path) -> list[tuple[str, int, int]] | None:
+def _held(bundle: Path) -> list[tuple[str, int, int | None]] | None:
     """Name, start and length of each shard in a bundle; None if its head is damaged."""
-    try:
-        with open(bundle, "rb") as file:
-            magic, digest = file.read(len(_MAGIC_OF_BUNDLE)), file.read(_DIGEST_BYTES)
-            size = int.from_bytes(file.read(_LENGTH_BYTES), "big")
-            head = file.read(min(size, bundle.stat().st_size))
-    except FileNotFoundError:
+    file = atomic_file.opened(bundle)
+    if file is None:
         return None
+    with file:
+        magic, digest = file.read(len(_MAGIC_OF_BUNDLE)), file.read(_DIGEST_BYTES)
+        size = int.from_bytes(file.read(_LENGTH_BYTES), "big")
+        head = file.read(min(size, os.fstat(file.fileno()).st_size))
     if magic != _MAGIC_OF_BUNDLE or hashlib.sha256(head).digest() != digest:
         return None
-    held = []
+    held: list[tuple[str, int, int | None]] = []
     start = len(magic) + len(digest) + _LENGTH_BYTES + len(head)
     for name, length in json.loads(head):
         held.append((name, start, length))

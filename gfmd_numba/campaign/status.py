@@ -7,10 +7,13 @@ from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.storage.atomic_file import foreign as foreign_file
+from gfmd_numba.storage.mark import is_note
 
 
 @dataclass(frozen=True)
@@ -31,12 +34,16 @@ class Progress:
 
 @dataclass(frozen=True)
 class Verdict:
-    """How many blocks are sound or missing, and the names of those damaged, or none of this campaign's."""
+    """How many blocks are sound or missing, and the names of those damaged, or none of this campaign's.
+
+    `altered` are other files that are not as a run left them, with what they are and what to do.
+    """
 
     sound: int
     damaged: list[str]
     missing: int
     foreign: list[str]
+    altered: dict[Path, str]
 
 
 def campaign_in(directory: Path) -> Plan:
@@ -87,7 +94,10 @@ def progress(directory: Path) -> Progress:
 
 
 def verify(directory: Path) -> Verdict:
-    """Read every finished block of the campaign in a directory and check its digest; raises InputError."""
+    """Compare the files of the campaign in a directory with their digests.
+
+    Raises InputError, AlteredError where it is not sure which campaign they are of.
+    """
     planned = campaign_in(directory)
     expected = {block.name for block in planned.blocks_in(directory)}
     sound = 0
@@ -102,7 +112,26 @@ def verify(directory: Path) -> Verdict:
         else:
             (damaged if name in expected else foreign).append(name)
     damaged += sorted(file.name for file in stored.unreadable)
-    return Verdict(sound, damaged, len(expected.difference(stored)), foreign)
+    altered = {file: f"{_OTHERS}: move it away, and `gfmd run` computes its blocks again" for file in stored.foreign}
+    return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered | _altered(planned, directory))
+
+
+_OTHERS = "a file that gfmd did not write, or that was changed since"
+
+
+def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
+    """Notes and results that are not as a run left them, with what they are and what to do."""
+    found = {}
+    notes = (directory / NOTES, directory / rounds.FILE, *(failures.path_of(directory, b.name) for b in planned.blocks))
+    for note in notes:
+        if foreign_file(note, is_note):
+            found[note] = f"{_OTHERS}: it is not used, move it away"
+    results = results_path(planned, directory)
+    if foreign_file(results):
+        found[results] = f"{_OTHERS}: move it away, and `gfmd collect {directory}` writes it again"
+    elif results.exists() and is_altered(results, planned):
+        found[results] = f"differs from its digest: `gfmd collect {directory}` writes it again"
+    return found
 
 
 def _work(block: Block) -> float:

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from gfmd_numba.storage import atomic_file
+
 _AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
 
 
@@ -36,7 +38,8 @@ def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
     elif trace is None:
         yield
     else:
-        with open(trace, "w") as file:
+        with atomic_file.open_own(trace) as file:
+            file.truncate()
             faulthandler.dump_traceback_later(timeout, exit=True, file=file)
             try:
                 yield

@@ -129,24 +129,19 @@ def check_output(output: Path, *inputs: Path) -> None:
     """Raise InputError unless a file can be written that is none of the inputs and nobody else's."""
     import os
 
-    from gfmd_numba.storage.mark import may_be_replaced
+    from gfmd_numba.storage.atomic_file import foreign
     from gfmd_numba.text.input_error import InputError
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
             raise InputError(f"--output: given {output}, which is an input; allowed: another file")
-    if output.exists() and not output.is_file():
-        raise InputError(
-            f"--output: given {output}, which is not a regular file; allowed: a new file, or one that gfmd wrote"
-        )
     if not output.parent.is_dir():
         raise InputError(f"--output: given {output}; allowed: a file in a folder that exists, unlike {output.parent}")
-    folder = Path(os.path.realpath(output)).parent  # in which a temporary file is written first
-    if not os.access(folder, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
+    if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
         raise InputError(f"--output: given {output}, which you may not write; allowed: a file that you may write")
-    if not may_be_replaced(output):
+    if clause := foreign(output):
         raise InputError(
-            f"--output: given {output}, which gfmd did not write; allowed: a new file, or one that gfmd wrote "
+            f"--output: given {output}, {clause}; allowed: a new file, or one as gfmd wrote it "
             "(move the file away, or choose another name)"
         )
 
@@ -158,7 +153,7 @@ def picture_beside(output: Path) -> Path:
 
 def beside(output: Path, kind: str, suffix: str) -> Path:
     """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
-    from gfmd_numba.storage.mark import may_be_replaced
+    from gfmd_numba.storage.atomic_file import foreign
     from gfmd_numba.text.input_error import InputError
 
     file = output.with_suffix(suffix)
@@ -166,10 +161,10 @@ def beside(output: Path, kind: str, suffix: str) -> Path:
         raise click.BadParameter(
             f"the {kind} takes the name with {suffix}; give one like steel.nc", param_hint="--output"
         )
-    if not may_be_replaced(file):
+    if clause := foreign(file):
         raise InputError(
-            f"{file}: given a file that gfmd did not write, where its {kind} would go; "
-            "allowed: no such file, or one that gfmd wrote and nobody changed (move it, or choose another --output)"
+            f"{file}: given a path {clause}, where the {kind} would go; "
+            "allowed: no such file, or one as gfmd wrote it (move it away, or choose another --output)"
         )
     return file
 

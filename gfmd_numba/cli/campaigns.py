@@ -198,7 +198,7 @@ def _show_endings(dataset: xr.Dataset) -> None:
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
-    from gfmd_numba.storage.mark import may_be_replaced
+    from gfmd_numba.storage.atomic_file import foreign
 
     pictures = {picture: partial(draw, dataset, fitted)}
     second = second_picture(dataset, picture)
@@ -206,12 +206,10 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
         pictures[second] = partial(draw_second, dataset)
     try:
         for path, drawing in pictures.items():
-            if may_be_replaced(path):
-                drawing(path)
+            if clause := foreign(path):
+                click.echo(f"note     {path}, {clause}, stays as it is (`gfmd plot -o` draws elsewhere)")
             else:
-                click.echo(
-                    f"note     {path} was not written by gfmd and stays as it is (`gfmd plot -o` draws elsewhere)"
-                )
+                drawing(path)
     except OSError as error:
         click.echo(f"gfmd: {error}; the results are complete, and `gfmd plot {picture.parent}` draws them", err=True)
         return False

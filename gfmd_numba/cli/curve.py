@@ -118,10 +118,11 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
     from gfmd_numba.analysis import plot_curve
-    from gfmd_numba.storage.atomic_file import write_picture
+    from gfmd_numba.storage.atomic_file import remove, write_picture
+    from gfmd_numba.storage.mark import is_product
 
     if not (dataset["n_realisations"] > 0).any():
-        picture.unlink(missing_ok=True)  # that of an earlier curve
+        remove(picture, is_product)  # that of an earlier curve
         say("gfmd:", "no load has a result that could be drawn", width=6, err=True)
         return
     with waiting("drawing"):

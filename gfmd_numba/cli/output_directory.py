@@ -67,25 +67,25 @@ def collect(directory: Path) -> None:
 def verify(directory: Path) -> None:
     """Compare the files of an output DIRECTORY with their digests.
 
-    The command exits with 3 if a shard, or the netCDF file of results, is damaged.
+    These are the shards, the results, the notes of the run, its mark and its copy of the campaign file. The command
+    exits with 3 if one of them is damaged or was changed.
     """
-    from gfmd_numba.campaign.collection import is_altered
-    from gfmd_numba.campaign.results import read_results
-    from gfmd_numba.campaign.status import campaign_in
-    from gfmd_numba.campaign.status import verify as verify_shards
+    from gfmd_numba.campaign.output_directory import AlteredError
+    from gfmd_numba.campaign.status import verify as verify_files
 
-    verdict = verify_shards(directory)
+    try:
+        verdict = verify_files(directory)
+    except AlteredError as error:
+        say("gfmd:", f"{error}; nothing else was looked at", width=6, err=True)
+        sys.exit(SOME_FAILED)
     click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} missing")
     for name in verdict.damaged:
         say("damaged", f"{name}: `gfmd run` computes it again")
     for name in verdict.foreign:
         say("foreign", f"{name}: belongs to no case of this campaign and is not used")
-    planned = campaign_in(directory)
-    file = directory / f"{planned.campaign.name}.nc"
-    altered = False
-    if file.exists():
-        altered = is_altered(read_results(file), planned)
-        state = "differs from its digest: `gfmd collect` writes it again" if altered else "sound"
-        say("results", f"{file} {state}")
-    if verdict.damaged or altered:
+    for file, state in verdict.altered.items():
+        say("damaged", f"{file}, {state}")
+    if not verdict.altered:
+        click.echo("others   sound")
+    if verdict.damaged or verdict.altered:
         sys.exit(SOME_FAILED)

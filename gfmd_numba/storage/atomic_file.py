@@ -1,49 +1,65 @@
-"""Files that are whole or not there, whatever ends the writing: a kill, a full disk, an error."""
+"""The one door to files that gfmd writes: whole or not there, on the disk, and never in place of a file of others.
+
+A file may give way to another, or be removed, if it proves to be of gfmd (see `mark`). Links are not followed, and
+pipes, devices and sockets not opened: what is no regular file is nobody's business.
+"""
 
 from __future__ import annotations
 
 import csv
 import errno
+import hashlib
 import io
+import mmap
 import os
-import shutil
-from collections.abc import Mapping, Sequence
+import re
+import stat
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 from uuid import uuid4
 
 from gfmd_numba.storage import mark
+from gfmd_numba.text.input_error import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-TEMPORARY = r".*\.[0-9a-f]{32}\.tmp"  # names of what a kill may leave behind
+Ours = Callable[[mark.Content], bool]  # whether content of a file is of gfmd, and may give way
+
+_TEMPORARY = re.compile(r"(.*)\.([0-9a-f]{16})([0-9a-f]{16})\.tmp", re.DOTALL)
+_PLAIN = getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)  # the first on Windows
+_CAREFUL = _PLAIN | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # a pipe does not wait
 
 
-def replace(path: Path, content: bytes | memoryview, mode: int = 0o666) -> None:
+def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o666) -> None:
     """Write a file under a temporary name beside it, force it to disk, then give it its name.
 
-    A link is followed, and a file that is there passes on its permissions; a new one has `mode` less the umask.
-    Raises OSError with the name of the file; what stood there is then unharmed.
+    A file that is there has to be `ours` and passes on its permissions; a new one has `mode` less the umask. Raises
+    InputError for what is not ours, and OSError with the name of the file; what stood there is then unharmed.
     """
-    target = Path(os.path.realpath(path))
-    temporary = target.with_name(f"{target.name}.{uuid4().hex}.tmp")
+    check(path, ours)
+    unfinished = temporary(path)
     try:
-        if target.exists() and not target.is_file():  # a device would be lost
-            raise FileExistsError(errno.EEXIST, "Not a regular file")
-        with open(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, mode), "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if target.exists():
-            shutil.copymode(target, temporary)
-        os.replace(temporary, target)
+        before = os.lstat(path).st_mode if os.path.lexists(path) else None
+        file = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _PLAIN, mode)
+        try:
+            rest = memoryview(content)
+            while rest:
+                rest = rest[os.write(file, rest) :]
+            if before is not None:
+                os.chmod(unfinished, stat.S_IMODE(before))
+            os.fsync(file)
+        finally:
+            os.close(file)
+        os.replace(unfinished, path)
+        sync(path.parent)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)
         raise OSError(error.errno, error.strerror, str(path)) from error
     except BaseException:
-        temporary.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)
         raise
 
 
@@ -51,30 +67,138 @@ def create(path: Path, content: bytes) -> None:
     """Write a new file; raises FileExistsError for one that is there, OSError as `replace` does."""
     os.close(os.open(path, os.O_CREAT | os.O_EXCL, 0o666))
     try:
-        replace(path, content)
+        replace(path, content, lambda present: not len(present))
     except BaseException:
         path.unlink()
         raise
 
 
+def foreign(path: Path, ours: Ours = mark.is_product) -> str:
+    """What stands at a path and may not give way, as a clause; empty if nothing does, or an empty file, or `ours`."""
+    try:
+        found = os.lstat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return ""
+    if stat.S_ISLNK(found.st_mode):
+        return "which is a link"
+    if not stat.S_ISREG(found.st_mode):
+        return "which is not a regular file"
+    if found.st_size == 0:
+        return ""
+    with (
+        open(os.open(path, os.O_RDONLY | _CAREFUL), "rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        return "" if ours(content) else "which gfmd did not write, or somebody has changed since"
+
+
+def check(path: Path, ours: Ours) -> None:
+    """Raise InputError for what may not give way to a file of this name."""
+    if clause := foreign(path, ours):
+        raise InputError(
+            f"{path}: given a path {clause}; allowed: no such file, or one as gfmd wrote it (move it away)"
+        )
+
+
+def remove(path: Path, ours: Ours) -> None:
+    """Remove a file if it is `ours`; anything else stays."""
+    if not foreign(path, ours):
+        path.unlink(missing_ok=True)
+
+
+def opened(path: Path) -> IO[bytes] | None:
+    """Regular file that is there, for reading; None for a link, a folder, a pipe, or nothing."""
+    try:
+        if not stat.S_ISREG(os.lstat(path).st_mode):
+            return None
+        return open(os.open(path, os.O_RDONLY | _CAREFUL), "rb")
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def read(path: Path) -> bytes | None:
+    """Content of a regular file that is there, None for anything else."""
+    file = opened(path)
+    if file is None:
+        return None
+    with file:
+        return file.read()
+
+
+def open_own(path: Path) -> IO[bytes]:
+    """File whose name is gfmd's, new or as it is, for writing; raises InputError for what is no regular file."""
+    if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
+        raise InputError(f"{path}: given a path which is not a regular file; allowed: no such file (move it away)")
+    return open(os.open(path, os.O_RDWR | os.O_CREAT | _CAREFUL, 0o666), "r+b")
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder is there, and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, unless it is there; raises InputError for a link or a file."""
+    if not os.path.lexists(path):
+        os.mkdir(path)
+        sync(path.parent)
+    if not is_folder(path):
+        raise InputError(f"{path}: given a link or a file; allowed: a folder of that name, or nothing (move it away)")
+
+
+def sync(folder: Path) -> None:
+    """Force the names in a folder to disk, where the system can: a rename may be lost otherwise when power fails."""
+    if os.name == "nt":
+        return
+    try:
+        found = os.open(folder, os.O_RDONLY | _PLAIN)
+    except PermissionError:  # it may be written, and not read
+        return
+    try:
+        os.fsync(found)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # a file system that has no such thing
+            raise
+    finally:
+        os.close(found)
+
+
+def temporary(path: Path, token: str = "") -> Path:
+    """Name beside a path for what is not finished, always the same for a `token` of 16 hexadecimal digits.
+
+    Its last digits follow from the rest, so that no other program's file is taken for a leftover of a kill.
+    """
+    token = token or uuid4().hex[:16]
+    return path.with_name(f"{path.name}.{token}{_proof(path.name, token)}.tmp")
+
+
+def is_temporary(name: str) -> bool:
+    """Whether a name is one of `temporary`."""
+    found = _TEMPORARY.fullmatch(name)
+    return found is not None and _proof(found[1], found[2]) == found[3]
+
+
+def _proof(name: str, token: str) -> str:
+    return hashlib.sha256(os.fsencode(f"gfmd {name} {token}")).hexdigest()[:16]
+
+
 def write_dataset(path: Path, dataset: xr.Dataset) -> None:
     """Write a netCDF file as `replace` does."""
-    replace(path, netcdf(dataset))
+    replace(path, mark.marked(netcdf(dataset)), mark.is_product)
 
 
 def netcdf(dataset: xr.Dataset) -> memoryview:
     """Content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
 
-    Its attribute `software` says that gfmd wrote it. It is made in memory, as the netCDF library does not say why a
-    disk refused it. `Dataset.to_netcdf` would import all of dask.distributed, to ask whether a cluster is going to
-    write the file.
+    It is made in memory, as the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would import
+    all of dask.distributed, to ask whether a cluster is going to write the file.
     """
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
     file = netCDF4.Dataset("in memory", "w", memory=1)
     try:
-        dataset.assign_attrs(mark.IN_DATASETS).dump_to_store(NetCDF4DataStore(file))
+        dataset.dump_to_store(NetCDF4DataStore(file))
     finally:
         content: memoryview = file.close()
     return content
@@ -82,9 +206,9 @@ def netcdf(dataset: xr.Dataset) -> memoryview:
 
 def write_picture(path: Path, figure: Figure, dpi: int) -> None:
     """Write a picture of the kind that its suffix names as `replace` does."""
-    content, kind = io.BytesIO(), path.suffix.removeprefix(".").lower()
-    figure.savefig(content, format=kind, dpi=dpi, metadata=mark.in_picture(kind))
-    replace(path, content.getvalue())
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix.removeprefix(".").lower(), dpi=dpi)
+    replace(path, mark.marked(content.getvalue()), mark.is_product)
 
 
 def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
@@ -96,7 +220,4 @@ def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
     table = csv.writer(content, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    replace(path, mark.marked_table(content.getvalue().encode()))
-
-
-_BINARY = getattr(os, "O_BINARY", 0)  # on Windows
+    replace(path, mark.marked_table(content.getvalue().encode()), mark.is_product)

@@ -9,16 +9,20 @@ from importlib.metadata import version
 from pathlib import Path
 
 from gfmd_numba.storage import cache as user_cache
+from gfmd_numba.storage import mark
 from gfmd_numba.storage.atomic_file import replace
+from gfmd_numba.text.input_error import InputError
 
 _SOURCES = Path(__file__).parent.parent / "kernels"
-_DIGEST_BYTES = hashlib.sha256().digest_size
+_MAGIC = b"\x89gfmd kernel 1\n"
+_HEAD = len(_MAGIC) + hashlib.sha256().digest_size
 
 
 @cache
 def folder() -> Path | None:
     """Return the folder of the present kernels, None where there is no place for one."""
-    state = hashlib.sha256(f"{version('numba')} {version('llvmlite')} {sys.implementation.cache_tag}".encode())
+    state = hashlib.sha256(_MAGIC)
+    state.update(f"{version('numba')} {version('llvmlite')} {sys.implementation.cache_tag}".encode())
     for source in sorted(_SOURCES.glob("*.py")):
         state.update(source.read_bytes())
     try:
@@ -33,8 +37,8 @@ def save(name: str, code: bytes) -> None:
     """Keep the code of a kernel under a name; without a word where that cannot be done."""
     path = folder()
     if path is not None:
-        with suppress(OSError):  # it is compiled again next time
-            replace(path / name, _seal(name, code) + code, mode=0o600)
+        with suppress(OSError, InputError):  # it is compiled again next time
+            replace(path / name, _seal(name, code) + code, mark.begins_with(_MAGIC), mode=0o600)
 
 
 def load(name: str) -> bytes | None:
@@ -48,12 +52,12 @@ def load(name: str) -> bytes | None:
             content = file.read() if trusted else b""
     except OSError:
         return None
-    code = content[_DIGEST_BYTES:]
-    return code if content[:_DIGEST_BYTES] == _seal(name, code) else None
+    code = content[_HEAD:]
+    return code if content[:_HEAD] == _seal(name, code) else None
 
 
 def _seal(name: str, code: bytes) -> bytes:
-    return hashlib.sha256(name.encode() + code).digest()
+    return _MAGIC + hashlib.sha256(name.encode() + code).digest()
 
 
 def _without_links(path: str, flags: int) -> int:

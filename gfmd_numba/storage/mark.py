@@ -1,49 +1,99 @@
-"""The mark in files that gfmd wrote, which may be written again; any other file is its owner's and stays.
+"""The mark in files that gfmd wrote: the digest of all else in them. A file without it is its owner's and stays.
 
-A table is text that is easily edited by hand: its mark holds a digest of all that follows.
+Whoever changes a file makes it his own, as its digest is then another. Files of binary formats that gfmd alone writes
+and reads are known by how they begin, so that damaged ones may be written again.
 """
 
 import hashlib
 import mmap
-from pathlib import Path
+import zlib
+from collections.abc import Callable
+from typing import NamedTuple
 
-IN_DATASETS = {"software": "written by gfmd-numba"}
-_IN_PICTURES = {
-    "png": {"Software": "gfmd-numba"},
-    "pdf": {"Creator": "gfmd-numba"},
-    "ps": {"Creator": "gfmd-numba"},
-    "eps": {"Creator": "gfmd-numba"},
-    "svg": {"Creator": "gfmd-numba"},
-}
-_IN_TABLES = b"# written by gfmd-numba, sha256 "
-_BEGINNINGS = {  # of a kind of file, and the mark as it stands in one
-    b"\x89HDF": b"written by gfmd-numba",
-    b"\x89PNG": b"Software\0gfmd-numba",
-    b"%PDF": b"/Creator (gfmd-numba)",
-    b"%!PS": b"%%Creator: gfmd-numba",
-    b"<?xml": b"<dc:title>gfmd-numba</dc:title>",
-}
+Content = bytes | memoryview | mmap.mmap
+
+_WORDS = b"written by gfmd-numba, sha256 "
+_HEX_DIGITS = 64
 
 
-def in_picture(kind: str) -> dict[str, str] | None:
-    """Return the metadata that mark a picture, None for kinds that have none: those are never written again."""
-    return _IN_PICTURES.get(kind)
+class _Form(NamedTuple):
+    """How the mark stands in content of one kind: behind all but the `ending`, in what a reader of the kind skips."""
+
+    beginning: bytes
+    ending: bytes
+    around: Callable[[bytes], bytes]
+
+    def mark(self, digest: bytes) -> bytes:
+        """Mark with a digest in hex."""
+        return self.around(_WORDS + digest)
+
+    def length(self) -> int:
+        """Length of the mark and the ending."""
+        return len(self.mark(b"0" * _HEX_DIGITS)) + len(self.ending)
+
+
+def _png_chunk(text: bytes) -> bytes:
+    data = b"tEXtComment\0" + text
+    return (len(data) - 4).to_bytes(4, "big") + data + zlib.crc32(data).to_bytes(4, "big")
+
+
+_PRODUCTS = (
+    _Form(b"\x89HDF", b"", lambda text: b"\n" + text + b"\n"),  # netCDF readers do not look behind the last block
+    _Form(b"\x89PNG", b"\0\0\0\0IEND\xaeB`\x82", _png_chunk),
+    _Form(b"%PDF", b"", lambda text: b"% " + text + b"\n"),
+    _Form(b"%!PS", b"", lambda text: b"% " + text + b"\n"),
+    _Form(b"<?xml", b"", lambda text: b"<!-- " + text + b" -->\n"),
+)
+_NOTE = _Form(b"{", b"}", lambda text: b', "mark": "' + text + b'"')
+_IN_TABLES = b"# " + _WORDS
+
+
+def marked(content: bytes | memoryview) -> bytes:
+    """Return the content of a dataset, picture or note with its mark; other kinds have none, and are never replaced."""
+    for form in (*_PRODUCTS, _NOTE):
+        if content[: len(form.beginning)] == form.beginning:
+            body = content[: len(content) - len(form.ending)]
+            return b"".join((body, form.mark(_digest(body)), form.ending))
+    return bytes(content)
 
 
 def marked_table(table: bytes) -> bytes:
     """Return the text of a table behind a line that marks it, by which any change is known."""
-    return _IN_TABLES + hashlib.sha256(table).hexdigest().encode() + b"\n" + table
+    return _IN_TABLES + _digest(table) + b"\n" + table
 
 
-def may_be_replaced(file: Path) -> bool:
-    """Whether there is no such file, nothing in it, or gfmd wrote it and, if it is a table, nobody changed it since."""
-    try:
-        if file.stat().st_size == 0:
-            return True
-    except FileNotFoundError:
-        return True
-    with open(file, "rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        if content[: len(_IN_TABLES)] == _IN_TABLES:
-            return content[:] == marked_table(content[content.find(b"\n") + 1 :])
-        marks = [mark for beginning, mark in _BEGINNINGS.items() if content[: len(beginning)] == beginning]
-        return any(content.find(mark) >= 0 for mark in marks)
+def has_mark(content: Content) -> bool:
+    """Whether there is a mark in a dataset, whatever its digest says."""
+    form = _PRODUCTS[0]
+    tail, blank = content[len(content) - form.length() :], form.mark(b"")
+    return len(content) > form.length() and tail[: len(blank) - 1] == blank[:-1]
+
+
+def is_product(content: Content) -> bool:
+    """Whether this is a dataset, picture or table as gfmd wrote it."""
+    if content[: len(_IN_TABLES)] == _IN_TABLES:
+        return content[:] == marked_table(bytes(content[len(_IN_TABLES) + _HEX_DIGITS + 1 :]))
+    return any(_is_marked(content, form) for form in _PRODUCTS)
+
+
+def is_note(content: Content) -> bool:
+    """Whether this is a note of a run, in JSON, as gfmd wrote it."""
+    return _is_marked(content, _NOTE)
+
+
+def begins_with(magic: bytes) -> Callable[[Content], bool]:
+    """Test of content for the beginning of a format that gfmd alone writes; what was cut off there passes, too."""
+    return lambda content: content[: len(magic)] == magic[: len(content)]
+
+
+def _is_marked(content: Content, form: _Form) -> bool:
+    end = len(content) - form.length()
+    if end < 0 or content[: len(form.beginning)] != form.beginning:
+        return False
+    tail = content[end:]
+    with memoryview(content) as whole:
+        return bytes(tail) == form.mark(_digest(whole[:end])) + form.ending
+
+
+def _digest(content: bytes | memoryview) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()

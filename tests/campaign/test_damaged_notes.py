@@ -1,6 +1,5 @@
 """What a run notes beside its shards, damaged or forged, and looking at a directory that cannot be written."""
 
-import json
 import subprocess
 
 import pytest
@@ -10,6 +9,8 @@ import gfmd_numba
 from gfmd_numba.campaign import failures
 from gfmd_numba.campaign.output_directory import at_work, claimed
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.storage import json_file
+from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import TINY, campaign, numbers
 from support.command_line import gfmd, unfolded
 
@@ -36,6 +37,20 @@ def out(tmp_path_factory):
     return folder / "out"
 
 
+def assert_kept(out, note):
+    """Assert that nothing runs over a note that is not ours; take it out of the way."""
+    before = note.read_bytes()
+    if before:
+        said = gfmd("run", out / "campaign.yaml", "-o", out, "--workers=0")
+        assert said.exit_code == 2
+        assert f"{note.name}: given a path which gfmd did not write" in unfolded(said.stderr)
+        assert note.read_bytes() == before
+        said = gfmd("verify", out)
+        assert said.exit_code == 3
+        assert f"{note.name}, a file that gfmd did not write, or that was changed since" in unfolded(said.output)
+    note.unlink()
+
+
 @pytest.mark.parametrize("content", DAMAGED)
 def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     block = next(plan(out / "campaign.yaml").blocks)
@@ -46,6 +61,7 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     for command in ("status", "collect"):
         assert gfmd(command, out).exit_code == 0
     assert int((gfmd_numba.open_campaign(out)["status"] == 6).sum()) == 2
+    assert_kept(out, out / "shards" / f"{block.name}.failed")
     gfmd_numba.run(out / "campaign.yaml", out)
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
@@ -59,14 +75,15 @@ def test_damaged_notes_of_a_run_stop_nothing(out, content):
     assert gfmd("collect", out).exit_code == 0
     assert not {"last_run_seconds", "last_run_blocks", "status", "reason"} & gfmd_numba.open_campaign(out).attrs.keys()
     next(out.glob("shards/*.shard")).unlink()
+    assert_kept(out, out / "run.json")
     assert gfmd_numba.run(out / "campaign.yaml", out).attrs["last_run_blocks"] == 1
 
 
 def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
     assert gfmd("collect", out).exit_code == 0
     before = gfmd_numba.open_campaign(out).attrs
-    forged = {name: "forged" for name in before} | {"last_run_seconds": 2.5}
-    (out / "run.json").write_text(json.dumps(forged))
+    (out / "run.json").unlink(missing_ok=True)
+    json_file.write(out / "run.json", {name: "forged" for name in before} | {"last_run_seconds": 2.5})
     assert gfmd("collect", out).exit_code == 0
     after = gfmd_numba.open_campaign(out).attrs
     assert "forged" not in map(str, after.values())
@@ -84,10 +101,11 @@ def test_verify_notices_results_that_say_something_else_of_the_campaign(out, nam
         del dataset.attrs[name]
         if value is not None:
             dataset.attrs[name] = value
-        dataset.to_netcdf(out / "tiny.nc", engine="netcdf4")
+        (out / "tiny.nc").unlink()
+        write_dataset(out / "tiny.nc", dataset)
         said = gfmd("verify", out)
         assert said.exit_code == 3
-        assert "tiny.nc differs from its digest" in unfolded(said.output)
+        assert "tiny.nc, differs from its digest" in unfolded(said.output)
         dataset.attrs[name] = value
     assert gfmd("collect", out).exit_code == 0
 

@@ -15,7 +15,7 @@ def test_output_directory_of_another_campaign_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path, **{"name: small": "name: other"}), out, 0)
 
 
-@pytest.mark.parametrize("text", ["", "name: [", "- list"])
+@pytest.mark.parametrize("text", ["x", "name: [", "- list"])
 def test_a_damaged_label_says_what_to_do(tmp_path, text):
     path, out = campaign(tmp_path), tmp_path / "out"
     gfmd_numba.run(path, out)

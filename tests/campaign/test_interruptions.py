@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import uuid
 
 import numpy as np
 import psutil
@@ -13,13 +14,16 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import block_work
+from gfmd_numba.campaign.block_work import trace
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.shards import Finished
-from support.campaigns import campaign, numbers
+from gfmd_numba.scene import InputError
+from gfmd_numba.storage.atomic_file import temporary
+from support.campaigns import TINY, campaign, numbers
 
 
 @pytest.mark.parametrize("workers", [0, 2])
@@ -113,14 +117,33 @@ def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path,
 def test_leftovers_of_a_killed_run_do_not_block_it(finished, tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     out.mkdir(parents=True)
-    leftovers = [out / f"small.nc.{32 * '0'}.tmp", out / f".{32 * 'a'}.tmp"]
+    leftovers = [temporary(out / "small.nc"), temporary(out / ".gfmd-campaign")]
     for leftover in (*leftovers, out / ".lock"):
         leftover.touch()
+    leftovers[0].write_text("half of a fi")
     with claimed(out, "small", path.read_text()):
         assert not any(leftover.exists() for leftover in leftovers)
     (out / "shards").mkdir()
-    leftovers += [out / "shards" / f"a.shard.{32 * '1'}.tmp", out / "shards" / "a.late.tmp"]
+    leftovers += [temporary(out / "shards" / "a.shard"), trace(out, "a")]
     for leftover in leftovers:
         leftover.touch()
     xr.testing.assert_identical(numbers(gfmd_numba.run(path, out)), numbers(finished))
     assert not any(leftover.exists() for leftover in leftovers)
+
+
+def test_files_that_look_like_leftovers_are_not_removed(tmp_path):
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
+    mine = ["notes.late.tmp", f"a.{uuid.uuid4().hex}.tmp", f".{32 * 'a'}.tmp", "notes.tmp"]
+    out.mkdir()
+    for name in mine:
+        (out / name).write_text("precious")
+        with pytest.raises(InputError, match="holds something else"):
+            gfmd_numba.run(path, out, 0)
+        assert (out / name).read_text() == "precious"
+        (out / name).unlink()
+    gfmd_numba.run(path, out, 0)
+    precious = [folder / name for folder in (out, out / "shards") for name in mine]
+    for file in precious:
+        file.write_text("precious")
+    gfmd_numba.run(path, out, 0)
+    assert all(file.read_text() == "precious" for file in precious)

@@ -46,7 +46,7 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
 
     def ended(blocks):
         if not keys:
-            keys.extend(out.glob("jobs/tls-*/*.pem"))
+            keys.extend(out.glob("jobs/tls.*/*.pem"))
             readable.extend(path for path in keys if path.stat().st_mode & 0o077)
             for job in jobs_of(slurm):
                 kill_job(slurm, job)
@@ -66,7 +66,7 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
         assert f"\n{PYTHON} -m distributed.cli.dask_worker tls://" in script
     assert len(keys) == 3
     assert not readable, "others may read a key"
-    assert not list(out.glob("jobs/tls-*")), "a key outlived its run"
+    assert not list(out.glob("jobs/tls.*")), "a key outlived its run"
 
 
 def test_a_run_ends_whatever_still_holds_its_jobs(tmp_path, slurm, monkeypatch):

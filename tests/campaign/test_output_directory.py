@@ -3,14 +3,16 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign.output_directory import claimed
+from gfmd_numba.campaign.shards import Finished, store
 from gfmd_numba.scene import InputError
 from support.campaigns import SMALL, campaign, numbers
-from support.command_line import gfmd
+from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
 
 PRECIOUS = ("small.nc", "small.png", "notes.tmp", "run.json", "campaign.yaml.1.tmp", "thesis.tex")
@@ -54,7 +56,7 @@ def test_files_of_others_in_an_output_directory_survive_a_run(tmp_path):
         (out / name).write_text("precious")
     said = gfmd("run", path, "-o", out, "--workers=0")
     assert said.exit_code == 0
-    assert "small.png was not written by gfmd and stays as it is" in said.output
+    assert "small.png, which gfmd did not write, or somebody has changed since, stays as it is" in unfolded(said.output)
     for name in ("notes.tmp", "thesis.tex", "shards/mine.tmp", "small.png"):
         assert (out / name).read_text() == "precious"
 
@@ -94,22 +96,28 @@ def test_a_link_in_place_of_the_copy_is_not_written_through(tmp_path):
     mine = tmp_path / "mine.yaml"
     mine.write_text(SMALL)
     (out / "campaign.yaml").symlink_to(mine)
-    gfmd_numba.run(path, out)
-    with pytest.raises(InputError, match="somebody has changed"):
-        gfmd_numba.run(campaign(tmp_path, SMALL + "# new\n"), out)
+    for text in (SMALL, SMALL + "# new\n"):
+        with pytest.raises(InputError, match="somebody has changed"):
+            gfmd_numba.run(campaign(tmp_path, text), out)
     assert mine.read_text() == SMALL
 
 
-@pytest.mark.parametrize("mark", ["", "{", "[]", "null", '{"labels": 1}', '{"labels": [[], {}]}', "[" * 100_000, "\0"])
+@pytest.mark.parametrize("mark", ["{", "[]", "null", '{"labels": 1}', '{"labels": [[], {}]}', "[" * 100_000, "\0"])
 def test_a_damaged_mark_is_no_traceback_and_costs_no_shard(tmp_path, mark):
     out = tmp_path / "out"
     with claimed(out, "small", SMALL):
         (out / "shards").mkdir()
-        (out / "shards" / "a.shard").touch()
+        store(out, {"a": {"kappa": np.ones(2)}})
     (out / ".gfmd-campaign").write_text(mark)
-    assert "given a copy of the campaign file that somebody has changed" in gfmd("status", out).stderr
+    assert (
+        ".gfmd-campaign: given a path which gfmd did not write, or somebody has changed" in gfmd("status", out).stderr
+    )
+    with pytest.raises(InputError, match="makes it again"), claimed(out, "small", SMALL):
+        pass
+    assert (out / ".gfmd-campaign").read_text() == mark
+    (out / ".gfmd-campaign").unlink()
     with claimed(out, "small", SMALL):
-        assert (out / "shards" / "a.shard").exists()
+        assert Finished(out).is_sound("a")
     assert gfmd("status", out).exit_code == 0
 
 
@@ -154,7 +162,7 @@ def test_a_picture_of_somebody_else_is_not_drawn_over(tmp_path, monkeypatch, com
         "accuracy": lambda: gfmd("accuracy", "campaign.yaml", "-o", "photo.nc"),
     }[command]()
     assert said.exit_code == 2
-    assert "photo.png: given a file that gfmd did not write, where its picture would go" in said.stderr
+    assert "photo.png: given a path which gfmd did not write, or somebody has changed since, where the" in said.stderr
     assert (tmp_path / "photo.png").read_text() == "precious"
 
 

@@ -1,6 +1,7 @@
 """Looking at a campaign while it runs and afterwards: status, collect, verify, and running parts of it."""
 
 import json
+import shutil
 
 import pytest
 import xarray as xr
@@ -9,8 +10,23 @@ import gfmd_numba
 from gfmd_numba.campaign import block_work, failures
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.storage import json_file
+from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import campaign, numbers
 from support.command_line import gfmd, unfolded
+
+
+@pytest.fixture(scope="module")
+def left(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("left")
+    gfmd_numba.run(campaign(folder), folder / "out", 0)
+    json_file.write(folder / "out" / "rounds.json", {"of": "another version"})
+    return folder
+
+
+@pytest.fixture
+def ran(left, tmp_path):
+    return shutil.copytree(left, tmp_path / "copy") / "out"
 
 
 def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
@@ -108,13 +124,58 @@ def test_verify_finds_what_was_altered(tmp_path):
     other.rename(other.with_name("foreign.shard"))
     gone.unlink()
     dataset["kappa"][0, 0] += 1e-12
-    dataset.to_netcdf(out / "small.nc", engine="netcdf4")
+    (out / "small.nc").unlink()
+    write_dataset(out / "small.nc", dataset)
     ran = gfmd("verify", out)
     assert ran.exit_code == 3
     assert "7 sound, 1 damaged, 2 missing" in ran.output
     assert f"damaged  {shard.stem}" in ran.output
     assert "foreign  foreign:" in ran.output
-    assert "small.nc differs from its digest" in unfolded(ran.output)
+    assert "small.nc, differs from its digest" in unfolded(ran.output)
+
+
+def flipped(file):
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+
+
+def cut(file):
+    file.write_bytes(file.read_bytes()[:-1])
+
+
+def another(file):
+    file.write_text("precious")
+
+
+NOTED = {"small.nc": "`gfmd collect", "run.json": "it is not used", "rounds.json": "it is not used"}
+
+
+@pytest.mark.parametrize("damage", [flipped, cut, another])
+@pytest.mark.parametrize("name", [*NOTED, ".gfmd-campaign", "campaign.yaml"])
+def test_verify_finds_whatever_file_is_not_as_it_was_left(ran, name, damage):
+    """One flipped bit of the mark locked its owner out, and `verify` called all sound."""
+    out = ran
+    before = (out / name).read_bytes()
+    assert gfmd("verify", out).exit_code == 0
+    damage(out / name)
+    damaged = (out / name).read_bytes()
+    said = gfmd("verify", out)
+    assert said.exit_code == 3
+    assert name in said.output
+    if name in NOTED:
+        assert NOTED[name] in unfolded(said.output)
+        assert "10 sound, 0 damaged, 0 missing" in said.output
+    ran_again = gfmd("run", out.parent / "campaign.yaml", "-o", out, "--workers=0")
+    assert ran_again.exit_code == (0 if name == "rounds.json" else 2), ran_again.output
+    assert (out / name).read_bytes() == damaged
+    (out / name).rename(out.parent / "away")
+    if name == ".gfmd-campaign":
+        assert gfmd("verify", out).exit_code == 2  # it is no output directory now, until a run makes it one
+        assert gfmd("run", out / "campaign.yaml", "-o", out, "--workers=0", "--limit=1").exit_code in (0, 3)
+        assert gfmd("verify", out).exit_code == 0
+    (out / name).write_bytes(before)
+    assert gfmd("verify", out).exit_code == 0
 
 
 def test_the_status_of_a_running_campaign_is_shown(tmp_path):

@@ -13,6 +13,7 @@ from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.status import campaign_in, progress, verify
 from gfmd_numba.campaign.until import run_until
+from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from support.campaigns import campaign, numbers
 
@@ -139,6 +140,11 @@ def test_rounds_that_are_damaged_are_decided_anew(reached, tmp_path):
     for content in ("", "null", "[" * 10_000, '{"goal": 1}', json.dumps({"rounds": []})):
         (out / "rounds.json").write_text(content)
         assert rounds.read(out) is None
+        if content:
+            with pytest.raises(InputError, match=r"rounds.json: given a path which gfmd did not write"):
+                run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
+            assert (out / "rounds.json").read_text() == content
+    (out / "rounds.json").unlink()
     again = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
     assert opened(again).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 

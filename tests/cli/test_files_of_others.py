@@ -1,14 +1,14 @@
 """A file that gfmd did not write is never replaced, whether its name was given or is the usual one."""
 
 import matplotlib as mpl
+import netCDF4
 import pytest
 import xarray as xr
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 from gfmd_numba.cli import main
-from gfmd_numba.storage.atomic_file import write_dataset, write_picture, write_table
-from gfmd_numba.storage.mark import may_be_replaced
+from gfmd_numba.storage.atomic_file import foreign, write_dataset, write_picture, write_table
 from support.command_line import unfolded
 from support.scenes import SCENE
 
@@ -41,7 +41,8 @@ def test_a_file_of_the_user_is_no_output(tmp_path, scene, content):
     mine.write_bytes(content)
     code, said = gfmd("solve", scene, "-o", mine)
     assert code == 2
-    assert f"--output: given {mine}, which gfmd did not write; allowed: a new file" in said
+    changed = "which gfmd did not write, or somebody has changed since"
+    assert f"--output: given {mine}, {changed}; allowed: a new file" in said
     assert mine.read_bytes() == content
 
 
@@ -64,16 +65,86 @@ def test_pictures_of_ours_are_known_from_those_of_others(tmp_path, kind):
     with mpl.rc_context({"svg.fonttype": "none"}):
         write_picture(tmp_path / f"ours.{kind}", figure, dpi=50)
         figure.savefig(tmp_path / f"other.{kind}")
-    assert may_be_replaced(tmp_path / f"ours.{kind}")
-    assert not may_be_replaced(tmp_path / f"other.{kind}")
+    assert not foreign(tmp_path / f"ours.{kind}")
+    assert foreign(tmp_path / f"other.{kind}")
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg", "ps", "eps"])
+def test_a_picture_of_ours_that_somebody_drew_into_is_his(tmp_path, kind):
+    picture = tmp_path / f"ours.{kind}"
+    write_picture(picture, Figure(), dpi=50)
+    content = picture.read_bytes()
+    middle = len(content) // 2
+    for edited in (
+        content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :],
+        content[:middle] + b"<g/>" + content[middle:],
+        content + b"%%EOF\n",
+        content[:-1],
+    ):
+        picture.write_bytes(edited)
+        assert foreign(picture)
+    picture.write_bytes(content)
+    assert not foreign(picture)
+
+
+def extended_by_xarray(file):
+    with xr.open_dataset(file) as read:
+        dataset = read.load()
+    dataset.assign(mine=dataset["gap"] ** 2).to_netcdf(file, engine="netcdf4")
+
+
+def extended_by_netcdf(file):
+    """Made with all that the first file has, its attributes and whatever marks they hold."""
+    extended_by_xarray(file)
+    with netCDF4.Dataset(file, "a") as opened:
+        opened.remark = "checked"
+        opened["gap"][0] = 7.0
+
+
+def changed_in_place(file):
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+
+
+def added_behind_the_mark(file):
+    file.write_bytes(file.read_bytes() + b"\n")
+
+
+@pytest.mark.parametrize("change", [extended_by_xarray, extended_by_netcdf, changed_in_place, added_behind_the_mark])
+def test_a_dataset_of_ours_that_somebody_changed_is_his(tmp_path, scene, change):
+    out = tmp_path / "out.nc"
+    assert gfmd("solve", scene, "-o", out)[0] == 0
+    change(out)
+    before = out.read_bytes()
+    code, said = gfmd("solve", scene, "-o", out)
+    assert code == 2
+    assert f"--output: given {out}, which gfmd did not write, or somebody has changed since" in said
+    assert out.read_bytes() == before
+
+
+@pytest.mark.parametrize("target", ["file", "ours", "nothing"])
+def test_an_output_is_not_written_through_a_link(tmp_path, scene, target):
+    mine, link = tmp_path / "mine", tmp_path / "out.nc"
+    if target == "ours":
+        assert gfmd("solve", scene, "-o", mine)[0] == 0
+    elif target == "file":
+        mine.write_text("precious")
+    before = mine.read_bytes() if mine.exists() else None
+    link.symlink_to(mine)
+    code, said = gfmd("solve", scene, "-o", link)
+    assert code == 2
+    assert f"--output: given {link}, which is a link; allowed: a new file" in said
+    assert link.is_symlink()
+    assert (mine.read_bytes() if mine.exists() else None) == before
 
 
 def test_datasets_of_ours_are_known_from_those_of_others(tmp_path):
     dataset = xr.Dataset({"x": ("i", [1.0])}, attrs={"title": f"{'long ' * 200}"})
     write_dataset(tmp_path / "ours.nc", dataset)
     dataset.to_netcdf(tmp_path / "other.nc")
-    assert may_be_replaced(tmp_path / "ours.nc")
-    assert not may_be_replaced(tmp_path / "other.nc")
+    assert not foreign(tmp_path / "ours.nc")
+    assert foreign(tmp_path / "other.nc")
 
 
 EDITS = {
@@ -90,11 +161,11 @@ EDITS = {
 def test_a_table_of_ours_that_was_edited_is_its_editors(tmp_path, edit):
     table = tmp_path / "c.csv"
     write_table(table, {"a (1)": [1.0, 2.5], "b (m)": [3, 4]})
-    assert may_be_replaced(table)
+    assert not foreign(table)
     text = table.read_bytes()
     table.write_bytes(EDITS[edit](text))
     assert table.read_bytes() != text
-    assert not may_be_replaced(table)
+    assert foreign(table)
 
 
 def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
@@ -107,6 +178,7 @@ def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
     before = (tmp_path / "c.nc").read_bytes()
     code, said = gfmd(*asked)
     assert code == 2
-    assert f"{table}: given a file that gfmd did not write, where its table would go; allowed: no such file, or" in said
+    changed = "which gfmd did not write, or somebody has changed since"
+    assert f"{table}: given a path {changed}, where the table would go; allowed: no such file" in said
     assert table.read_text() == edited
     assert (tmp_path / "c.nc").read_bytes() == before

@@ -1,6 +1,5 @@
 """Compiled kernels: found again, compiled again when damaged, run only if this user has written them."""
 
-import hashlib
 import os
 import pickle
 import resource
@@ -8,6 +7,8 @@ import subprocess
 import sys
 
 import pytest
+
+from gfmd_numba.storage import kernel_cache
 
 COMPILE = """
 import os
@@ -107,7 +108,7 @@ def test_nothing_is_run_that_somebody_else_may_have_put_there(tmp_path, danger):
     compile_in(cache)
     (file,) = files(cache)
     code = pickle.dumps(Witness(witness))
-    file.write_bytes(hashlib.sha256(file.name.encode() + code).digest() + code)
+    file.write_bytes(kernel_cache._seal(file.name, code) + code)
     DANGERS[danger](cache, file)
     if danger == "nothing":
         with pytest.raises(AssertionError):

@@ -4,20 +4,19 @@ import numpy as np
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.storage import mark
-from gfmd_numba.storage.atomic_file import netcdf
+from gfmd_numba.storage.atomic_file import write_dataset
 from support.command_line import python
 from support.scenes import SCENE
 
 
 def written(dataset, file):
-    file.write_bytes(netcdf(dataset))
+    write_dataset(file, dataset)
     return file
 
 
 def assert_the_same(file, expected):
     with xr.open_dataset(file) as one, xr.open_dataset(expected) as other:
-        xr.testing.assert_identical(one, other.assign_attrs(mark.IN_DATASETS))
+        xr.testing.assert_identical(one, other)
         for name in one.variables:
             ours, theirs = ({k: v for k, v in each[name].encoding.items() if k != "source"} for each in (one, other))
             np.testing.assert_equal(ours, theirs)

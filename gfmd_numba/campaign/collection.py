@@ -16,7 +16,7 @@ from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.outcome import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.provenance import content_digest, git_commit, machine, versions
+from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
@@ -76,13 +76,14 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         blocks.setdefault(block.problem.identity, []).append(block)
     stored = Finished(directory)
     measured = {name: _measured(of_it, wanted[name], longest, directory, stored) for name, of_it in blocks.items()}
+    made_with = joined(filter(None, (stored.made_with(block.name) for of_it in blocks.values() for block in of_it)))
     attributes = {
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
-        "validity": planned.validity,
+        "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
         **({"processing": planned.processing} if planned.punches or planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
-        "versions": json.dumps(versions()),
+        "versions": json.dumps(versions() | made_with),
         "git_commit": git_commit(),
         "machine": machine(),
         "threads": "1 for transforms and kernels in every worker",

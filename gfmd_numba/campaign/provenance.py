@@ -6,7 +6,8 @@ import hashlib
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,13 +17,47 @@ import numpy as np
 if TYPE_CHECKING:  # a worker has no use for it, and would take a third of its start to import it
     import xarray as xr
 
-_PACKAGES = ("gfmd-numba", "numpy", "numba", "pyfftw", "scipy", "xarray", "netCDF4", "dask", "distributed")
+_OF_NUMBERS = ("gfmd-numba", "numpy", "numba", "llvmlite", "pyfftw", "scipy")
+_OTHERS = ("xarray", "netCDF4", "dask", "distributed")
+_BETWEEN = " and "
 _OF_THE_RUN = ("wall_time", "case_seconds", "round_cpu_seconds")  # differ from run to run
 
 
+@cache
+def versions_of_numbers() -> Mapping[str, str]:
+    """Versions of Python, and of the packages and the library of transforms that make the numbers of a block."""
+    import pyfftw
+
+    packages = {name: version(name) for name in _OF_NUMBERS}
+    return {"python": platform.python_version(), **packages, "fftw": pyfftw.fftw_version.removeprefix("fftw-")}
+
+
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that make a result."""
-    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+    """Versions of all that makes a result."""
+    return {**versions_of_numbers(), **{name: version(name) for name in _OTHERS}}
+
+
+def joined(made_with: Iterable[Mapping[str, str]]) -> dict[str, str]:
+    """Versions that parts of a result were made with, one after another where they differ."""
+    found: dict[str, list[str]] = {}
+    for each in made_with:
+        for name, one in each.items():
+            found.setdefault(name, []).append(one)
+    return {name: _BETWEEN.join(sorted(set(all_of_it))) for name, all_of_it in found.items()}
+
+
+def doubt(of_all: Mapping[str, str]) -> str:
+    """What there is to say of parts that were made with different versions, empty if there is nothing.
+
+    Another gfmd is no doubt: its code that makes numbers is the same, or its shards would have other names.
+    """
+    different = [f"{name} {of_all[name]}" for name in of_all if _BETWEEN in of_all[name] and name != "gfmd-numba"]
+    if not different:
+        return ""
+    return (
+        f"parts of these results were computed with different versions ({'; '.join(different)}), so numbers may differ "
+        "in their last digits from those of a run with one version: run into a new directory for that"
+    )
 
 
 def difference(installed: Mapping[str, str], expected: Mapping[str, str]) -> str:

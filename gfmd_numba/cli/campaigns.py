@@ -123,8 +123,8 @@ def show_results(results: Path, failures: Failures) -> bool:
 
     click.echo(f"results  {printable(results)}")
     dataset = gfmd_numba.open_campaign(results)
-    if dataset.attrs.get("validity"):
-        click.echo(f"gfmd: {dataset.attrs['validity']}", err=True)
+    for doubt in dataset.attrs.get("validity", "").splitlines():
+        say("gfmd:", doubt, width=6, err=True)
     numbers = _Numbers.of(dataset["status"])
     drawn = True
     if numbers.to_do:

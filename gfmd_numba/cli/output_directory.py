@@ -57,9 +57,13 @@ def collect(directory: Path) -> None:
     You can do this while the campaign runs. DIRECTORY is the output directory of a campaign.
     """
     from gfmd_numba.campaign.collection import collect as collect_campaign
+    from gfmd_numba.campaign.results import read_results
     from gfmd_numba.campaign.status import campaign_in
 
-    click.echo(f"results  {printable(collect_campaign(campaign_in(directory), directory))}")
+    results = collect_campaign(campaign_in(directory), directory)
+    click.echo(f"results  {printable(results)}")
+    for doubt in read_results(results).attrs["validity"].splitlines():
+        say("gfmd:", doubt, width=6, err=True)
 
 
 @main.command()

@@ -1,4 +1,8 @@
-"""Shards of another version of the tables are never taken for those of this one."""
+"""Shards of another version of the code or of the tables are never taken for those of this one."""
+
+import ast
+import shutil
+from pathlib import Path
 
 import pytest
 import xarray as xr
@@ -9,6 +13,8 @@ from gfmd_numba.contact import evaluation, results_version
 from gfmd_numba.contact.observables import OBSERVABLES, Observable
 from gfmd_numba.solvers.table import SOLVERS
 from support.campaigns import SMALL, campaign
+from support.campaigns import TINY as SMALLEST
+from support.command_line import python
 
 TINY = SMALL.replace("limits", "# limits").replace("hurst: [0.3, 0.8]", "hurst: [0.8]")
 
@@ -56,3 +62,76 @@ def test_the_version_follows_units_and_solvers_but_not_prose(monkeypatch):
     assert changed(SOLVERS, "verlet", gives_up_after=7) != found
     assert changed(OBSERVABLES, "kappa", long_name="another sentence") == found
     assert changed(SOLVERS, "verlet", sentence="another sentence") == found
+
+
+PACKAGE = Path(gfmd_numba.__file__).parent
+
+
+class _WithoutProse(ast.NodeTransformer):
+    def visit_Expr(self, node):
+        return None if isinstance(node.value, ast.Constant) else node
+
+
+def code_of(text):
+    return ast.dump(_WithoutProse().visit(ast.parse(text)))
+
+
+def _as_string(found):
+    """What is left out of a module, as a string without words where it is one."""
+    prose = found[1] or b""
+    return found[0].replace(prose, b'""') if prose.lstrip(b"rR").startswith(b'"""') else b""
+
+
+def test_nothing_but_prose_is_left_out_of_the_version():
+    left_out = 0
+    for file in PACKAGE.rglob("*.py"):
+        content = file.read_bytes()
+        if file.relative_to(PACKAGE).parts[0] in results_version._MAKE_NO_NUMBERS:
+            continue
+        assert code_of(results_version._PROSE.sub(_as_string, content)) == code_of(content), file
+        left_out += len(content) - len(results_version._PROSE.sub(b"", content))
+    assert left_out > 100_000
+
+
+def test_any_change_of_code_that_makes_numbers_is_another_version_and_prose_is_not(tmp_path):
+    package = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
+    same = results_version.code_digest(package)
+    assert same == results_version.code_digest(PACKAGE)
+    makes_numbers = 0
+    for file in package.rglob("*.py"):
+        content = file.read_bytes()
+        file.write_bytes(content + b'\n# a remark\n"""A docstring\nof two lines."""\n')
+        assert results_version.code_digest(package) == same
+        file.write_bytes(content + b"CHANGED = 1\n")
+        differs = results_version.code_digest(package) != same
+        assert differs == (file.relative_to(package).parts[0] not in results_version._MAKE_NO_NUMBERS)
+        makes_numbers += differs
+        file.write_bytes(content)
+    assert makes_numbers > 100
+    (package / "new_room").mkdir()
+    (package / "new_room" / "solver.py").write_text("x = 1\n")
+    assert results_version.code_digest(package) != same
+
+
+IN_A_BLOCK = """
+import sys
+from gfmd_numba.campaign.plan import plan
+problem = next(iter(plan(sys.argv[1]).blocks)).problem
+before = set(sys.modules)
+from gfmd_numba.contact.path_measures import measured
+def trace(frame, event, argument):
+    rooms.add(frame.f_code.co_filename)
+rooms = set()
+sys.setprofile(trace)
+measured(problem, range(1))
+sys.setprofile(None)
+print(*(name for name in rooms if "gfmd_numba" in name), sep="\\n")
+"""
+
+
+def test_every_module_that_works_at_a_block_counts(tmp_path):
+    """Those of `storage` keep compiled kernels, and `scene` and `text` describe."""
+    worked = python(IN_A_BLOCK, campaign(tmp_path, SMALLEST)).splitlines()
+    rooms = {Path(file).relative_to(PACKAGE).parts[0] for file in worked}
+    assert {"contact", "solvers", "elasticity", "roughness", "kernels", "fourier"} <= rooms
+    assert rooms & results_version._MAKE_NO_NUMBERS <= {"storage", "scene", "text"}

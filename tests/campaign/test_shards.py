@@ -1,6 +1,5 @@
 """Finished blocks: each is written and read whole, or not at all, in a file of its own or with others."""
 
-import io
 import os
 import subprocess
 import sys
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work, execution, shards
+from gfmd_numba.campaign import block_work, execution
 from gfmd_numba.campaign.block_work import perform
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
@@ -95,14 +94,6 @@ def test_a_block_that_was_damaged_and_stored_again_is_sound(folder):
     path.write_bytes(path.read_bytes()[:-1])
     store(folder, {"b-000000-000001": OTHERS})
     same(Finished(folder).read("b-000000-000001"), OTHERS)
-
-
-def test_shards_of_earlier_versions_are_read(folder):
-    buffer = io.BytesIO()
-    np.savez(buffer, **ARRAYS)
-    payload = buffer.getvalue()
-    (folder / "shards" / "a.shard").write_bytes(shards._seal("a", payload) + payload)
-    same(Finished(folder).read("a"), ARRAYS)
 
 
 def test_many_small_blocks_share_files_and_give_the_same_results(finished, tmp_path, monkeypatch):

@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work, failures
+from gfmd_numba.campaign import block_work, failures, provenance, shards
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import write_dataset
-from support.campaigns import campaign, numbers
+from support.campaigns import TINY, campaign, numbers
 from support.command_line import gfmd, unfolded
 
 
@@ -194,6 +194,40 @@ def test_a_directory_of_no_campaign_is_refused(tmp_path, command):
     ran = gfmd(command, tmp_path)
     assert ran.exit_code == 2
     assert "given a directory without .gfmd-campaign; allowed: one that `gfmd run` made" in ran.output
+
+
+def test_results_of_two_versions_say_so_and_a_run_warns(tmp_path, monkeypatch):
+    """The version of the last part of a run stood for all of it."""
+    path, out = campaign(tmp_path, TINY + "grid: {hurst: [0.3, 0.8]}\n"), tmp_path / "out"
+    first = gfmd("run", path, "-o", out, "--workers=0", "--limit=1")
+    assert "different versions" not in unfolded(first.output)
+    now = dict(provenance.versions_of_numbers())
+    monkeypatch.setattr(shards, "versions_of_numbers", lambda: now | {"numba": "0.0.1", "gfmd-numba": "0.0.1"})
+    said = gfmd("run", path, "-o", out, "--workers=0")
+    assert said.exit_code == 0
+    warning = f"gfmd: parts of these results were computed with different versions (numba 0.0.1 and {now['numba']})"
+    assert warning in unfolded(said.stderr)
+    assert warning in unfolded(gfmd("collect", out).stderr)
+    results = gfmd_numba.open_campaign(out)
+    written = json.loads(results.attrs["versions"])
+    assert written["numba"] == f"0.0.1 and {now['numba']}"
+    assert written["gfmd-numba"] == f"0.0.1 and {now['gfmd-numba']}"
+    assert written["numpy"] == now["numpy"]
+    assert {"fftw", "python", "llvmlite", "xarray"} <= written.keys()
+    assert "different versions" in results.attrs["validity"]
+
+
+def test_results_are_of_the_versions_of_their_blocks_not_of_those_that_collect_them(tmp_path, monkeypatch):
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
+    before = json.loads(gfmd_numba.run(path, out, 0).attrs["versions"])
+    monkeypatch.setattr(provenance, "version", lambda name: "9")
+    provenance.versions_of_numbers.cache_clear()
+    try:
+        assert gfmd("collect", out).stderr == ""
+    finally:
+        provenance.versions_of_numbers.cache_clear()
+    after = json.loads(gfmd_numba.open_campaign(out).attrs["versions"])
+    assert after["numpy"] == before["numpy"] != after["xarray"] == "9"
 
 
 def test_the_file_says_where_it_comes_from(finished):

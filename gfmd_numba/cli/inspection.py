@@ -81,9 +81,13 @@ def _check_cluster(document: Document) -> tuple[str, str]:
 
 
 def _check_surface(document: Document) -> tuple[str, str]:
+    from gfmd_numba.scene import Measured
     from gfmd_numba.scene.surface_file import load_surface
+    from gfmd_numba.simulate.surface import made_surface
 
-    load_surface(document)
+    file = load_surface(document)[0]
+    if isinstance(file.surface, Measured):
+        return "a surface", "\n".join(made_surface(file, document).doubts)
     return "a surface", ""
 
 
@@ -92,25 +96,28 @@ def _check_scene(document: Document) -> tuple[str, str]:
     from gfmd_numba.scene import BoundaryFile, Measured, load_scene
 
     file, document = load_scene(document)
+    implausible: list[str] = []
     if isinstance(file, BoundaryFile):
         if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
             from gfmd_numba.contact.contact_input import with_measured
 
-            scene = with_measured(file.scene, document)[0]
+            scene, measured = with_measured(file.scene, document)
             file = file.model_copy(update={"scene": scene})
+            implausible += (sentence for surface in measured.values() for sentence in surface.doubts)
         check_combination(document, file.scene, file.numerics)
-        return "a loaded body", ""
+        return "a loaded body", "\n".join(implausible)
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
         from gfmd_numba.contact.contact_input import with_measured_surfaces
 
-        file = with_measured_surfaces(file, document)[0]
+        file, measured = with_measured_surfaces(file, document)
+        implausible += (sentence for surface in measured.values() for sentence in surface.doubts)
     check_combination(document, file.scene, file.numerics, file.path)
     kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
     if not file.scene.interface.reaches_across:
-        return kind, ""
+        return kind, "\n".join(implausible)
     from gfmd_numba.simulate.contact import doubt
 
-    return kind, doubt(file, document)
+    return kind, "\n".join((*implausible, doubt(file, document)))
 
 
 @main.command()

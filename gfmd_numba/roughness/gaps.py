@@ -12,8 +12,8 @@ Fill = Literal["refuse", "interpolate"]
 MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
 
 
-def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...], float]:
-    """Heights `[nx]` or `[ny, nx]` without not-a-numbers, what was done, and the share of them that was filled.
+def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
+    """Heights `[nx]` or `[ny, nx]` without not-a-numbers, and what was done.
 
     What is missing becomes the mean of its neighbours, along which profiles are linear and maps harmonic; beyond the
     last height they stay level. Raises ValueError for gaps that are to be refused, or more than half of the field.
@@ -21,7 +21,7 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...], float
     missing = np.isnan(heights)
     share = float(missing.mean())
     if share == 0.0:
-        return heights, (), 0.0
+        return heights, ()
     if share > MOST:
         raise ValueError(f"{share:.3g} of all heights missing, more than {MOST:g}")
     if fill == "refuse":
@@ -31,7 +31,7 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...], float
     filled = _linear(heights, missing) if heights.ndim == 1 else _harmonic(heights, missing)
     kind = "linearly" if heights.ndim == 1 else "by a harmonic function"
     done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {kind}"
-    return filled, (done,), share
+    return filled, (done,)
 
 
 def _linear(heights: Reals, missing: Flags) -> Reals:

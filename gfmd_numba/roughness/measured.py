@@ -14,6 +14,7 @@ from gfmd_numba.roughness import plausibility
 from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measurements import Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, made_periodic
+from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.square import largest_square
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
@@ -93,14 +94,15 @@ def periodic_surface(
     sizes, unit = _sizes(field, length, in_si, told_by)
     if unit == "1" and isinstance(record.cutoff, WithUnit):
         raise ValueError("a cutoff with a unit, as neither the file nor a length tells the period in m: give length")
-    heights, filled, share = fill_gaps(found.heights, record.fill)
+    heights, filled = fill_gaps(found.heights, record.fill)
+    heights, replaced = without_spikes(heights) if record.despike else (heights, ())
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
-    doubts = plausibility.of_field(heights, share)
+    signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
-    doubts += plausibility.of_surface(made.heights, made.lengths)
-    doubts += plausibility.of_period(made.lengths[-1]) if unit == "m" else ()
-    done = (*found.done, *filled, *levelled, *made.done)
+    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs)
+    doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
+    done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
 
 

@@ -1,14 +1,14 @@
 """Measured fields in m or L_x: what a file holds, in the units that it or the record states."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.positions import Line, equidistant, interpolated
+from gfmd_numba.roughness.positions import UNEVEN, Line, equidistant, interpolated
 from gfmd_numba.roughness.surface_files import Content
 from gfmd_numba.scene.heights import AXES
 from gfmd_numba.scene.length_units import METRES, PERIOD
@@ -22,13 +22,15 @@ class Measurement:
     """Heights `[nx]` or `[ny, nx]`, not-a-number where none was measured, and sizes (L_x,) or (L_y, L_x) of the field.
 
     The sizes are None if the file does not tell them. The `unit` of both is "m", or "1" for the period L_x of the
-    surface to be made, or None where nobody stated one. `done` tells what was done in reading.
+    surface to be made, or None where nobody stated one. `units` are the names of those that x, y and z came in. `done`
+    tells what was done in reading.
     """
 
     heights: Reals
     lengths: tuple[float, ...] | None
     unit: Literal["m", "1"] | None = None
     done: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 def measurement(content: Content, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
@@ -45,7 +47,7 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
         for axis, (i, name) in zip(axes, enumerate(axes), strict=True):
-            line = equidistant(content.positions[axis], name, interpolate=resample, of_map=len(axes) == 2)
+            line = _line(content.positions[axis], name, resample, heights)
             heights, along = _laid_out(heights, i, line)
             done += along
             sizes.append(line.size)
@@ -55,9 +57,23 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
             raise ValueError(f"physical sizes {' x '.join(map(str, sizes))} that are not all positive")
     elif content.positions:
         raise ValueError("a map with positions along one direction: give them along both, or along none")
-    scales, unit = _scales(content, units or {})
+    scales, unit, named = _scales(content, units or {})
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
-    return Measurement(heights * scales["z"], lengths, unit, tuple(done))
+    return Measurement(heights * scales["z"], lengths, unit, tuple(done), named)
+
+
+def _line(positions: npt.NDArray[Any], name: str, resample: bool, heights: Reals) -> Line:
+    """Positions along one axis; raises ValueError if those of a profile are uneven, and say so of its columns."""
+    steps = np.diff(heights)
+    confused = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
+    is_even = heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
+    try:
+        line = equidistant(positions, name, interpolate=resample, of_map=heights.ndim == 2)
+    except ValueError as error:
+        raise ValueError(f"{error}; {confused}" if is_even else str(error)) from None
+    if is_even and line.uneven is not None:
+        raise ValueError(f"uneven positions {name}; {confused}")
+    return line
 
 
 def _checked(heights: npt.NDArray[Any]) -> Reals:
@@ -96,8 +112,13 @@ def _laid_out(heights: Reals, axis: int, line: Line) -> tuple[Reals, tuple[str, 
     return interpolated(heights, line.uneven), (line.said,)
 
 
-def _scales(content: Content, asked: Mapping[str, str]) -> tuple[dict[str, float], Literal["m", "1"] | None]:
-    """Factors to m or L_x for each axis with positions or sizes and for z, and which of the two; None if unknown."""
+def _scales(
+    content: Content, asked: Mapping[str, str]
+) -> tuple[dict[str, float], Literal["m", "1"] | None, dict[str, str]]:
+    """Factors to m or L_x for each axis with positions or sizes and for z, which of the two, and the units' names.
+
+    Which of the two is None if nobody says.
+    """
     given = {"z", *content.positions, *content.sizes}
     for axis in asked:
         if axis not in given:
@@ -118,14 +139,14 @@ def _scales(content: Content, asked: Mapping[str, str]) -> tuple[dict[str, float
                 f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, beside "
                 "file, or state them in the file"
             )
-        return {"z": 1.0}, None
+        return {"z": 1.0}, None, {}
     if missing:
         raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs")
     kinds = {"1" if unit == PERIOD else "m" for unit in units.values()}
     if len(kinds) > 1:
         raise ValueError(f"some of {_words(sorted(units))} in {PERIOD}, not all: state all in it or none")
     scales = {axis: METRES.get(unit or "", 1.0) for axis, unit in units.items()}
-    return scales, "1" if kinds == {"1"} else "m"
+    return scales, "1" if kinds == {"1"} else "m", {axis: unit for axis, unit in units.items() if unit is not None}
 
 
 def _words(axes: list[str]) -> str:

@@ -1,39 +1,107 @@
 """Signs that a measured surface is not what it was taken for: each a sentence with its number and what to do.
 
 The thresholds are far beyond what random self-affine surfaces reach, so that a sentence is worth reading. Heights are
-`[nx]` or `[ny, nx]`, their periods `lengths` (L_x,) or (L_y, L_x) in the same unit.
+`[nx]` or `[ny, nx]`, their periods `lengths` (L_x,) or (L_y, L_x) in the same unit, m or L_x.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.form import HIGHEST, WAVY, Form, form, radii
+from gfmd_numba.roughness.gaps import MOST, fill_gaps
+from gfmd_numba.roughness.offsets import offsets
 from gfmd_numba.roughness.processing import polynomial
+from gfmd_numba.roughness.repeated_heights import Repeated, is_design, repeated
+from gfmd_numba.roughness.spikes import despiked, quantum
+from gfmd_numba.scene.length_units import METRES, PERIOD
 
 SEAM = 5.0  # rms steps: one Gaussian step in two million is larger
 SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have one of them at its seam
 TILT = 0.9  # of the mean square height: a sine over the whole period has 6/pi^2 = 0.61, a sawtooth 1
+FORM = 0.5  # of the mean square height: less of it changes the contact less than another piece of the surface would
+WAVES = 0.9  # of the mean square height without a tilt
+WAVES_STAND_OUT = 10.0  # times the square that higher powers lead one to expect: waves are more terms than a tilt
+SHORT = 0.2  # of the rest, that no polynomial follows: a surface of few long waves is one, not wavy
+STANDS_OUT = {1: 20.0, 2: 8.0}  # by dimension, times the square that higher powers lead one to expect
 LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
 GRADIENT = 0.3  # sin(x), tan(x) and x differ by 3 to 5 per cent: the elasticity is linear in slopes
-SPIKE = 10.0  # rms heights of all others, above the neighbours: white noise of 10^9 heights reaches 7
+SMOOTHEST = 2e-4  # rms gradient: polished steel, silicon and glass have more, between neighbours of micrometres
+ATOM = 1e-10  # m
 FILLED = 0.05  # of all heights: as much of the contact may lie where nothing was measured
 
 
-def of_field(heights: Reals, filled: float = 0.0) -> tuple[str, ...]:
-    """Sentences about a measured field before it is made periodic, `filled` of whose heights were not measured."""
-    return tuple(filter(None, (_filled(filled), _tilt(heights), _spike(heights))))
+@dataclass(frozen=True)
+class Field:
+    """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
+
+    `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z.
+    """
+
+    as_measured: Reals
+    heights: Reals
+    lengths: tuple[float, ...]
+    units: Mapping[str, str]
+
+    def said(self, length: float, axis: str) -> str:
+        """Return a length in the user's unit of x or z."""
+        name = self.units.get(axis) or self.units.get("z") or PERIOD
+        return f"{length / METRES.get(name, 1.0):.3g} {name}"
 
 
-def of_surface(heights: Reals, lengths: tuple[float, ...]) -> tuple[str, ...]:
-    """Sentences about a periodic surface."""
-    return tuple(filter(None, (*_seams(heights), _gradient(heights, lengths), _range(heights, lengths))))
+@dataclass(frozen=True)
+class Signs:
+    """Sentences about a field, and its rms gradient and range of heights without what they name."""
+
+    sentences: tuple[str, ...]
+    rms_gradient: float
+    range: float
 
 
-def of_period(length: float) -> tuple[str, ...]:
-    """Sentences about a period L_x in m."""
-    return (f"a period of {length:.3g} m: check the units of positions and sizes",) if length > LONGEST else ()
+def of_field(field: Field) -> Signs:
+    """Signs of form, spikes, steps and heights that are none, of a field before it is made periodic."""
+    again = repeated(field.as_measured)
+    heights = _without(field.heights, [each.at for each in again if each.cause == "mark"])
+    heights, spikes = despiked(heights)
+    formed, order = _form(field, heights)
+    level = heights - polynomial(heights, order)
+    steps = offsets(level)
+    share = float(np.isnan(field.as_measured).mean())
+    found = (_filled(share), *_repeated(field, again), *formed, _spikes(field, spikes), _steps(field, steps))
+    sentences = tuple(filter(None, found))
+    for axis, i, step in steps:
+        level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
+    calm = level if sentences else field.heights
+    return Signs(sentences, _gradient_between_neighbours(calm, field.lengths), float(np.ptp(calm)))
+
+
+def of_surface(heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None) -> tuple[str, ...]:
+    """Sentences about a periodic surface, whose size is not blamed on units if the signs of its field explain it."""
+    named = signs if signs is not None and signs.sentences else None
+    found = [*_seams(heights)]
+    if named is None or named.rms_gradient > GRADIENT:
+        found.append(_gradient(heights, lengths))
+    if named is None or named.range > min(lengths):
+        found.append(_range(heights, lengths))
+    return tuple(filter(None, found))
+
+
+def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
+    """Sentences about a surface of a period L_x in m, larger or smoother than any."""
+    found = []
+    if length > LONGEST:
+        found.append(f"a period of {length:.3g} m: check the units of positions and sizes")
+    if 0.0 < signs.rms_gradient < SMOOTHEST:
+        found.append(
+            f"an rms gradient of {signs.rms_gradient:.2g} between neighbours, below {SMOOTHEST:g}, is smoother than "
+            "polished glass: check the units of heights and positions"
+        )
+    elif 0.0 < signs.range < ATOM:
+        found.append(f"heights that range over {signs.range:.2g} m, less than an atom: check their units")
+    return tuple(found)
 
 
 def _filled(share: float) -> str:
@@ -42,31 +110,92 @@ def _filled(share: float) -> str:
     return f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
 
 
-def _tilt(heights: Reals) -> str:
-    variance = heights.var()
-    share = polynomial(heights, 1).var() / variance if variance > 0.0 else 0.0
-    if share <= TILT:
-        return ""
-    return f"a tilt makes up {100 * share:.4g} % of the mean square height: detrend: tilt subtracts it"
+def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
+    for each in found[:2]:
+        times = f"{each.count} of {field.as_measured.size} heights are exactly {field.said(each.height, 'z')}"
+        if each.cause in ("top", "bottom"):
+            end = "largest" if each.cause == "top" else "smallest"
+            yield f"{times}, the {end} height: if the instrument was saturated, measure again with a wider range"
+        elif each.cause == "stuck":
+            runs = f"{each.runs} run{'s' if each.runs > 1 else ''}"
+            yield f"{times}, in {runs}: if the instrument was stuck there, write nan for them, and fill: interpolate"
+        else:
+            yield f"{times}: if that marks missing heights, write nan for them, and fill: interpolate"
 
 
-def _spike(heights: Reals) -> str:
-    along = range(heights.ndim)
-    neighbours = np.mean([np.roll(heights, shift, axis) for axis in along for shift in (-1, 1)], axis=0)
-    inner = tuple(slice(1, -1) for _ in along)  # a field that is not periodic has a step at its ends
-    off = abs(heights - neighbours)[inner]
-    where = np.unravel_index(int(off.argmax()), off.shape)
-    others = np.delete(heights.ravel(), np.ravel_multi_index(tuple(i + 1 for i in where), heights.shape))
-    rms = others.std()
-    if off[where] <= SPIKE * rms:
+def _without(heights: Reals, marked: list[Flags]) -> Reals:
+    """Heights with those that are marked filled from their neighbours, unless that is most of them."""
+    if not marked:
+        return heights
+    at = np.any(marked, axis=0)
+    return fill_gaps(np.where(at, np.nan, heights), "interpolate")[0] if at.mean() <= MOST else heights
+
+
+def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
+    """Sentences about the form of heights, and the order of the polynomial that follows it."""
+    if min(heights.shape) <= HIGHEST or is_design(heights):
+        variance = float(heights.var())
+        share = float(polynomial(heights, 1).var()) / variance if variance > 0.0 else 0.0
+        return [_tilted(share)] if share > TILT else [], 2
+    found, stands_out, order = form(heights), STANDS_OUT[heights.ndim], 2
+    sentences = []
+    if found.tilt.share > TILT or (found.tilt.share > FORM and found.tilt.over_expected > stands_out):
+        sentences.append(_tilted(found.tilt.share))
+    if found.curvature.share > FORM and found.curvature.over_expected > stands_out:
+        shown = " and ".join(
+            f"{field.said(abs(radius), 'x')} ({'convex' if radius > 0.0 else 'concave'})"
+            for radius in radii(heights, field.lengths)
+        )
+        sentences.append(
+            f"a curvature of radius {shown} makes up {_percent(found.curvature.share)} % of the mean square height: "
+            "detrend: curvature subtracts it; leave it only if the form is to be pressed too"
+        )
+    elif _is_wavy(found) and found.rest > quantum(heights) ** 2:
+        order = WAVY
+        sentences.append(
+            f"waves longer than two fifths of the field make up {_percent(found.waves.share)} % of the mean square "
+            "height: filter the waviness out, as ISO 16610-21 does; leave it only if it is to be pressed too"
+        )
+    return sentences, order
+
+
+def _percent(share: float) -> str:
+    """Share in per cent, which never rounds up to all."""
+    return f"{np.floor(1e4 * share) / 1e2:.4g}"
+
+
+def _is_wavy(found: Form) -> bool:
+    stands_out = found.waves.share > WAVES and found.waves.over_expected > WAVES_STAND_OUT
+    return stands_out and found.short > SHORT * found.rest
+
+
+def _tilted(share: float) -> str:
+    return f"a tilt makes up {_percent(share)} % of the mean square height: detrend: tilt subtracts it"
+
+
+def _spikes(field: Field, found: Flags) -> str:
+    count = int(found.sum())
+    if count == 0:
         return ""
-    index = ", ".join(str(int(i) + 1) for i in where)
-    times = (
-        f"{off[where] / rms:.3g} rms heights of all others"
-        if rms > 0.0
-        else f"{off[where]:.3g} where all others are level"
+    index = ", ".join(map(str, np.argwhere(found)[0]))
+    what = f"a spike at index {index}" if count == 1 else f"{count} heights in spikes, the first at index {index}"
+    return f"{what}: despike: true replaces them by the median of the heights around"
+
+
+def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
+    if not found:
+        return ""
+    shown = ", ".join(
+        f"by {field.said(step, 'z')} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
+        for axis, i, step in found
     )
-    return f"the height at index {index} stands out from its neighbours by {times}: if it is a spike, remove it"
+    return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
+
+
+def _gradient_between_neighbours(heights: Reals, lengths: tuple[float, ...]) -> float:
+    spacings = [length / n for n, length in zip(heights.shape, lengths, strict=True)]
+    steps = (np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings))
+    return float(np.sqrt(sum((each**2).mean() for each in steps)))
 
 
 def _seams(heights: Reals) -> Iterable[str]:

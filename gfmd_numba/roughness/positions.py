@@ -9,7 +9,7 @@ import numpy.typing as npt
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.quantities import LARGEST
 
-_UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
+UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool, of_ma
     mean = (x[-1] - x[0]) / (len(x) - 1)
     rounding = 4.0 * float(np.finfo(positions.dtype).eps) * abs(x).max() if positions.dtype.kind == "f" else 0.0
     steps = np.diff(x)
-    off = abs(steps - mean) > _UNEVEN * abs(mean) + rounding
+    off = abs(steps - mean) > UNEVEN * abs(mean) + rounding
     if mean != 0.0 and not off.any():
         return Line(name, abs(mean) * len(x), turned=mean < 0.0)
     if interpolate and not of_map:

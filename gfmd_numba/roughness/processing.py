@@ -1,7 +1,6 @@
 """From a measured field to a periodic surface: trend, ends, shortest wave, grid; what was done is recorded."""
 
 from dataclasses import dataclass
-from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -101,12 +100,28 @@ def windowed(heights: Reals) -> Reals:
 
 def polynomial(heights: Reals, order: int) -> Reals:
     """Return the least-squares polynomial of all powers up to an order, at the points of the heights."""
-    positions = [np.linspace(-1.0, 1.0, n) for n in heights.shape]
-    mesh = np.meshgrid(*positions, indexing="ij")
-    exponents = [e for e in product(range(order + 1), repeat=heights.ndim) if sum(e) <= order]
-    terms = np.stack([np.prod([x**k for x, k in zip(mesh, e, strict=True)], axis=0).ravel() for e in exponents], 1)
-    coefficients = np.linalg.lstsq(terms, heights.ravel(), rcond=None)[0]
-    return np.asarray((terms @ coefficients).reshape(heights.shape))
+    coefficients, bases = orthogonal(heights, order)
+    return np.asarray(_along_axes(coefficients, [base.T for base in bases]))
+
+
+def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
+    """Coefficients `[(power of y,) power of x]` of heights in orthonormal polynomials `[points, power]` of each axis.
+
+    Those of a total power above the order are zero. Their squares add up to the squares of the heights that the
+    polynomials of each power make up.
+    """
+    powers = [np.vander(np.linspace(-1.0, 1.0, n), order + 1, increasing=True) for n in heights.shape]
+    bases = [np.linalg.qr(each)[0] for each in powers]
+    coefficients = _along_axes(heights, bases)
+    total = np.add.reduce(np.indices(coefficients.shape))
+    return np.where(total <= order, coefficients, 0.0), bases
+
+
+def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
+    """Product of a field with a basis `[points, power]` along each axis."""
+    for axis, basis in enumerate(bases):
+        field = np.moveaxis(np.moveaxis(field, axis, -1) @ basis, -1, axis)
+    return np.asarray(field)
 
 
 def _times(shape: tuple[int, ...]) -> str:

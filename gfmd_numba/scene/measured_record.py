@@ -66,7 +66,8 @@ class Measured(BaseModel):
         "none", description="What is cut out of a map before all else: the largest square about its centre"
     )
     fill: Literal["refuse", "interpolate"] = Field("refuse", description="Treatment of missing heights")
-    detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted first")
+    despike: bool = Field(False, description="Whether medians of the heights around take the place of spikes")
+    detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted")
     periodic: Literal["none", "mirror", "window"] = Field(
         "none", description="Treatment of the ends, so that they meet"
     )

@@ -25,15 +25,8 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     `processing` tells what was done to a measured surface; `validity`, and a warning, what makes it implausible. Raises
     InputError for a description that makes no sense or a measured file that cannot be used.
     """
-    try:
-        made = make(file)
-        dataset = _described(made)
-    except ValueError as error:
-        if isinstance(file.surface, Measured):
-            given = f"{file.surface.shown} ({error})"
-            allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
-            raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
-        raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
+    made = made_surface(file, document)
+    dataset = _described(made)
     if file.hurst_range is not None:
         if made.unit == "1" and any(given_with_units(file.hurst_range)):
             allowed = "wavelengths without a unit, as neither the file nor a length tells the period in m"
@@ -47,6 +40,18 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
         warnings.warn(sentence, stacklevel=2)
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
+
+
+def made_surface(file: SurfaceFile, document: Document) -> Made:
+    """Surface of a file; raises InputError for a description that makes no sense or a file that cannot be used."""
+    try:
+        return make(file)
+    except ValueError as error:
+        if isinstance(file.surface, Measured):
+            given = f"{file.surface.shown} ({error})"
+            allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
+            raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
+        raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
 
 
 def _described(made: Made) -> xr.Dataset:

@@ -20,9 +20,9 @@ from support.command_line import gfmd
 
 def test_gaps_of_profiles_are_linear_and_level_at_the_ends():
     nan = np.nan
-    filled, done, share = fill_gaps(np.array([nan, 1.0, nan, nan, 4.0, 2.0, 3.0, nan]), "interpolate")
+    filled, done = fill_gaps(np.array([nan, 1.0, nan, nan, 4.0, 2.0, 3.0, nan]), "interpolate")
     np.testing.assert_allclose(filled, [1, 1, 2, 3, 4, 2, 3, 3], rtol=1e-15)
-    assert (done, share) == (("filled 4 missing heights of 8 (50 %) linearly",), 0.5)
+    assert done == ("filled 4 missing heights of 8 (50 %) linearly",)
 
 
 def test_holes_of_maps_are_harmonic():
@@ -31,9 +31,9 @@ def test_holes_of_maps_are_harmonic():
     heights = x**2 - y**2 + 0.5 * x * y + 3 * x
     spoilt = heights.copy()
     spoilt[5:12, 7:20] = spoilt[20, 30] = np.nan
-    filled, _, share = fill_gaps(spoilt, "interpolate")
+    filled, (done,) = fill_gaps(spoilt, "interpolate")
     np.testing.assert_allclose(filled, heights, atol=1e-9)
-    assert share == pytest.approx((7 * 13 + 1) / 1200)
+    assert done.startswith("filled 92 missing heights of 1200")
     level = np.where(x < 3, np.nan, 2.0)
     np.testing.assert_allclose(fill_gaps(level, "interpolate")[0], 2.0, rtol=1e-12)
     even = np.where((y > 10) & (y < 20) & (x < 5), np.nan, 3.0 * y)
@@ -42,7 +42,7 @@ def test_holes_of_maps_are_harmonic():
 
 def test_heights_without_gaps_are_left_alone():
     heights = np.arange(8.0)
-    assert fill_gaps(heights, "refuse") == (heights, (), 0.0)
+    assert fill_gaps(heights, "refuse") == (heights, ())
 
 
 @pytest.mark.parametrize("shape", [(64,), (63,), (16, 32), (15, 21)])
@@ -137,7 +137,7 @@ def test_doubts_stay_in_the_result_and_are_said(tmp_path):
     with warnings.catch_warnings(record=True, action="always") as warned:
         found = make_surface(tmp_path / "s.yaml")
     assert found.attrs["validity"].splitlines() == [str(each.message) for each in warned]
-    assert len(warned) == 3
+    assert len(warned) == 2
     (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy, detrend: tilt, periodic: mirror}\n")
     assert make_surface(tmp_path / "s.yaml").attrs["validity"] == ""
 

@@ -166,7 +166,7 @@ def test_a_spike_of_a_hundred_rms_heights_is_told(tmp_path, where):
     spoilt[where] += 100 * Z.std()
     for periodic in ("none", "mirror", "window"):
         found = read(columns(tmp_path, z=spoilt), periodic=periodic)
-        assert f"the height at index {where} stands out from its neighbours by" in told(found)
+        assert f"a spike at index {where}: despike: true" in told(found)
 
 
 def test_a_long_spoilt_file_gives_what_numpy_gives_by_hand(tmp_path):

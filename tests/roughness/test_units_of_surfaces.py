@@ -34,7 +34,8 @@ def test_heights_beside_a_length_need_a_unit(tmp_path):
     surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}
     with pytest.raises(InputError, match=r"heights without a unit beside a length in m: write units: \{z: um\}"):
         make_surface({"surface": surface, "length": 1e-3})
-    found = make_surface({"surface": surface | {"units": {"z": "mm"}}, "length": 1.0})
+    with pytest.warns(UserWarning, match="below 0.0002, is smoother than polished glass"):
+        found = make_surface({"surface": surface | {"units": {"z": "mm"}}, "length": 1.0})
     assert found["rms_height"].units == found["x"].units == "m"
     assert float(found["x"][1]) == pytest.approx(1 / 64)
     np.testing.assert_allclose(found["height"][:32], 1e-3 * HEIGHTS, rtol=1e-15)
@@ -96,7 +97,8 @@ def test_netcdf_of_unknown_units_is_refused(tmp_path, units, x_units, said):
 
 def test_netcdf_is_in_the_units_it_states(tmp_path):
     assert made(netcdf(tmp_path, "m", "m"))["x"].units == "m"
-    assert made(netcdf(tmp_path, "um", "mm"))["x"].units == "m"
+    with pytest.warns(UserWarning, match="below 0.0002, is smoother than polished glass"):
+        assert made(netcdf(tmp_path, "um", "mm"))["x"].units == "m"
     with pytest.raises(InputError, match="positions over a period of 4, one spacing for each of the 32 points, not 1"):
         made(netcdf(tmp_path, "1", "1"))
     with pytest.raises(InputError, match="heights in m without positions, so that length is needed"):

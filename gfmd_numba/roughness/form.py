@@ -1,0 +1,87 @@
+"""The form of a measured field: which share of its heights a tilt and a curvature make up, and which radius they have.
+
+The share alone tells no form from roughness, as the long waves of a rough surface carry most of its heights. What tells
+it is that no longer the waves of all lengths follow one another: the coefficients of a rough surface in orthogonal
+polynomials fall with their power, of self-affine ones at most as those of a Hurst exponent of 1 do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.roughness.processing import orthogonal, polynomial
+
+HIGHEST = 24  # power
+WAVY = 8  # power, up to which polynomials follow waves of two and a half periods
+_FLAT = 0.1  # of the larger curvature of a map, below which the other one is none
+
+
+@dataclass(frozen=True)
+class Part:
+    """Share of the mean square height, and how far it stands out.
+
+    A part stands out by its mean square coefficient over what the powers next above it lead one to expect.
+    """
+
+    share: float
+    over_expected: float
+
+
+@dataclass(frozen=True)
+class Form:
+    """Parts of the heights: a tilt, and of what is left without it a curvature, and long waves together with that.
+
+    `rest` is the mean square height that is left at last, and `short` what no power up to the highest follows of it.
+    """
+
+    tilt: Part
+    curvature: Part
+    waves: Part
+    rest: float
+    short: float
+
+
+def form(heights: Reals) -> Form:
+    """Form of a field `[nx]` or `[ny, nx]` of more than `HIGHEST` points in each direction."""
+    squares = orthogonal(heights, HIGHEST)[0] ** 2
+    power = np.add.reduce(np.indices(squares.shape))
+    of = np.array([squares[power == k].sum() for k in range(HIGHEST + 1)])
+    terms = np.ones(HIGHEST + 1) if squares.ndim == 1 else 1.0 + np.arange(HIGHEST + 1)
+    # mean squares of self-affine surfaces fall no faster than with H = 1
+    level = of / terms * np.arange(HIGHEST + 1) ** (2.0 + squares.ndim)
+    short = float(level[3 : WAVY + 1].mean())
+    levelled = float(((heights - heights.mean()) ** 2).sum()) - of[1]
+    waves = float(of[2 : WAVY + 1].sum())
+    return Form(
+        Part(_ratio(of[1], levelled + of[1]), _ratio(level[1], short)),
+        Part(_ratio(of[2], levelled), _ratio(level[2], short)),
+        Part(_ratio(waves, levelled), _ratio(level[2 : WAVY + 1].mean(), level[WAVY + 1 :].mean())),
+        max(levelled - waves, 0.0) / heights.size,
+        max(levelled - float(of[2:].sum()), 0.0) / heights.size,
+    )
+
+
+def radii(heights: Reals, lengths: tuple[float, ...]) -> tuple[float, ...]:
+    """Radii of curvature of the least-squares paraboloid, the smallest first; above 0 for peaks.
+
+    A profile has one; a map has one if it is a cylinder, and otherwise two.
+    """
+    fit = polynomial(heights, 2)
+    steps = [(n - 1) // 2 for n in fit.shape]
+    spans = [m * length / n for m, n, length in zip(steps, fit.shape, lengths, strict=True)]
+    if fit.ndim == 1:
+        (m,), (span,) = steps, spans
+        return (-(span**2) / float(fit[0] - 2.0 * fit[m] + fit[2 * m]),)
+    (i, j), (a, b) = steps, spans
+    yy = (fit[0, 0] - 2.0 * fit[i, 0] + fit[2 * i, 0]) / a**2
+    xx = (fit[0, 0] - 2.0 * fit[0, j] + fit[0, 2 * j]) / b**2
+    xy = (fit[0, 0] - fit[0, j] - fit[i, 0] + fit[i, j]) / (a * b)
+    second = np.array([[yy, xy], [xy, xx]])
+    curvatures = -np.linalg.eigvalsh(second)
+    curvatures = curvatures[np.argsort(-abs(curvatures))]
+    return tuple(1.0 / float(each) for each in curvatures if abs(each) > _FLAT * abs(curvatures[0]))
+
+
+def _ratio(part: float, whole: float) -> float:
+    return float(part / whole) if whole > 0.0 else (np.inf if part > 0.0 else 0.0)

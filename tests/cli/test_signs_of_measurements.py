@@ -1,0 +1,81 @@
+"""Whoever reads a spoilt measurement says so: check, plan and surface name form and spikes."""
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from click.testing import CliRunner
+
+from gfmd_numba.cli import main
+
+SCENE = {
+    "body": {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3},
+    "interface": {"hard_wall": {}},
+    "loading": {"pressure": "10 MPa"},
+}
+ROUGH = {"method": "measured", "file": "p.csv", "detrend": "tilt", "periodic": "mirror"}
+FORM, SPIKES = "mm (convex) makes up", "2 heights in spikes, the first at index 77"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A rough shaft of 50 mm radius with two spikes, in p.csv of the working directory."""
+    monkeypatch.chdir(tmp_path)
+    x = np.arange(512) * 4e-3  # mm
+    z = np.random.default_rng(0).normal(size=512).cumsum() * 0.02 - 1e3 * (x - 1.0) ** 2 / 2 / 50.0
+    z[[77, 300]] += 5.0
+    np.savetxt("p.csv", np.column_stack([x, z]), delimiter=",", header="x [mm],z [um]", comments="")
+
+
+def told(command, file, content, *more):
+    with open(file, "w", encoding="utf-8") as opened:
+        yaml.safe_dump(content, opened)
+    done = CliRunner().invoke(main, [command, file, *more])
+    assert done.exit_code == 0, done.output
+    return " ".join(done.stderr.replace("gfmd:", "").split())
+
+
+@pytest.mark.parametrize(
+    ("command", "content"),
+    [
+        ("check", {"scene": SCENE | {"roughness": ROUGH}}),
+        (
+            "check",
+            {
+                "scene": SCENE
+                | {
+                    "roughness": ROUGH,
+                    "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-6, "range": 1e-5}},
+                }
+            },
+        ),
+        ("check", {"surface": ROUGH}),
+        ("check", {"scene": {"body": SCENE["body"] | {"roughness": ROUGH}, "boundary": {"normal_traction": 0.0}}}),
+        ("check", {"name": "p", "scene": SCENE | {"roughness": ROUGH}, "grid": {"pressure": ["1 MPa", "2 MPa"]}}),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_check_names_form_and_spikes_wherever_a_measurement_stands(command, content):
+    said = told(command, "f.yaml", content)
+    assert FORM in said
+    assert SPIKES in said
+    assert "units" not in said
+
+
+@pytest.mark.usefixtures("folder")
+def test_plan_names_form_and_spikes():
+    content = {"name": "p", "scene": SCENE | {"roughness": ROUGH}, "grid": {"pressure": ["1 MPa", "2 MPa"]}}
+    said = told("plan", "f.yaml", content, "--pilot", "0")
+    assert FORM in said
+    assert SPIKES in said
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_surface_without_spikes_says_where_they_were():
+    cured = {"surface": ROUGH | {"despike": True, "detrend": "curvature"}}
+    told("surface", "f.yaml", cured, "-o", "s.nc")
+    with xr.open_dataset("s.nc") as found:
+        assert found.attrs["validity"] == ""
+        done = "replaced 2 heights in spikes by the medians of the heights around, of 512 heights, at index 77; 300"
+        assert done in found.attrs["processing"]
+        assert float(np.ptp(found["height"].values)) < 4e-6

@@ -1,0 +1,136 @@
+"""Spoilt measurements are told by their cause, and what despike does."""
+
+import re
+
+import numpy as np
+import pytest
+
+from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.scene.measured_record import FileUnits, Measured
+
+N, LENGTH = 2048, 4e-3
+X = np.arange(N) / N * LENGTH
+
+
+def rough(shape, seed=0, hurst=0.7, gradient=0.03):
+    """A piece of a periodic self-affine surface with a roll-off, with this rms gradient on points 2 um apart."""
+    frequencies = np.sqrt(sum(np.square(each) for each in np.meshgrid(*map(np.fft.fftfreq, shape), indexing="ij")))
+    amplitude = np.where(frequencies > 0, np.maximum(frequencies, 0.02), np.inf) ** (-hurst - len(shape) / 2)
+    amplitude[frequencies > 0.2] = 0.0
+    noise = np.random.default_rng(seed).normal(size=shape)
+    heights = np.fft.ifftn(np.fft.fftn(noise) * amplitude).real
+    steps = np.sqrt(sum((np.diff(heights, axis=axis) ** 2).mean() for axis in range(len(shape))))
+    return heights * gradient * LENGTH / N / steps
+
+
+def read(z, **more):
+    """Surface of heights in m on points 2 um apart, given in um and mm."""
+    import xarray as xr
+
+    dims = ("y", "x")[-z.ndim :]
+    positions = {
+        dim: (dim, 1e3 * LENGTH / N * np.arange(n), {"units": "mm"}) for dim, n in zip(dims, z.shape, strict=True)
+    }
+    heights = xr.DataArray(1e6 * z, dims=dims, coords=positions, attrs={"units": "um"})
+    more.setdefault("periodic", "mirror")
+    return measured_surface(Measured(method="measured", heights=heights, **more), None)
+
+
+def told(z, **more):
+    return "\n".join(read(z, **more).doubts)
+
+
+def test_a_measurement_that_is_not_spoilt_has_no_signs():
+    assert read(rough((N,)), detrend="tilt").doubts == ()
+    assert read(rough((128, 128)), detrend="tilt").doubts == ()
+
+
+@pytest.mark.parametrize(("radius", "said"), [(50e-3, "50 mm (convex)"), (-10e-3, "10 mm (concave)")])
+def test_the_form_of_a_cylinder_is_told_with_its_radius_and_share(radius, said):
+    z, form = rough((N,)), -((X - LENGTH / 2) ** 2) / 2 / radius
+    level, left = (z + form - np.polynomial.Polynomial.fit(X, z + form, order)(X) for order in (1, 2))
+    share = np.floor(1e4 * (1 - left.var() / level.var())) / 100
+    sentence = told(z + form, detrend="tilt")
+    assert f"a curvature of radius {said} makes up {share:.4g} %" in sentence
+    assert "detrend: curvature" in sentence
+    assert "units" not in sentence
+    assert read(z + form, detrend="curvature").doubts == ()
+
+
+def test_a_map_has_a_cylinder_of_one_radius_a_ball_or_two_radii():
+    z, x = rough((128, 128)), (np.arange(128) - 64) * LENGTH / N
+    across = np.add.outer(x, x) / np.sqrt(2)
+    assert "a curvature of radius 0.1 mm (convex) makes up" in told(z - across**2 / 2e-4)
+    assert "a curvature of radius 0.1 mm (concave) makes up" in told(z + across**2 / 2e-4)
+    saddle = told(z - np.add.outer(x**2 / 2e-4, -(x**2) / 4e-4))
+    radii = re.search(r"of radius (.*) mm \(convex\) and (.*) mm \(concave\) makes up", saddle).groups()
+    assert [float(radius) for radius in radii] == pytest.approx([0.1, 0.2], rel=0.01)
+
+
+@pytest.mark.parametrize("shape", [(N,), (128, 128)])
+@pytest.mark.parametrize("radius", [np.inf, 5e-3])
+def test_all_spikes_are_counted_despite_a_form_and_replaced(shape, radius):
+    z, x = rough(shape), (np.arange(shape[-1]) - shape[-1] / 2) * LENGTH / N
+    z = z - x**2 / 2 / radius
+    rng = np.random.default_rng(1)
+    at = 7 + 13 * rng.choice(z.size // 13 - 1, 25, replace=False)
+    spoilt = z.copy()
+    spoilt.flat[at] += rng.choice([-1, 1], 25) * 20 * rough(shape).std()
+    sentences = told(spoilt).splitlines()
+    spikes = [i for i, each in enumerate(sentences) if each.startswith("25 heights in spikes, the first at index")]
+    assert len(spikes) == 1
+    assert not any("units" in each for each in sentences)
+    cured = read(spoilt, despike=True)
+    assert "spike" not in "\n".join(cured.doubts)
+    first = ", ".join(map(str, np.unravel_index(min(at), shape)))
+    assert (
+        f"replaced 25 heights in spikes by the medians of the heights around, of {z.size} heights, at index {first}"
+        in (cured.done[0])
+    )
+    mended = read(spoilt, despike=True, periodic="none").heights
+    np.testing.assert_allclose(np.delete(mended, at), np.delete(z, at), rtol=1e-15)
+    assert abs(mended - z).max() < rough(shape).std()
+
+
+@pytest.mark.parametrize("shape", [(N,), (96, 96)])
+def test_a_step_is_told_with_its_place(shape):
+    z = rough(shape)
+    z[..., 50:] += 10 * z.std()
+    assert "um behind index 49, and stay there" in told(z)
+    if len(shape) == 2:
+        assert "um behind row 49, and stay there" in told(z.T)
+
+
+def test_saturated_and_stuck_heights_and_marks_of_missing_ones_are_told():
+    z = rough((N,))
+    top = np.quantile(z, 0.95)
+    assert f"{(z >= top).sum()} of 2048 heights are exactly" in told(np.minimum(z, top))
+    assert "the largest height: if the instrument was saturated" in told(np.minimum(z, top))
+    assert "the smallest height: if the instrument was saturated" in told(np.maximum(z, -top))
+    stuck = np.where((np.arange(N) >= 300) & (np.arange(N) < 380), np.median(z), z)
+    assert "in 1 run: if the instrument was stuck there" in told(stuck)
+    marked = z.copy()
+    marked[::37] = -99e-6
+    sentences = told(marked)
+    assert "56 of 2048 heights are exactly -99 um: if that marks missing heights" in sentences
+    assert len(sentences.splitlines()) == 1
+
+
+def test_heights_in_a_wrong_unit_are_told():
+    z = rough((N,))
+    assert "check the units" in told(1e3 * z)
+    assert "smoother than polished glass: check the units" in told(1e-3 * z)
+
+
+def test_columns_that_are_confused_are_told(tmp_path):
+    np.savetxt(tmp_path / "p.csv", np.column_stack([1e6 * rough((N,)), 1e3 * X]), delimiter=",")
+    record = Measured(method="measured", file=str(tmp_path / "p.csv"), units=FileUnits(x="mm", z="um"))
+    with pytest.raises(ValueError, match=r"the heights are evenly spaced: if the two columns are confused"):
+        measured_surface(record, None)
+
+
+def test_few_digits_and_bits_are_no_sign():
+    for z in (rough((N,)), rough((128, 128))):
+        for quanta in (200, 2000):
+            quantum = np.ptp(z) / quanta
+            assert read(np.round(z / quantum) * quantum).doubts == ()

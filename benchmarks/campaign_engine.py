@@ -43,7 +43,7 @@ def campaign(folder, realisations, eps_f, hursts, pressures):
 
 
 def timed(path, out, workers):
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), f"--workers={workers}"]
     begun = time.perf_counter()
     subprocess.run(command, check=True, capture_output=True)
     wall = time.perf_counter() - begun
@@ -84,7 +84,7 @@ def planning(folder):
         path = campaign(folder, 30, "1/16", hursts, 100)
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         subprocess.run(
-            [sys.executable, "-m", "gfmd_numba.cli", "plan", "--pilot=0", str(path)], check=True, capture_output=True
+            [sys.executable, "-m", "gfmd_numba", "plan", "--pilot=0", str(path)], check=True, capture_output=True
         )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         print(f"planning {100 * hursts} cases: {after.ru_utime - before:.1f} s of the processor, "

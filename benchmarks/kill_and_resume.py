@@ -53,7 +53,7 @@ class Run:
         self.out, self.n_blocks = out, len(plan(campaign).blocks_in(out))
         self.shards_before, self.results_before = self.n_shards(), self.results()
         self.left_before = self.unfinished_results()
-        command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(campaign), "-o", str(out), *options]
+        command = [sys.executable, "-m", "gfmd_numba", "run", str(campaign), "-o", str(out), *options]
         self.process = subprocess.Popen(
             command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
         )
@@ -112,7 +112,7 @@ def where(out):
 
 def killed_until(campaign, out, seconds, workers, rng):
     """Kill a run until an error twice at any time of its life, and let it end; the number of kills that met it."""
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(campaign), "-o", str(out), UNTIL, workers]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(campaign), "-o", str(out), UNTIL, workers]
     kills = 0
     for last in (False, False, True):
         process = subprocess.Popen(

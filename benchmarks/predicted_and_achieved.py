@@ -54,7 +54,7 @@ WORKERS = "--workers=0"
 def ran(path, out):
     """Wall time without that in queues, and processor time in s, of a run in a process of its own."""
     begun, waited = time.perf_counter(), 0
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), WORKERS]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), WORKERS]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while True:
         ended, status, usage = os.wait4(process.pid, os.WNOHANG)

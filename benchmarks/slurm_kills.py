@@ -43,7 +43,7 @@ def main(kills: int) -> None:
         print(f"serial: {time.monotonic() - begun:.0f} s, {serial[:16]}", flush=True)
         with one_machine_slurm(Path(home)) as environment:
             begun = time.monotonic()
-            command = [sys.executable, "-m", "gfmd_numba.cli", "run", "campaign.yaml", "-o", "jobs"]
+            command = [sys.executable, "-m", "gfmd_numba", "run", "campaign.yaml", "-o", "jobs"]
             run = subprocess.Popen([*command, "--cluster", "cluster.yaml"], cwd=folder, env=environment)
             killed = kill_jobs(run, kills, folder / "jobs", environment)
             assert run.wait() == 0

@@ -136,9 +136,9 @@ def run(
     from gfmd_numba.campaign.run import run as run_campaign
 
     if not (output is None or isinstance(output, str | os.PathLike)):
-        raise InputError(f"output: given {output!r:.60}; allowed: the path of a directory")
+        raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
     if until is None and budget is not None:
-        raise InputError("budget: given without until; allowed: together with until, whose processor time it bounds")
+        raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
     if until is None:
         results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     else:
@@ -159,7 +159,9 @@ def open_campaign(path: str | Path) -> xr.Dataset:
     from gfmd_numba.campaign.results import read_results
 
     if not isinstance(path, str | os.PathLike):
-        raise InputError(f"path: given {brief(path)}; allowed: a netCDF file, or the output directory of a campaign")
+        raise InputError(
+            f"path: you gave {brief(path)}; gfmd allows a netCDF file, or the output directory of a campaign"
+        )
     return read_results(Path(path))
 
 
@@ -240,5 +242,5 @@ def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Datase
         return read_results(Path(given))
     if not isinstance(given, xr.Dataset):
         allowed = f"an xarray.Dataset, as gfmd_numba.{maker} returns, or the path of a netCDF file"
-        raise InputError(f"{name}: given {brief(given)}; allowed: {allowed}")
+        raise InputError(f"{name}: you gave {brief(given)}; gfmd allows {allowed}")
     return given

@@ -14,5 +14,5 @@ def refused(question):
     try:
         question()
     except InputError as error:
-        return "refused: " + str(error).rpartition("given ")[2].replace("|", "\\|"), time.perf_counter() - begun
+        return "refused: " + str(error).rpartition("you gave ")[2].replace("|", "\\|"), time.perf_counter() - begun
     return "accepted", time.perf_counter() - begun

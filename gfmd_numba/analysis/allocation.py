@@ -61,8 +61,10 @@ def cheapest_design(
     least = choice.error(np.full(len(choice.levels), float(_MOST)))
     if least >= target:
         raise UnusableDataError(
-            f"given a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave {100 * least:.3g}%; "
-            "allowed: a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower ranges "
+            f"you gave a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave "
+            f"{100 * least:.3g}%; "
+            "gfmd allows a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower "
+            "ranges "
             "under `fit: {fixed: ...}`"
         )
     shares = choice.price**-0.5
@@ -73,8 +75,8 @@ def cheapest_design(
     counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
     if counts.max() > _MOST:
         raise UnusableDataError(
-            f"given a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
-            f"the cheapest; allowed: a larger one, as {_MOST} are the most"
+            f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
+            f"the cheapest; gfmd allows a larger one, as {_MOST} are the most"
         )
     return _described(choice, counts)
 
@@ -97,7 +99,9 @@ def best_design(
             shares[level] = 0.0
     least = FEWEST * choice.price[shares > 0].sum()
     if least > budget:
-        raise UnusableDataError(f"given a budget of {budget:.3g} s; allowed: at least {least:.3g} s of processor time")
+        raise UnusableDataError(
+            f"you gave a budget of {budget:.3g} s; gfmd allows at least {least:.3g} s of processor time"
+        )
     return _described(choice, np.floor(_counts(choice, _best_shares(choice, shares, budget), budget)))
 
 

@@ -27,10 +27,10 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     """
     along = "case" if "case" in dataset.dims else "step"
     if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:
-        raise UnusableDataError("given no results of several loads; allowed: a campaign's, or those of a path")
+        raise UnusableDataError("you gave no results of several loads; gfmd allows a campaign's, or those of a path")
     pairs = list(_cases(dataset) if along == "case" else _steps(dataset))
     if not pairs:
-        raise UnusableDataError("given one load of each surface; allowed: several reduced_pressure, or a path")
+        raise UnusableDataError("you gave one load of each surface; gfmd allows several reduced_pressure, or a path")
     ends = (xr.DataArray(list(positions), dims="interval") for positions in zip(*pairs, strict=True))
     lower, upper = (dataset.isel({along: positions}) for positions in ends)
     others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]

@@ -71,10 +71,12 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if not group.levels:
-            raise UnusableDataError("given cases without a limit to extrapolate to; allowed: a campaign with limits")
+            raise UnusableDataError(
+                "you gave cases without a limit to extrapolate to; gfmd allows a campaign with limits"
+            )
         fewest = int(np.isfinite(values).sum(axis=0).min())
         if fewest < FEWEST:
-            raise UnusableDataError(f"given a pilot of {fewest} good realisations; allowed: at least {FEWEST}")
+            raise UnusableDataError(f"you gave a pilot of {fewest} good realisations; gfmd allows at least {FEWEST}")
         if why := inseparable(group):
             raise UnusableDataError(why)
         found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))

@@ -157,7 +157,8 @@ def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, ou
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except MemoryError:
         raise UnusableDataError(
-            f"given channels of {n} nodes, whose flow takes more memory than there is; allowed: a map of fewer nodes"
+            f"you gave channels of {n} nodes, whose flow takes more memory than there is; gfmd allows a map of fewer "
+            "nodes"
         ) from None
     pressure = scale * factors.solve(scale * inlet)
     # a diagonal rounded leaks: behind narrow places pressures are refined by the flows through faces, which do not

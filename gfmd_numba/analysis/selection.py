@@ -98,11 +98,11 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
     lacking = {"case_id", "is_reference"} - set(map(str, dataset.variables))
     if not {"case", "realisation"} <= set(dataset.dims) or lacking or 0 < len(discretisations(dataset)) < len(LIMITS):
-        raise UnusableDataError("given no results of a campaign; allowed: what a finished `gfmd run` leaves")
+        raise UnusableDataError("you gave no results of a campaign; gfmd allows what a finished `gfmd run` leaves")
     if not axes(dataset):
         raise UnusableDataError(
-            "given results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
-            "allowed: what a finished `gfmd run` of this version leaves"
+            "you gave results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
+            "gfmd allows what a finished `gfmd run` of this version leaves"
         )
     if (
         not isinstance(variable, str)
@@ -111,7 +111,7 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     ):
         if isinstance(variable, str) and variable in dataset and "step" in dataset[variable].dims:
             raise UnusableDataError(
-                f"given {variable} at every step of a path; allowed: one step, like `dataset.isel(step=-1)`"
+                f"you gave {variable} at every step of a path; gfmd allows one step, like `dataset.isel(step=-1)`"
             )
         present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
         raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
@@ -174,8 +174,9 @@ def _check_groups(dataset: xr.Dataset) -> None:
         problems.setdefault(row.tobytes(), set()).add(str(identity))
     if any(len(identities) > 1 for identities in problems.values()):
         raise UnusableDataError(
-            "given different problems at the same discretisation, which no coordinate with the attribute `axis` tells "
-            "apart; allowed: what a finished `gfmd run` leaves, its coordinates with their attributes"
+            "you gave different problems at the same discretisation, which no coordinate with the attribute `axis` "
+            "tells "
+            "apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
         )
 
 

@@ -15,10 +15,11 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact."""
     kind = "a map's contact" if maps_only else "a contact"
     if not {"x", "status", *needed} <= dataset.variables.keys():
-        raise UnusableDataError(f"given no results of {kind}; allowed: what `gfmd solve` leaves of one")
+        raise UnusableDataError(f"you gave no results of {kind}; gfmd allows what `gfmd solve` leaves of one")
     if maps_only and "y" not in dataset.dims:
         raise UnusableDataError(
-            "given the contact of a profile, in which no channel leads around the contacts; allowed: that of a map "
+            "you gave the contact of a profile, in which no channel leads around the contacts; gfmd allows that of a "
+            "map "
             "(solve a scene with `dimension: 2`, whose surface is random or a measured map)"
         )
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
@@ -30,14 +31,14 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     scalars = [dataset[name] for name in ("status", *needed) if name not in _FIELDS]
     alone = not any(set(scalar.dims) - (set(fields[-1].dims) - set(nodes)) for scalar in scalars)
     if not (numbers and over_nodes and enough and alone and {field.dims for field in fields} == {fields[-1].dims}):
-        raise UnusableDataError(f"given altered results; allowed: what `gfmd solve` leaves of {kind}")
+        raise UnusableDataError(f"you gave altered results; gfmd allows what `gfmd solve` leaves of {kind}")
     if (dataset["status"] != 0).any():
-        raise UnusableDataError("given a run that is not ok; allowed: contacts in equilibrium, whose status is 0")
+        raise UnusableDataError("you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0")
     if not all(np.isfinite(field).all() for field in fields):
-        raise UnusableDataError(f"given fields that are not finite; allowed: what `gfmd solve` leaves of {kind}")
+        raise UnusableDataError(f"you gave fields that are not finite; gfmd allows what `gfmd solve` leaves of {kind}")
     for dim in nodes if len(nodes) == 2 else ():  # clusters may go around the period
         points = dataset[dim].attrs.get(_POINTS, dataset.sizes[dim]) if dim in dataset.coords else "unknown"
         if str(points) != str(dataset.sizes[dim]):
             given = f"{dataset.sizes[dim]} of the {points} nodes along {dim}"
-            raise UnusableDataError(f"given {given}; allowed: all nodes of the period of a map")
+            raise UnusableDataError(f"you gave {given}; gfmd allows all nodes of the period of a map")
     return nodes

@@ -28,7 +28,7 @@ def steps_of(dataset: xr.Dataset, variable: str, step: int | None = None) -> lis
     at_steps = along and variable in dataset and "step" in dataset[variable].dims
     if step is not None and not (at_steps and type(step) is int and 0 <= step < dataset.sizes["step"]):
         steps = f"a step from 0 to {dataset.sizes['step'] - 1}" if at_steps else f"nothing, as {variable} has no steps"
-        raise UnusableDataError(f"step: given {brief(step)}; allowed: {steps}")
+        raise UnusableDataError(f"step: you gave {brief(step)}; gfmd allows {steps}")
     if not along:
         return [dataset]
     if at_steps:

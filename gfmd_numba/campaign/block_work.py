@@ -59,7 +59,7 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     packages have other versions than `expected`.
     """
     if wrong := difference(_installed(), expected):
-        raise InputError(f"cluster: given a worker with {wrong}")
+        raise InputError(f"cluster: you gave a worker with {wrong}")
     keep_freed_memory()
     finished: Measured = {}
     failures: Failures = {}

@@ -150,7 +150,7 @@ def _surface(
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
         given = f"method {roughness.method}{''.join(values)}"
-        raise InputError(f"scene.roughness: given {given}; allowed: a usable surface, not {error}") from None
+        raise InputError(f"scene.roughness: you gave {given}; gfmd allows a usable surface, not {error}") from None
 
 
 class _RoughBodies:
@@ -206,7 +206,7 @@ def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[Loa
 def _beyond_measure(place: str, scene: Scene, error: ValueError) -> InputError:
     """What is said of a load that stands at some place."""
     control = scene.loading.control
-    return InputError(f"{place}.{control}: given {getattr(scene.loading, control)}; allowed: {error}")
+    return InputError(f"{place}.{control}: you gave {getattr(scene.loading, control)}; gfmd allows {error}")
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

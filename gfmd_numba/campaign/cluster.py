@@ -66,7 +66,9 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
     if address is None:
         if client.asynchronous or client.status != "running":
             given = "asynchronous" if client.asynchronous else client.status
-            raise InputError(f"workers: given a dask client that is {given}; allowed: a connected, synchronous one")
+            raise InputError(
+                f"workers: you gave a dask client that is {given}; gfmd allows a connected, synchronous one"
+            )
         yield client
         return
     with _client_of(address, insecure) as own:
@@ -85,8 +87,8 @@ def _client_of(address: str, insecure: bool) -> Any:
         raise _unreachable(address, error) from None
     if not (private or insecure):
         raise InputError(
-            f"--scheduler: given {address}, on which anyone on the way can read and change the work; "
-            "allowed: a tls:// address, one of this machine, or --insecure beside it"
+            f"--scheduler: you gave {address}, on which anyone on the way can read and change the work; "
+            "gfmd allows a tls:// address, one of this machine, or --insecure beside it"
         )
     try:
         return Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
@@ -96,25 +98,27 @@ def _client_of(address: str, insecure: bool) -> Any:
 
 def _unreachable(address: str, error: Exception) -> InputError:
     return InputError(
-        f"--scheduler: given {address} ({error}); "
-        "allowed: the address of a running dask scheduler, like tcp://127.0.0.1:8786"
+        f"--scheduler: you gave {address} ({error}); "
+        "gfmd allows the address of a running dask scheduler, like tcp://127.0.0.1:8786"
     )
 
 
 def check_workers(client: Any, option: str) -> None:
     """Raise InputError unless there are workers, with the same packages as here."""
     if not client.nthreads():
-        raise InputError(f"{option}: given a cluster without workers; allowed: one with `dask worker`s connected to it")
+        raise InputError(
+            f"{option}: you gave a cluster without workers; gfmd allows one with `dask worker`s connected to it"
+        )
     ours = versions()
     try:
         theirs = client.run(versions)
     except ImportError as error:
         raise InputError(
-            f"{option}: given workers without gfmd-numba ({error}); allowed: the same installation as here"
+            f"{option}: you gave workers without gfmd-numba ({error}); gfmd allows the same installation as here"
         ) from None
     for worker, installed in theirs.items():
         if wrong := difference(installed, ours):
-            raise InputError(f"{option}: given {worker} with {wrong}")
+            raise InputError(f"{option}: you gave {worker} with {wrong}")
 
 
 @contextmanager

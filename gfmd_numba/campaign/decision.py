@@ -130,7 +130,7 @@ def price_of_realisations(results: xr.Dataset) -> Reals:
     transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
     known = np.isfinite(transforms)
     if not known.any():
-        raise UnusableDataError("given no good realisation; allowed: some of every case")
+        raise UnusableDataError("you gave no good realisation; gfmd allows some of every case")
     return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
 
 
@@ -214,21 +214,22 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
     )
     if least.error <= target:
         return UnusableDataError(
-            f"{whom}it would take more than {MOST} realisations of a level; allowed: a larger target, or levels "
+            f"{whom}it would take more than {MOST} realisations of a level; gfmd allows a larger target, or levels "
             "further from the reference"
         )
     left = f"{whom}{MOST} realisations of every case would leave an error of {100 * least.error:.2g}%"
     if 2.0 * further.interactions**2 > least.error**2:
         return UnusableDataError(
-            f"{left}, as no cross level tells whether corrections add up; allowed: a larger target, or a cross level "
+            f"{left}, as no cross level tells whether corrections add up; gfmd allows a larger target, or a cross "
+            "level "
             "for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(
-            f"{left}, as the exponents are not known better than that; allowed: a larger target, finer levels, or "
+            f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
             f"{_narrower(cases, fit)}"
         )
-    return UnusableDataError(f"{left}; allowed: a larger target, or levels further from the reference")
+    return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
 
 
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:

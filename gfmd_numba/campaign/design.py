@@ -154,7 +154,8 @@ def rewritten(planned: Plan, chosen: Design, target: float | None) -> tuple[str,
     text = with_values(planned.document.text, values)
     if not _is_meant(planned.campaign, text, values):
         raise InputError(
-            "--write: given a campaign file whose text cannot be changed with certainty; allowed: one of plain YAML "
+            "--write: you gave a campaign file whose text cannot be changed with certainty; gfmd allows one of plain "
+            "YAML "
             f"(or write it yourself: {', '.join(f'`{key}: {value}`' for key, value in values.items())})"
         )
     return text, name

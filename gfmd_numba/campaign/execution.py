@@ -68,7 +68,7 @@ def workers_of(given: object) -> Workers:
     if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
         return Workers(cluster=load_cluster(given))
     raise InputError(
-        f"workers: given {brief(given)}; allowed: a number of processes from 0, a dask.distributed.Client, or a "
+        f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
         "cluster file"
     )
 

@@ -27,9 +27,11 @@ class Goal(BaseModel):
 def goal_of(until: object, budget: object = None) -> Goal:
     """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
     pairs = list(until.items()) if isinstance(until, Mapping) else []
-    if len(pairs) != 1 or pairs[0][0] not in get_args(Variable) or not _is_relative_error(pairs[0][1]):
+    if len(pairs) == 1 and pairs[0][0] not in get_args(Variable):
+        raise InputError(f"until: you gave {brief(pairs[0][0])}; gfmd allows one of {', '.join(get_args(Variable))}")
+    if len(pairs) != 1 or not _is_relative_error(pairs[0][1]):
         raise InputError(
-            f"until: given {brief(until)}; allowed: one of {', '.join(get_args(Variable))} and a relative error "
+            f"until: you gave {brief(until)}; gfmd allows one of {', '.join(get_args(Variable))} and a relative error "
             'above 0 and below 1, like {"kappa": 0.01}'
         )
     ((variable, target),) = pairs
@@ -37,7 +39,7 @@ def goal_of(until: object, budget: object = None) -> Goal:
         return Goal(variable=variable, target=float(target))
     seconds = seconds_of(budget)
     if seconds is None:
-        raise InputError(f"budget: given {brief(budget)}; allowed: {A_TIME}")
+        raise InputError(f"budget: you gave {brief(budget)}; gfmd allows {A_TIME}")
     return Goal(variable=variable, target=float(target), budget=seconds)
 
 

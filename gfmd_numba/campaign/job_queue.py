@@ -38,22 +38,23 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
         from dask_jobqueue.slurm import SLURMJob
     except ImportError:
         raise InputError(
-            "--cluster: given without dask-jobqueue, which submits the jobs; allowed: an installation with it "
-            "(pip install 'gfmd-numba[cluster]')"
+            "--cluster: dask-jobqueue, which submits the jobs, is not installed; install it by "
+            "`pip install 'gfmd-numba[cluster]'`"
         ) from None
     for command in _COMMANDS:
         if shutil.which(command) is None:
             raise InputError(
-                f"--cluster: given where there is no {command}; allowed: a machine that submits jobs to SLURM, as the "
+                f"--cluster: this machine has no {command}; gfmd needs a machine that submits jobs to SLURM, as the "
                 "login node of a cluster does"
             )
     if not _PLAIN.fullmatch(str(directory.resolve())):
         raise InputError(
-            f"--output: given {brief(str(directory.resolve()))} with --cluster; allowed: a path of letters, digits and "
+            f"--output: you gave {brief(str(directory.resolve()))} with --cluster; gfmd allows a path of letters, "
+            "digits and "
             "._/@+,:~- alone, as scripts of jobs name it"
         )
     if cluster.interface not in (None, *(here := psutil.net_if_addrs())):
-        raise InputError(f"--cluster: given the interface {cluster.interface}; allowed: one of {', '.join(here)}")
+        raise InputError(f"--cluster: you gave the interface {cluster.interface}; gfmd allows one of {', '.join(here)}")
     job = SLURMJob("tls://192.0.2.1:8786", name="test", **_options(cluster, "gfmd-test"))
     with job.job_file() as script:
         try:
@@ -62,14 +63,15 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             )
         except subprocess.TimeoutExpired:
             raise InputError(
-                f"--cluster: given where sbatch did not answer in {_PATIENCE:g} s; allowed: a SLURM that is up"
+                f"--cluster: sbatch did not answer in {_PATIENCE:g} s; gfmd needs a SLURM that is up"
             ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
         if _UNREACHABLE.search(said):
-            raise InputError(f"--cluster: given where sbatch reaches no SLURM ({said}); allowed: a SLURM that is up")
+            raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
         raise InputError(
-            f"--cluster: given jobs that SLURM refuses ({said}); allowed: cores, memory, walltime, partition, account "
+            f"--cluster: you gave jobs that SLURM refuses ({said}); gfmd allows cores, memory, walltime, partition, "
+            "account "
             "and directives that `sinfo` and your site's rules permit"
         )
 

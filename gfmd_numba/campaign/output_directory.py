@@ -43,8 +43,8 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
             except (BlockingIOError, PermissionError):
                 if attempt == 4:
                     raise InputError(
-                        f"{directory}: given an output directory in which another run is at work; "
-                        "allowed: one run at a time (wait for it, or choose another with --output)"
+                        f"{directory}: you gave an output directory in which another run is at work; "
+                        "gfmd allows one run at a time (wait for it, or choose another with --output)"
                     ) from None
                 time.sleep(0.05)
         _check_owner(directory, name)
@@ -80,12 +80,14 @@ def check_label(directory: Path) -> None:
     mark, label = directory / MARK, directory / LABEL
     for file in (mark, label):
         if not os.path.lexists(file):
-            raise InputError(f"{directory}: given a directory without {file.name}; allowed: one that `gfmd run` made")
+            raise InputError(
+                f"{directory}: you gave a directory without {file.name}; gfmd allows one that `gfmd run` made"
+            )
     _check_mark(directory)
     present = atomic_file.read(label)
     if present is None or _digest(present) not in _labels(directory):
         raise AlteredError(
-            f"{label}: given a copy of the campaign file that somebody has changed since; allowed: the copy that "
+            f"{label}: you gave a copy of the campaign file that somebody has changed since; gfmd allows the copy that "
             f"`gfmd run` left (`gfmd run {label} --output {directory}` runs the changed one)"
         )
 
@@ -94,7 +96,7 @@ def _check_mark(directory: Path) -> None:
     """Raise AlteredError for a mark that is not as a run left it."""
     if clause := atomic_file.foreign(directory / MARK, is_note):
         raise AlteredError(
-            f"{directory / MARK}: given a path {clause}; allowed: the mark that `gfmd run` left (move it away: "
+            f"{directory / MARK}: you gave a path {clause}; gfmd allows the mark that `gfmd run` left (move it away: "
             f"`gfmd run {directory / LABEL} --output {directory}` makes it again)"
         )
 
@@ -115,7 +117,7 @@ def _check_content(directory: Path, text: bytes) -> None:
             if any(map(found.is_sound, found)):
                 return
     raise InputError(
-        f"{directory}: given a path that holds something else; allowed: a new or empty directory, "
+        f"{directory}: you gave a path that holds something else; gfmd allows a new or empty directory, "
         f"or one that `gfmd run` made and marked with a file {MARK} (choose with --output)"
     )
 
@@ -144,14 +146,16 @@ def _make(directory: Path) -> None:
     else:
         reason = "" if os.access(directory, os.W_OK) else "it may not be written"
     if reason:
-        raise InputError(f"--output: given {directory} ({reason}); allowed: a directory that may be made and written")
+        raise InputError(
+            f"--output: you gave {directory} ({reason}); gfmd allows a directory that may be made and written"
+        )
 
 
 def _check_owner(directory: Path, name: str) -> None:
     owner = json_file.read(directory / MARK).get("campaign", name)
     if owner != name:
         raise InputError(
-            f"{directory}: given the output directory of campaign {brief(owner)}; allowed: a new directory "
+            f"{directory}: you gave the output directory of campaign {brief(owner)}; gfmd allows a new directory "
             f"or one of campaign '{name}' (choose with --output)"
         )
 
@@ -167,8 +171,8 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     equal = _is_text(present, content)
     if not equal and atomic_file.foreign(label, ours):
         raise InputError(
-            f"{label}: given a copy of the campaign file that somebody has changed, and that differs from the "
-            f"file to run; allowed: the copy that `gfmd run` left (`gfmd run {label} --output {directory}` runs the "
+            f"{label}: you gave a copy of the campaign file that somebody has changed, and that differs from the "
+            f"file to run; gfmd allows the copy that `gfmd run` left (`gfmd run {label} --output {directory}` runs the "
             "changed one; or move it away)"
         )
     known = {_digest(text) for text in (present, content) if text is not None}  # a kill leaves either

@@ -158,8 +158,9 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
     else:
         remedy = f"a machine with {(block + PROGRAM_BYTES) / 1e9:.1f} GB free"
     raise InputError(
-        f"--workers: given {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} GB in "
-        f"all, where {available / 1e9:.1f} GB of memory are free; allowed: {remedy}, or {smaller}"
+        f"--workers: you gave {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} "
+        "GB in "
+        f"all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
     )
 
 
@@ -168,7 +169,8 @@ def check_memory_of_jobs(todo: Iterable[Block], cluster: Cluster) -> None:
     needed = cluster.cores * (_largest(todo) + PROGRAM_BYTES)
     if needed > cluster.memory:
         raise InputError(
-            f"--cluster: given jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; allowed: a memory of "
+            f"--cluster: you gave jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; gfmd allows a "
+            "memory of "
             f"at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
         )
 

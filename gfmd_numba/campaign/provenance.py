@@ -64,7 +64,7 @@ def difference(installed: Mapping[str, str], expected: Mapping[str, str]) -> str
     """First package whose version is not that expected, in words; empty if there is none."""
     for name, here in expected.items():
         if installed.get(name) != here:
-            return f"{name} {installed.get(name)}; allowed: {here}, as here"
+            return f"{name} {installed.get(name)}; gfmd allows {here}, as here"
     return ""
 
 

@@ -23,8 +23,8 @@ def results_file(path: Path) -> Path:
     files = sorted(path.glob("*.nc"))
     if len(files) != 1:
         raise InputError(
-            f"{path}: given a directory with {len(files)} netCDF files; "
-            "allowed: the output directory of a finished `gfmd run`, or a netCDF file"
+            f"{path}: you gave a directory with {len(files)} netCDF files; "
+            "gfmd allows the output directory of a finished `gfmd run`, or a netCDF file"
         )
     return files[0]
 
@@ -45,7 +45,7 @@ def read_results(path: Path) -> xr.Dataset:
     try:
         check_regular(file, most_numbers() * _SHARE)
     except ValueError as error:
-        raise InputError(f"{file}: given {error}; allowed: a netCDF file that gfmd has written") from None
+        raise InputError(f"{file}: you gave {error}; gfmd allows a netCDF file that gfmd has written") from None
     try:
         if not _unaltered(file):  # the HDF5 library would find wrong numbers in it, or no end
             raise ValueError
@@ -53,7 +53,7 @@ def read_results(path: Path) -> xr.Dataset:
             return dataset.load()
     except (OSError, ValueError, RuntimeError):
         given = "a file that is not netCDF or is damaged"
-        raise InputError(f"{file}: given {given}; allowed: a netCDF file that gfmd has written") from None
+        raise InputError(f"{file}: you gave {given}; gfmd allows a netCDF file that gfmd has written") from None
 
 
 def _unaltered(file: Path) -> bool:

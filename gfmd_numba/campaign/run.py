@@ -68,10 +68,9 @@ def run(
     ):
         rounds.forget(directory)
         chosen = list(split(cases, held(Finished(directory))))
-        todo = to_do(chosen, directory, choice)
-        finish(
-            planned, todo, directory, workers, watch(len(chosen), len(chosen) - len(todo)) if watch else None, choice
-        )
+        left = unfinished(chosen, directory)
+        progress = watch(len(chosen), len(chosen) - len(left)) if watch else None
+        finish(planned, to_do(left, directory, choice), directory, workers, progress, choice)
         return collect(planned, directory), failed(chosen, directory)
 
 
@@ -140,11 +139,9 @@ def failed(blocks: list[Block], directory: Path) -> Failures:
     return {name: failure for name, failure in found.items() if failure is not None}
 
 
-def to_do(chosen: list[Block], directory: Path, choice: Choice) -> list[Block]:
-    """Blocks to run: without a shard, and without a known failure unless it is to be tried again."""
-    todo = unfinished(chosen, directory)
+def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
+    """Blocks to run of those without a shard: without a known failure, unless it is to be tried again."""
     if choice.retry_failed:
-        for block in todo:
+        for block in left:
             failures.forget(directory, block.name)
-    todo = [block for block in todo if failures.of(directory, block.name) is None]
-    return todo[: choice.limit]
+    return [block for block in left if failures.of(directory, block.name) is None][: choice.limit]

@@ -9,7 +9,7 @@ from pathlib import Path
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
 from gfmd_numba.campaign import rounds
-from gfmd_numba.campaign.block_work import Failures
+from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
@@ -133,7 +133,7 @@ class _Run:
         """Blocks of a round that are to be done, and the number of others."""
         planned = with_realisations(self.planned, state.now.realisations)
         blocks = planned.blocks_in(self.directory)
-        todo = to_do(blocks, self.directory, choice)
+        todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
         return todo, len(blocks) - len(todo)
 
     def _judged(self, state: Rounds, planned: Plan) -> Rounds:
@@ -159,17 +159,17 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     fitted = planned.campaign.fit.variable
     if goal.variable != fitted:
         raise InputError(
-            f"until: given {goal.variable}; allowed: {fitted}, as the campaign fits that "
+            f"until: you gave {goal.variable}; gfmd allows {fitted}, as the campaign fits that "
             "(another: `fit: {variable: ...}`)"
         )
     if all(case.limit == "reference" for case in planned.cases):
-        raise InputError("until: given a campaign without a limit; allowed: one with levels under `limits`")
+        raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
         pilot, number = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5), planned.cases[0].realisations
         if pilot > goal.budget:
             raise InputError(
-                f"budget: given {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
-                f"every case takes about {pilot:.3g} s; allowed: more, or a campaign with fewer or coarser levels"
+                f"budget: you gave {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
+                f"every case takes about {pilot:.3g} s; gfmd allows more, or a campaign with fewer or coarser levels"
             )
 
 

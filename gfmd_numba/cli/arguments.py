@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -48,7 +49,7 @@ def _exponent(option: str) -> Fixed:
     numbers = len(ends) <= 2 and all(type(end) in (int, float) for end in ends)
     if name not in LIMITS or not numbers or not 0 < ends[0] <= ends[-1] < inf:
         allowed = f"{', '.join(LIMITS)} with a number above 0 or a range, like eps_t=1 or eps_f=0.5:1"
-        raise click.BadParameter(f"given {option!r}; allowed: {allowed}")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows {allowed}")
     return name, float(ends[0]) if len(ends) == 1 else (float(ends[0]), float(ends[1]))
 
 
@@ -67,9 +68,11 @@ def _conditions_given(ctx: click.Context, param: click.Parameter, options: tuple
     pairs = [option.partition("=") for option in options]
     for option, (name, _, value) in zip(options, pairs, strict=True):
         if not name or not value:
-            raise click.BadParameter(f"given {option!r}; allowed: a coordinate and its value, like hurst=0.8")
+            raise click.BadParameter(f"you gave {option!r}; gfmd allows a coordinate and its value, like hurst=0.8")
         if sum(name == other for other, _, _ in pairs) > 1:
-            raise click.BadParameter(f"given {option!r} and another value of {name}; allowed: one value of each name")
+            raise click.BadParameter(
+                f"you gave {option!r} and another value of {name}; gfmd allows one value of each name"
+            )
     return tuple((name, value) for name, _, value in pairs)
 
 
@@ -92,7 +95,7 @@ def _target_given(ctx: click.Context, param: click.Parameter, option: str | None
     except ValueError:
         target = 0.0
     if not 0.0 < target < 1.0:
-        raise click.BadParameter(f"given {option!r}; allowed: a relative error like kappa=2% or 0.02")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02")
     return name, target
 
 
@@ -104,7 +107,7 @@ def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None
 
     seconds = seconds_of(option)
     if seconds is None:
-        raise click.BadParameter(f"given {option!r}; allowed: {A_TIME}")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows {A_TIME}")
     return seconds
 
 
@@ -125,8 +128,11 @@ processor_time_option = click.option(
 )
 
 
-def check_output(output: Path, *inputs: Path) -> None:
-    """Raise InputError unless a file can be written that is none of the inputs and nobody else's."""
+_NETCDF = (".nc", ".nc4")
+
+
+def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF) -> None:
+    """Raise InputError unless a file of this kind can be written that is none of the inputs and nobody else's."""
     import os
 
     from gfmd_numba.storage.atomic_file import foreign
@@ -134,14 +140,19 @@ def check_output(output: Path, *inputs: Path) -> None:
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
-            raise InputError(f"--output: given {output}, which is an input; allowed: another file")
+            raise InputError(f"--output: you gave {output}, which is an input; gfmd allows another file")
     if not output.parent.is_dir():
-        raise InputError(f"--output: given {output}; allowed: a file in a folder that exists, unlike {output.parent}")
+        raise InputError(
+            f"--output: you gave {output}; gfmd allows a file in a folder that exists, unlike {output.parent}"
+        )
     if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
-        raise InputError(f"--output: given {output}, which you may not write; allowed: a file that you may write")
+        raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
+    if output.suffix.lower() not in suffixes:
+        kind = "netCDF file" if suffixes is _NETCDF else "picture"
+        raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
     if clause := foreign(output):
         raise InputError(
-            f"--output: given {output}, {clause}; allowed: a new file, or one as gfmd wrote it "
+            f"--output: you gave {output}, {clause}; gfmd allows a new file, or one as gfmd wrote it "
             "(move the file away, or choose another name)"
         )
 
@@ -163,18 +174,14 @@ def beside(output: Path, kind: str, suffix: str) -> Path:
         )
     if clause := foreign(file):
         raise InputError(
-            f"{file}: given a path {clause}, where the {kind} would go; "
-            "allowed: no such file, or one as gfmd wrote it (move it away, or choose another --output)"
+            f"{file}: you gave a path {clause}, where the {kind} would go; "
+            "gfmd allows no such file, or one as gfmd wrote it (move it away, or choose another --output)"
         )
     return file
 
 
-def check_picture(path: Path) -> None:
-    """Raise InputError for a picture of unknown kind."""
+def picture_suffixes() -> list[str]:
+    """Return what the names of pictures may end in."""
     from matplotlib.backend_bases import FigureCanvasBase
 
-    from gfmd_numba.text.input_error import InputError
-
-    kinds = [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]
-    if path.suffix.lower() not in kinds:
-        raise InputError(f"--output: given {path}; allowed: a picture ending in {', '.join(kinds)}")
+    return [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]

@@ -95,7 +95,7 @@ def run(
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
-            reached = show_results(results, failures)
+            reached = show_results(results, failures, of_some=bool(only))
     except StoppedError as error:
         say("gfmd:", str(error), width=6, err=True)
         sys.exit(SOME_FAILED)
@@ -112,13 +112,17 @@ def _check_workers_options() -> None:
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
     ]
     if len(given) > 1:
-        raise click.UsageError(f"--{given[1]}: given with --{given[0]}; allowed: one of them, as it says who works")
+        raise click.UsageError(
+            f"--{given[1]}: you gave --{given[0]} as well; gfmd allows one of them, as it says who works"
+        )
     if context.params["insecure"] and "scheduler" not in given:
-        raise click.UsageError("--insecure: given without --scheduler; allowed: beside it, as it is about its address")
+        raise click.UsageError(
+            "--insecure: you gave no --scheduler, and --insecure is about its address; give both, or none"
+        )
 
 
-def show_results(results: Path, failures: Failures) -> bool:
-    """Print and draw the results of a run; False if some are not ok, or the disk refuses the picture."""
+def show_results(results: Path, failures: Failures, *, of_some: bool = False) -> bool:
+    """Print and draw the results of a run, `of_some` cases alone; False if some are not ok, or undrawn."""
     import gfmd_numba
 
     click.echo(f"results  {printable(results)}")
@@ -128,7 +132,9 @@ def show_results(results: Path, failures: Failures) -> bool:
     numbers = _Numbers.of(dataset["status"])
     drawn = True
     if numbers.to_do:
-        say("note", f"{numbers.to_do} of {numbers.asked} simulations have not run yet: the same command resumes")
+        rest = "a run without --only takes the other cases" if of_some else "the same command resumes"
+        of_all = f"{numbers.to_do} of the {numbers.asked} simulations of the whole campaign"
+        say("note", f"{of_all} have not run yet: {rest}")
     elif LIMITS.keys() & set(dataset["limit"].values):
         drawn = _show_limit(dataset, results.with_suffix(".png"))
     elif "step" in dataset.dims:

@@ -36,7 +36,7 @@ def _load(text: str) -> tuple[float, str]:
         number, si = quantity.si_value(text), quantity.si
     if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
         hint = load_meant(text)
-        told = f"given {text!r}; allowed: a finite number, like 0.01 or 1 MPa"
+        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
         raise click.BadParameter(f"{told}; {hint}" if hint else told)
     return float(number), si  # type: ignore[arg-type]
 
@@ -47,16 +47,16 @@ def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> lis
     if len(ends) == 1:
         loads = [_load(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
-            raise click.BadParameter(f"given {option!r}; allowed: loads with units of one kind, or all without")
+            raise click.BadParameter(f"you gave {option!r}; gfmd allows loads with units of one kind, or all without")
         return [_text(*load) for load in loads]
     count = ends[-1].strip()
     if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
-        raise click.BadParameter(f"given {option!r}; allowed: A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows A:B:N with N from 2 to {_MOST}, or a list a,b,c")
     (first, unit_of_first), (last, si), n = _load(ends[0]), _load(ends[1]), int(count)
     if unit_of_first != si:
-        raise click.BadParameter(f"given {option!r}; allowed: two ends with units of one kind, or both without")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows two ends with units of one kind, or both without")
     if not (first > 0.0 and last > 0.0 and first != last):
-        raise click.BadParameter(f"given {option!r}; allowed: two different ends above 0, or a list a,b,c")
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows two different ends above 0, or a list a,b,c")
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
     return [_text(load, si) for load in (first, *inner, last)]
 
@@ -91,8 +91,9 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
 
     picture, table = picture_beside(output), beside(output, "table", ".csv")
     described, document = load_scene(file)
-    for path in (output, picture, table):
-        check_output(path, file, *input_files(described))
+    check_output(output, file, *input_files(described))
+    for path in (picture, table):
+        check_output(path, file, *input_files(described), suffixes=[path.suffix])
     asked = read_curve(described, document, loads, realisations)
     solved: list[xr.Dataset] = []
     try:

@@ -13,10 +13,10 @@ from gfmd_numba.cli.arguments import (
     OF_PATHS,
     Fixed,
     check_output,
-    check_picture,
     exponents_option,
     fixed_option,
     picture_beside,
+    picture_suffixes,
     results_argument,
     variable_option,
 )
@@ -84,17 +84,16 @@ def plot(
 
     file = results_file(results)
     picture = output or picture_beside(file)
-    check_output(picture, file, file.parent / "campaign.yaml")
-    check_picture(picture)
+    check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
     dataset = read_results(file)
     second = second_picture(dataset, picture)
     if second is not None:
-        check_output(second, file, file.parent / "campaign.yaml")
+        check_output(second, file, file.parent / "campaign.yaml", suffixes=[second.suffix.lower()])
     with naming(file):
         has_fit = picture_of(dataset) is None
         for option, given in (("--variable", variable), ("--exponents", exponents), ("--fixed", fixed)):
             if given and not has_fit:
-                raise click.UsageError(f"{option}: given for {file}; allowed: nothing, as its picture has no fit")
+                raise click.UsageError(f"{option}: the picture of {file} has no fit; leave the option out")
         fitted = _fit(dataset, fixed, variable, exponents) if has_fit else None
         draw(dataset, fitted, picture)
         if second is not None:

@@ -8,6 +8,7 @@ from typing import Any, TextIO
 import click
 
 from gfmd_numba.cli.streams import UntoldError, drop_output, open_streams
+from gfmd_numba.cli.usage import refused
 from gfmd_numba.text.printable import printable
 
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
@@ -23,6 +24,13 @@ class _Gfmd(click.Group):
         open_streams()
         return super().main(*args, **kwargs)
 
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
+        """Read the options before the name of a command."""
+        try:
+            return super().make_context(*args, **kwargs)
+        except click.UsageError as error:
+            raise refused(error) from None
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
         import warnings
@@ -37,7 +45,7 @@ class _Gfmd(click.Group):
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
         except click.UsageError as error:
-            raise click.UsageError(printable(error.format_message()), error.ctx) from None
+            raise refused(error) from None
         except InputError as error:
             _tell(str(error))
             ctx.exit(BAD_INPUT)
@@ -72,7 +80,7 @@ def _allow_files() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
         soft = most
     if soft != resource.RLIM_INFINITY and soft < _FEWEST_FILES:
-        raise InputError(f"ulimit -n: given {soft} open files; allowed: at least {_FEWEST_FILES}")
+        raise InputError(f"ulimit -n: you gave {soft} open files; gfmd allows at least {_FEWEST_FILES}")
 
 
 def _show_warning(

@@ -178,7 +178,7 @@ def init(file: Path) -> None:
     try:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
     except FileExistsError:
-        raise InputError(f"{file}: given a file that exists; allowed: a new name") from None
+        raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name") from None
     say("campaign", f"{file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")
 
 

@@ -33,7 +33,7 @@ def place(contact: xr.Dataset, option: str, text: str) -> float:
         if in_metres and not isinstance(number, (int, float)):
             number = LENGTH.si_value(text)
     if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
-        raise InputError(f"--{option}: given {text!r}; allowed: {allowed}")
+        raise InputError(f"--{option}: you gave {text!r}; gfmd allows {allowed}")
     return float(number)
 
 

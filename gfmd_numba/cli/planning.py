@@ -124,7 +124,8 @@ def _check_target(planned: Plan, name: str) -> None:
     fitted = planned.campaign.fit.variable
     if name not in ("", fitted):
         raise InputError(
-            f"--target: given {name}; allowed: {fitted}, as the campaign fits that (another: `fit: {{variable: ...}}`)"
+            f"--target: you gave {name}; gfmd allows {fitted}, as the campaign fits that (another: `fit: "
+            f"{{variable: ...}}`)"
         )
 
 
@@ -137,7 +138,7 @@ def _show_design(planned: Plan, target: float | None, budget: float | None, work
     from gfmd_numba.storage.atomic_file import create
 
     if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
-        raise InputError(f"--write: given {printable(write)}; allowed: a new file in an existing folder")
+        raise InputError(f"--write: you gave {printable(write)}; gfmd allows a new file in an existing folder")
     planned = with_cross_levels(planned)
     if crossed := added(planned):
         say("added", f"cross levels {crossed}, to see whether corrections add up", width=14)

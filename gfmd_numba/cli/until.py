@@ -28,12 +28,11 @@ if TYPE_CHECKING:
 def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
     """Raise a usage error for options that do not go together."""
     if until is None and budget is not None:
-        allowed = "together with --until, whose processor time it bounds"
-        raise click.UsageError(f"--budget: given without --until; allowed: {allowed}")
+        raise click.UsageError("--budget: you gave no --until, whose processor time it bounds; give both, or none")
     if until is not None and (only or limit):
         name = "--only" if only else "--limit"
         allowed = "one of the two, as the error of a limit needs all cases"
-        raise click.UsageError(f"{name}: given with --until; allowed: {allowed}")
+        raise click.UsageError(f"{name}: you gave --until as well; gfmd allows {allowed}")
 
 
 def run_rounds(

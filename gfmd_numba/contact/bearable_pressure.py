@@ -6,6 +6,7 @@ from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
 from gfmd_numba.scene import Document, Interface, Random, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
+from gfmd_numba.scene.units import in_unit_of
 
 
 def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] | None = None) -> float | None:
@@ -39,7 +40,7 @@ def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid:
         return
     for location, pressure in _prescribed("pressure", scene, path, grid):
         if pressure >= plastic:
-            allowed = f"below {plastic:.6g} Pa, at which {at_most(scene.interface)}"
+            allowed = f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {at_most(scene.interface)}"
             raise document.error(location, document.value(location), allowed)
     own = scene.roughness.rms_gradient if isinstance(scene.roughness, Random) else None
     gradients = grid.get("rms_gradient", () if own is None else (own,))

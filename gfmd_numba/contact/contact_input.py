@@ -20,6 +20,7 @@ from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.units import in_unit_of
 
 Described = TypeVar("Described", Scene, LoadedBody)
 
@@ -128,5 +129,8 @@ def check_room(
     room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
-            allowed = f"at most {room:.6g}, as an incompressible body has no room for more of this punch"
-            raise document.error(place, document.value(place), allowed)
+            most, reason = (
+                in_unit_of(displacement, room),
+                "as an incompressible body has no room for more of this punch",
+            )
+            raise document.error(place, document.value(place), f"at most {most}, {reason}")

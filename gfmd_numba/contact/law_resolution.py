@@ -11,6 +11,7 @@ from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Discretisation, Document, Interface
 from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.units import in_unit_of
 
 NAME = "law_resolution"
 LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
@@ -66,11 +67,12 @@ def check_resolved(
     lengths = [key for key in type(law).model_fields if key != "work_of_adhesion"]  # of the gap, and of slip if any
     key = lengths[_slips(problem)]
     at = locate(("scene", "interface", name, key))
-    shortest = getattr(law, key) * sqrt(x / REFUSED)
+    given = getattr(law, key)
+    shortest = in_unit_of(given, float(f"{given * sqrt(x / REFUSED):.3g}"))
     raise document.error(
         at,
         document.value(at),
-        f"at least {shortest:.3g} on this grid, whose shortest wave stiffens {1 / x:.3g} times as fast as the law "
+        f"at least {shortest} on this grid, whose shortest wave stiffens {1 / x:.3g} times as fast as the law "
         f"softens: each node would snap into contact on its own. {_finer(problem, discretisation)}",
     )
 

@@ -8,6 +8,7 @@ from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.reduced_units import quantities, rounded
+from gfmd_numba.scene.units import in_unit_of
 
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
@@ -31,7 +32,7 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
     plastic = plastic_pressure(scene.interface)
     if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
-        raise ValueError(f"below {most * unit:.6g}, at which {at_most(scene.interface)}")
+        raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
     return rounded(found)
 
 

@@ -9,6 +9,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.scene.memory import arrays_per_realisation, beyond_memory
+from gfmd_numba.scene.units import in_unit_of
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
@@ -55,7 +56,7 @@ def made_periodic(
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
     if cutoff is not None:
         heights = filtered(heights, lengths, cutoff)
-        done.append(f"left out all waves shorter than {cutoff:g} of its Fourier series")
+        done.append(f"left out all waves shorter than {in_unit_of(cutoff, cutoff)} of its Fourier series")
     shape = heights.shape if points is None else tuple(round(length / lengths[-1] * points) for length in lengths)
     if shape != heights.shape:
         if min(shape) < 4:
@@ -72,9 +73,13 @@ def filtered(heights: Reals, lengths: tuple[float, ...], cutoff: float) -> Reals
     shape = heights.shape
     kept = grid.magnitudes(shape, lengths) <= 2.0 * np.pi / cutoff * (1.0 + 1e-9)
     if kept.all():
-        raise ValueError(f"no wave shorter than cutoff = {cutoff:g}: leave it out, or give a longer one")
+        raise ValueError(
+            f"no wave shorter than cutoff = {in_unit_of(cutoff, cutoff)}: leave it out, or give a longer one"
+        )
     if kept.sum() == 1:
-        raise ValueError(f"no wave as long as cutoff = {cutoff:g} in the period {max(lengths):g}")
+        raise ValueError(
+            f"no wave as long as cutoff = {in_unit_of(cutoff, cutoff)} in the period {in_unit_of(cutoff, max(lengths))}"
+        )
     return grid.signal(grid.coefficients(heights, heights.ndim) * kept, *shape)
 
 

@@ -170,7 +170,7 @@ class _PlainLoader(yaml.SafeLoader):
                 raise self.fault(key_node.start_mark, location, given, "keys that are text, no merge keys")
             inner = (*location, key)
             if key in mapping:
-                given = f"a second time (first on line {self.key_positions[inner][0]})"
+                given = f"the key a second time (first on line {self.key_positions[inner][0]})"
                 raise self.fault(key_node.start_mark, inner, given, "each key once")
             self.key_positions[inner] = _position(key_node.start_mark)
             mapping[key] = self.build(value_node, inner)
@@ -211,4 +211,5 @@ def _line(
 ) -> str:
     file = "" if path is None else ":".join(map(str, (path, *(position or ())))) + ": "
     key = _dotted(location) + ": " if location else ""
-    return f"{file}{key}given {given}; allowed: {allowed}" + (f"; {suggestion}" if suggestion else "")
+    may = "needs" if given == brief(ABSENT) else "allows"
+    return f"{file}{key}you gave {given}; gfmd {may} {allowed}" + (f"; {suggestion}" if suggestion else "")

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Discriminator, Field, Tag, WithJsonSchema
 
 from gfmd_numba.scene.quantities import RECORD, Length, PoissonsRatio, Pressure, broken_rule
+from gfmd_numba.scene.units import in_unit_of
 
 THINNEST, HIGHEST = 1e-12, 1e30  # heights over the period, as of a slab
 LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to eleven digits
@@ -45,15 +46,15 @@ def check_layers(place: tuple[str, ...], layers: tuple[Layer, ...], base: Base, 
     least, most = THINNEST * (length or 1.0), HIGHEST * (length or 1.0)
     for i, layer in enumerate(layers):
         if not least <= layer.height <= most:
-            raise broken_rule((*place, "layers", i, "height"), f"a height from {least:g} to {most:g} {unit}")
+            lowest, highest = (in_unit_of(layer.height, each, unit) for each in (least, most))
+            raise broken_rule((*place, "layers", i, "height"), f"a height from {lowest} to {highest}")
     first = layers[0].youngs_modulus
     parts: list[tuple[tuple[str | int, ...], Material]] = [(("layers", i), layer) for i, layer in enumerate(layers)]
     if isinstance(base, Material):
         parts.append((("base",), base))
     for where, part in parts:
-        lowest, highest = first / LARGEST_CONTRAST, first * LARGEST_CONTRAST
-        if not lowest <= part.youngs_modulus <= highest:
-            allowed = (
-                f"a modulus from {lowest:g} to {highest:g}, within {LARGEST_CONTRAST:g} times that of the top layer"
-            )
+        softest, stiffest = first / LARGEST_CONTRAST, first * LARGEST_CONTRAST
+        if not softest <= part.youngs_modulus <= stiffest:
+            ends = " to ".join(in_unit_of(part.youngs_modulus, each) for each in (softest, stiffest))
+            allowed = f"a modulus from {ends}, within {LARGEST_CONTRAST:g} times that of the top layer"
             raise broken_rule((*place, *where, "youngs_modulus"), allowed)

@@ -97,7 +97,7 @@ Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surf
 
 def broken_rule(location: tuple[str | int, ...], allowed: str) -> PydanticCustomError:
     """Error of a rule between several fields, located relative to the record that states the rule."""
-    return PydanticCustomError("rule", "allowed: {allowed}", {"location": location, "allowed": allowed})
+    return PydanticCustomError("rule", "gfmd allows {allowed}", {"location": location, "allowed": allowed})
 
 
 def check_seed(seed: int, realisation: int, is_random: bool) -> None:

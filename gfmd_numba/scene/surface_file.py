@@ -11,6 +11,7 @@ from gfmd_numba.scene.memory import ARRAYS_OF_A_SURFACE
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
 from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
+from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.scene.validation import validate
 
 
@@ -24,7 +25,7 @@ class HurstRange(BaseModel):
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.shortest >= self.longest:
-            raise broken_rule(("shortest",), f"a wavelength below longest = {self.longest:g}")
+            raise broken_rule(("shortest",), f"a wavelength below longest = {in_unit_of(self.shortest, self.longest)}")
         return self
 
 

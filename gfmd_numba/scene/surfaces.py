@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, Anisotropy, Hurst, Length, Points, RmsGradient, broken_rule
+from gfmd_numba.scene.units import in_unit_of
 
 PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponent (dimensionless)")]
 
@@ -54,9 +55,10 @@ class Random(BaseModel):
             return None
         finest = period / ((self.points - 1) // 2)
         if self.cut_on < finest * (1 - 1e-9):
-            return "cut_on", f"at least {finest:.6g}, the shortest wavelength below Nyquist of {self.points} points"
+            least = in_unit_of(self.cut_on, finest)
+            return "cut_on", f"at least {least}, the shortest wavelength below Nyquist of {self.points} points"
         if int(period / self.cut_on * (1 + 1e-9)) < period / self.longest(period) * (1 - 1e-9):
-            whole = f"a whole number of waves fits the period {period:g} with it or less"
+            whole = f"a whole number of waves fits the period {in_unit_of(self.cut_on, period)} with it or less"
             return "cut_on", f"a wavelength so short that {whole}"
         return None
 
@@ -81,7 +83,7 @@ class PowerLaw(Random):
     def misfit(self, period: float) -> tuple[str, str] | None:
         """As of all random surfaces, or a roll-off that does not fit the period."""
         if self.roll_off is not None and self.roll_off > period * (1 + 1e-9):
-            return "roll_off", f"at most the period {period:g}"
+            return "roll_off", f"at most the period {in_unit_of(self.roll_off, period)}"
         return super().misfit(period)
 
     @model_validator(mode="after")
@@ -94,7 +96,7 @@ class PowerLaw(Random):
             return self
         if self.cut_on >= self.roll_off or self.least_ratio * self.cut_on > self.roll_off:
             limit = "a wavelength below" if self.least_ratio == 1 else "at most half of"
-            raise broken_rule(("cut_on",), f"{limit} roll_off = {self.roll_off:g}")
+            raise broken_rule(("cut_on",), f"{limit} roll_off = {in_unit_of(self.cut_on, self.roll_off)}")
         return self
 
 
@@ -141,10 +143,9 @@ class Correlated(Spectral):
     @model_validator(mode="after")
     def _mounds_fit(self) -> Self:
         if self.mound_separation is not None and self.correlation_length > self.mound_separation:
-            raise broken_rule(
-                ("correlation_length",),
-                f"at most mound_separation = {self.mound_separation:g}, as mounds are not larger than their distance",
-            )
+            most = in_unit_of(self.correlation_length, self.mound_separation)
+            reason = "as mounds are not larger than their distance"
+            raise broken_rule(("correlation_length",), f"at most mound_separation = {most}, {reason}")
         return self
 
 

@@ -96,7 +96,7 @@ class Quantity:
             raise self._fault(_meant(self, unit)) from None
 
     def _fault(self, suggestion: str) -> PydanticCustomError:
-        return PydanticCustomError("unit", "allowed: {allowed}", {"allowed": self.allowed, "suggestion": suggestion})
+        return PydanticCustomError("unit", "gfmd allows {allowed}", {"allowed": self.allowed, "suggestion": suggestion})
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_wrap_validator_function(self._validated, handler(source))
@@ -110,26 +110,39 @@ class Quantity:
     def read(self, given: Any) -> Any:
         """Number in SI units of a text with a unit; whatever else is given as it is."""
         value = self.si_value(given) if isinstance(given, str) else None
-        return given if value is None else WithUnit(value, self)
+        parts = None if value is None else _SPLIT.fullmatch(given)
+        return given if value is None or parts is None else WithUnit(value, self, parts[2])
+
+    def in_unit(self, value: float, unit: str) -> float:
+        """Value in a unit of a value in SI units."""
+        return value / float(self._in_si(unit))
 
     def _validated(self, given: Any, check: core_schema.ValidatorFunctionWrapHandler) -> Any:
         value = self.read(given)
-        return WithUnit(check(float(value)), self) if isinstance(value, WithUnit) else check(value)
+        return WithUnit(check(float(value)), self, value.unit) if isinstance(value, WithUnit) else check(value)
 
 
 class WithUnit(float):
     """A number in SI units that was given with a unit of a quantity; in all else a float."""
 
     quantity: Quantity
+    unit: str
 
-    def __new__(cls, value: float, quantity: Quantity) -> "WithUnit":
-        """Number in SI units, and the quantity it is of."""
+    def __new__(cls, value: float, quantity: Quantity, unit: str) -> "WithUnit":
+        """Number in SI units, the quantity it is of, and the unit it was given in."""
         number = super().__new__(cls, value)
-        number.quantity = quantity
+        number.quantity, number.unit = quantity, unit
         return number
 
-    def __reduce__(self) -> tuple[type["WithUnit"], tuple[float, Quantity]]:
-        return WithUnit, (float(self), self.quantity)
+    def __reduce__(self) -> tuple[type["WithUnit"], tuple[float, Quantity, str]]:
+        return WithUnit, (float(self), self.quantity, self.unit)
+
+
+def in_unit_of(given: float, value: float, unit: str = "") -> str:
+    """Return a value in words: in the unit that a number was given in, like `0.223 um`, or with the SI unit, if any."""
+    if isinstance(given, WithUnit):
+        return f"{given.quantity.in_unit(value, given.unit):.6g} {given.unit}"
+    return f"{value:.6g} {unit}".rstrip()
 
 
 LENGTH = Quantity("length", ("m", "mm", "um", "nm"), length=1)

@@ -50,7 +50,7 @@ def body_fields(
     length = scene.length or 1.0
     elastic = elastic_body(asked, scene.length)
     if z is not None and planes is not None:
-        raise InputError(f"planes: given {brief(planes)} beside z; allowed: either of them")
+        raise InputError(f"planes: you gave {brief(planes)} beside z; gfmd allows either of them")
     name, given = ("z", z) if planes is None else ("planes", planes)
     unit = "L_x" if scene.length is None else "m"
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
@@ -63,7 +63,9 @@ def body_fields(
         steps = [_one(asked, elastic, length, order, step, heights, body) for step in every]
     else:
         argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
-        raise InputError(f"{argument}: given {brief(value)}; allowed: nothing for a profile, which is one section")
+        raise InputError(
+            f"{argument}: you gave {brief(value)}; gfmd allows nothing for a profile, which is one section"
+        )
     for step in steps:
         step.attrs |= {"title": f"fields inside the {body.replace('_', ' ')}", "body": body}
     if "step" not in contact.dims:
@@ -82,13 +84,13 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
     try:
         z = np.atleast_1d(np.asarray(given_z, dtype=np.float64))
     except (TypeError, ValueError):
-        raise InputError(f"{name}: given {brief(given_z)}; allowed: a number, or one row of numbers") from None
+        raise InputError(f"{name}: you gave {brief(given_z)}; gfmd allows a number, or one row of numbers") from None
     lowest = body.base * length
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
     if z.ndim != 1 or z.size == 0 or outside.any():
         given = f"{z[outside][0]:g}" if z.ndim == 1 and z.size else f"an array of shape {z.shape}"
         allowed = f"one row of heights from {lowest:g} (the base) to 0 (the surface), in {unit}"
-        raise InputError(f"{name}: given {given}; allowed: {allowed}")
+        raise InputError(f"{name}: you gave {given}; gfmd allows {allowed}")
     return z
 
 

@@ -80,7 +80,7 @@ def add_fields(
         scaled = np.full_like(values[name], np.nan) if failed else values[name] * scales.worth[kind]
         if not failed and not np.isfinite(scaled).all():
             raise InputError(
-                "contact: given a contact whose fields are not finite; allowed: what gfmd_numba.solve returns"
+                "contact: you gave a contact whose fields are not finite; gfmd allows what gfmd_numba.solve returns"
             )
         dataset[variable] = (dims, scaled, scales.attributes(kind, long_name))
 

@@ -66,17 +66,19 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted, arrays: int) -> N
             continue
         if wanted.planes or (name == "y" and wanted.x is not None):
             beside = "planes" if wanted.planes else "x"
-            raise InputError(f"{name}: given {brief(given)} beside {beside}; allowed: one section x, y, or planes")
+            raise InputError(
+                f"{name}: you gave {brief(given)} beside {beside}; gfmd allows one section x, y, or planes"
+            )
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= length:
             unit = "m" if contact["x"].attrs["units"] == "m" else "L_x"
-            raise InputError(f"{name}: given {brief(given)}; allowed: a number from 0 to {length:g}, in {unit}")
+            raise InputError(f"{name}: you gave {brief(given)}; gfmd allows a number from 0 to {length:g}, in {unit}")
     ny, nx, levels = contact.sizes["y"], contact.sizes["x"], wanted.z.size
     if allowed := beyond_memory(ny * nx, arrays, "a section below it"):
-        raise InputError(f"contact: given {ny} x {nx} nodes; allowed: {allowed}")
+        raise InputError(f"contact: you gave {ny} x {nx} nodes; gfmd allows {allowed}")
     kept = arrays + _ARRAYS_OF_A_PLANE * levels * contact.sizes["step"]
     if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
-        raise InputError(f"planes: given {levels} heights; allowed: fewer, or {allowed}")
+        raise InputError(f"planes: you gave {levels} heights; gfmd allows fewer, or {allowed}")
 
 
 def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wanted: Wanted) -> tuple[Axis, int]:

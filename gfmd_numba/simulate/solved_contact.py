@@ -13,7 +13,7 @@ Record = TypeVar("Record", BoundaryFile, SceneFile)
 
 _ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
 _WHOLE = "all nodes of the period, as gfmd_numba.solve returns them; cut the fields inside afterwards"
-_ALTERED = "contact: given a contact that was altered; allowed: what gfmd_numba.solve returns"
+_ALTERED = "contact: you gave a contact that was altered; gfmd allows what gfmd_numba.solve returns"
 _TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
 _PRESCRIBED, _COUNTER = "prescribed_", "counter_body_"
 _ON_EACH = ("pressure", *_TRACTIONS)
@@ -30,7 +30,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     found = contact.variables.keys()
     solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
-        raise InputError("contact: given no results of a contact; allowed: what gfmd_numba.solve returns")
+        raise InputError("contact: you gave no results of a contact; gfmd allows what gfmd_numba.solve returns")
     if "normal_traction" in contact:
         file: BoundaryFile | SceneFile = _recorded(BoundaryFile, contact)
     else:
@@ -38,7 +38,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     scene, order = file.scene, file.numerics.slope_order(file.scene)
     names = ["body", "counter_body"][: len(scene.deformable)]
     if body not in names:
-        raise InputError(f"body: given {body!r}; allowed: {' or '.join(map(repr, names))}")
+        raise InputError(f"body: you gave {body!r}; gfmd allows {' or '.join(map(repr, names))}")
     nodes = nodes_of(scene)
     if not _is_whole(contact, nodes) or not found >= _needed(scene, order):
         raise InputError(_ALTERED)
@@ -97,12 +97,12 @@ def _check_period(x: xr.DataArray, dim: str, length: float) -> None:
     present = x.size
     solved = x.attrs.get(POINTS, present)
     if str(solved) != str(present):
-        raise InputError(f"contact: given {present} of the {solved} nodes of its period; allowed: {_WHOLE}")
+        raise InputError(f"contact: you gave {present} of the {solved} nodes of its period; gfmd allows {_WHOLE}")
     spacing, at = length / present, x.values.astype(np.float64)
     rounding = 4.0 * float(np.finfo(x.dtype).eps) * abs(at).max() if x.dtype.kind == "f" else 0.0
     if not (abs(np.diff(at) - spacing) <= _ROUNDING * spacing + rounding).all():
         given = f"nodes {dim} from {at[0]:.6g} to {at[-1]:.6g} that are not all {spacing:.6g} apart, as in a period"
-        raise InputError(f"contact: given {given}; allowed: {_WHOLE}")
+        raise InputError(f"contact: you gave {given}; gfmd allows {_WHOLE}")
 
 
 def _is_whole(contact: xr.Dataset, nodes: tuple[str, ...]) -> bool:
@@ -126,5 +126,5 @@ def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
         return record.model_validate_json(contact.attrs["scene"])
     except ValueError:
         raise InputError(
-            "contact: given a contact whose scene is unreadable; allowed: what gfmd_numba.solve returns"
+            "contact: you gave a contact whose scene is unreadable; gfmd allows what gfmd_numba.solve returns"
         ) from None

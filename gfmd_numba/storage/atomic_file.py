@@ -96,7 +96,7 @@ def check(path: Path, ours: Ours) -> None:
     """Raise InputError for what may not give way to a file of this name."""
     if clause := foreign(path, ours):
         raise InputError(
-            f"{path}: given a path {clause}; allowed: no such file, or one as gfmd wrote it (move it away)"
+            f"{path}: you gave a path {clause}; gfmd allows no such file, or one as gfmd wrote it (move it away)"
         )
 
 
@@ -128,7 +128,9 @@ def read(path: Path) -> bytes | None:
 def open_own(path: Path) -> IO[bytes]:
     """File whose name is gfmd's, new or as it is, for writing; raises InputError for what is no regular file."""
     if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
-        raise InputError(f"{path}: given a path which is not a regular file; allowed: no such file (move it away)")
+        raise InputError(
+            f"{path}: you gave a path which is not a regular file; gfmd allows no such file (move it away)"
+        )
     return open(os.open(path, os.O_RDWR | os.O_CREAT | _CAREFUL, 0o666), "r+b")
 
 
@@ -143,7 +145,9 @@ def make_folder(path: Path) -> None:
         os.mkdir(path)
         sync(path.parent)
     if not is_folder(path):
-        raise InputError(f"{path}: given a link or a file; allowed: a folder of that name, or nothing (move it away)")
+        raise InputError(
+            f"{path}: you gave a link or a file; gfmd allows a folder of that name, or nothing (move it away)"
+        )
 
 
 def sync(folder: Path) -> None:

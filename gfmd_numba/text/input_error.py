@@ -14,7 +14,7 @@ MOST_LINES, MOST_CHARACTERS, LONGEST_LINE = 100, 8000, 1500  # of one message
 
 
 class InputError(ValueError):
-    """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: given ...; allowed: ...` per line.
+    """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: you gave ...; gfmd allows ...` per line.
 
     Its text is fit for a terminal: what is not printable is escaped, and it is short. `more` faults are not given.
     """

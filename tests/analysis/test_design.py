@@ -106,12 +106,12 @@ def test_what_cannot_be_reached_is_told():
     ranges = {"eps_c": (1, 2), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2)}
     dataset, seconds = pilot()
     with pytest.raises(
-        UnusableDataError, match=r"given a target of 0.01%, where 1000000 realisations of all cases leave"
+        UnusableDataError, match=r"you gave a target of 0.01%, where 1000000 realisations of all cases leave"
     ):
         cheapest_design(dataset, seconds, target=0.0001, fixed=ranges)
-    with pytest.raises(UnusableDataError, match=r"given a budget of 0.001 s; allowed: at least"):
+    with pytest.raises(UnusableDataError, match=r"you gave a budget of 0.001 s; gfmd allows at least"):
         best_design(dataset, seconds, budget=0.001, fixed=ranges)
-    with pytest.raises(UnusableDataError, match=r"given a pilot of 4 good realisations; allowed: at least 20"):
+    with pytest.raises(UnusableDataError, match=r"you gave a pilot of 4 good realisations; gfmd allows at least 20"):
         cheapest_design(dataset.isel(realisation=slice(4)), seconds, target=0.1, fixed=ranges)
 
 
@@ -136,7 +136,7 @@ def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
 def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
     said = gfmd("plan", campaign_file(tmp_path), "--target=kappa_r=2%")
     assert said.exit_code == 2
-    assert "--target: given kappa_r; allowed: kappa, as the campaign fits that" in said.output
+    assert "--target: you gave kappa_r; gfmd allows kappa, as the campaign fits that" in said.output
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
 def test_malformed_goals_are_refused(tmp_path, option):
     said = gfmd("plan", campaign_file(tmp_path), option)
     assert said.exit_code == 2
-    assert "allowed: a " in said.output
+    assert "gfmd allows a " in said.output
 
 
 def test_a_budget_beyond_all_needs_asks_for_no_more_than_a_campaign_may(tmp_path):

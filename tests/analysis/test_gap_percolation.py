@@ -109,7 +109,7 @@ def test_regions_on_a_torus_have_the_numbers_one_to_n():
 
 
 def test_profiles_have_no_channels():
-    with pytest.raises(UnusableDataError, match="given "):
+    with pytest.raises(UnusableDataError, match="you gave "):
         gfmd_numba.gap_percolation(made([[True, False, True, False]] * 4).isel(y=0))
-    with pytest.raises(UnusableDataError, match="given "):
+    with pytest.raises(UnusableDataError, match="you gave "):
         gfmd_numba.gap_percolation(xr.Dataset())

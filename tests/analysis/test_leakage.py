@@ -132,7 +132,9 @@ def test_a_pressed_ridge_leaks_along_itself_only():
 
 
 def test_profiles_do_not_leak():
-    with pytest.raises(UnusableDataError, match=r"given the contact of a profile.*solve a scene with `dimension: 2`"):
+    with pytest.raises(
+        UnusableDataError, match=r"you gave the contact of a profile.*solve a scene with `dimension: 2`"
+    ):
         leakage(made(OPEN).isel(y=0))
 
 
@@ -182,5 +184,5 @@ def test_more_nodes_than_memory_takes_are_told(monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr(analysis_leakage, "splu", factorise)
-    with pytest.raises(UnusableDataError, match="given channels of 1024 nodes, whose flow takes more memory"):
+    with pytest.raises(UnusableDataError, match="you gave channels of 1024 nodes, whose flow takes more memory"):
         leakage(made(OPEN))

@@ -102,9 +102,9 @@ def test_one_step_is_fitted_alone_where_it_is_named(loaded):
     assert one["path_step"].values.tolist() == [1, 1]
     assert np.array_equal(one["kappa_tfc"].values, whole["kappa_tfc"].values[2:4])
     for wrong in (loaded, loaded.isel(step=0)):
-        with pytest.raises(UnusableDataError, match=r"step: given 3; allowed: (a step from 0 to 2|nothing)"):
+        with pytest.raises(UnusableDataError, match=r"step: you gave 3; gfmd allows (a step from 0 to 2|nothing)"):
             fit_tfc(wrong, fixed=ALPHA, step=3)
-    with pytest.raises(UnusableDataError, match=r"step: given 'last'; allowed: a step from 0 to 2"):
+    with pytest.raises(UnusableDataError, match=r"step: you gave 'last'; gfmd allows a step from 0 to 2"):
         fit_tfc(loaded, fixed=ALPHA, step="last")
 
 

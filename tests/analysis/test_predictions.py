@@ -88,5 +88,5 @@ def test_more_results_make_a_prediction_surer():
 
 
 def test_too_few_results_predict_nothing():
-    with pytest.raises(UnusableDataError, match="given a pilot of 10 good realisations; allowed: at least 20"):
+    with pytest.raises(UnusableDataError, match="you gave a pilot of 10 good realisations; gfmd allows at least 20"):
         predictions(results([40, 40, 40, 40, 40, 40, 10, 40, 40, 40], 0), MORE, fixed=ALPHA)

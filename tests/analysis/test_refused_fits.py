@@ -83,9 +83,9 @@ def test_a_single_realisation_has_no_sampling_error():
 
 @pytest.mark.parametrize("lacking", ["is_reference", "case_id", "eps_t"])
 def test_a_dataset_that_is_no_campaign_is_named(lacking):
-    with pytest.raises(ValueError, match="given no results of a campaign"):
+    with pytest.raises(ValueError, match="you gave no results of a campaign"):
         fit_tfc(campaign().drop_vars(lacking))
-    with pytest.raises(ValueError, match="given no results of a campaign"):
+    with pytest.raises(ValueError, match="you gave no results of a campaign"):
         fit_tfc(campaign().isel(case=0))
 
 

@@ -148,5 +148,5 @@ def test_a_picture_of_maps_shows_their_clusters(rough):
 
 @pytest.mark.parametrize("cut", [{"x": slice(0, 50)}, {"y": slice(None, None, 2)}])
 def test_a_part_of_a_map_has_no_clusters(rough, cut):
-    with pytest.raises(UnusableDataError, match=r"given \d+ of the 256 nodes along (x|y); allowed: all nodes"):
+    with pytest.raises(UnusableDataError, match=r"you gave \d+ of the 256 nodes along (x|y); gfmd allows all nodes"):
         gfmd_numba.contact_statistics(rough.isel(cut))

@@ -91,23 +91,38 @@ def test_a_grid_over_any_parameter_of_the_scene_is_run(tmp_path, name):
 @pytest.mark.parametrize("name", SCENES)
 def test_a_grid_over_what_the_scene_does_not_have_says_what_to_add(tmp_path, name):
     said = complaint(tmp_path, load_campaign, with_grid(name, VALUES[name]))
-    assert said.startswith(f"bad.yaml:11:{8 + len(name) + 2}: grid.{name}: given [")
+    assert said.startswith(f"bad.yaml:11:{8 + len(name) + 2}: grid.{name}: you gave [")
     (axis,) = (axis for axis in AXES if axis.name == name)
     if axis.place[0] == "interface":
         home, key = ".".join(("scene", *axis.place[:-1])), axis.place[-1]
         assert f"nothing without {home}.{key}: add `{key}` to {home}" in said
     else:
-        assert said.endswith("allowed: nothing, as the loading is a reduced_pressure")
+        assert said.endswith("gfmd allows nothing, as the loading is a reduced_pressure")
 
 
 @pytest.mark.parametrize(
     ("name", "values", "change", "allowed"),
     [
-        ("work_of_adhesion", "[1e-5, 0]", (), "[1]: given 0; allowed: a number other than 0"),
-        ("work_of_adhesion", "[-1, 1]", ("{hard_wall: {}, exp", "{exp"), "[1]: given 1; allowed: hard_wall, cohesive"),
-        ("interaction_range", "[0.1, 0]", (), "[1]: given 0; allowed: a number from 1e-30 to 1e+30"),
-        ("friction_coefficient", "[0]", (), "[0]: given 0; allowed: a number above 0, or .inf for sticking contact"),
-        ("displacement", "[0.1, -0.1]", (), "[1]: given -0.1; allowed: a finite number of at least 0, as nothing acts"),
+        ("work_of_adhesion", "[1e-5, 0]", (), "[1]: you gave 0; gfmd allows a number other than 0"),
+        (
+            "work_of_adhesion",
+            "[-1, 1]",
+            ("{hard_wall: {}, exp", "{exp"),
+            "[1]: you gave 1; gfmd allows hard_wall, cohesive",
+        ),
+        ("interaction_range", "[0.1, 0]", (), "[1]: you gave 0; gfmd allows a number from 1e-30 to 1e+30"),
+        (
+            "friction_coefficient",
+            "[0]",
+            (),
+            "[0]: you gave 0; gfmd allows a number above 0, or .inf for sticking contact",
+        ),
+        (
+            "displacement",
+            "[0.1, -0.1]",
+            (),
+            "[1]: you gave -0.1; gfmd allows a finite number of at least 0, as nothing acts",
+        ),
     ],
 )
 def test_a_value_of_a_grid_keeps_the_rules_of_the_scene(tmp_path, name, values, change, allowed):

@@ -11,72 +11,72 @@ EXPONENT = "a finite number above 0, or the range it lies in, [low, high]"
 FITS = {
     "unknown variable of the fit": (
         ("numerics: {solver: auto}", "fit: {variable: kapa}"),
-        "bad.yaml:12:17: fit.variable: given 'kapa'; allowed: one of 'kappa', 'kappa_counted', 'kappa_r', "
+        "bad.yaml:12:17: fit.variable: you gave 'kapa'; gfmd allows one of 'kappa', 'kappa_counted', 'kappa_r', "
         "'contact_area_fraction', 'hysteresis', 'pull_off_pressure'; did you mean 'kappa'?",
     ),
     "unknown sharing of exponents": (
         ("numerics: {solver: auto}", "fit: {exponents: both}"),
-        "bad.yaml:12:18: fit.exponents: given 'both'; allowed: one of 'shared', 'free'",
+        "bad.yaml:12:18: fit.exponents: you gave 'both'; gfmd allows one of 'shared', 'free'",
     ),
     "unknown key of the fit": (
         ("numerics: {solver: auto}", "fit: {fix: {eps_t: 1}}"),
-        "bad.yaml:12:7: fit.fix: given an unknown key; allowed: one of 'variable', 'step', 'exponents', 'fixed'",
+        "bad.yaml:12:7: fit.fix: you gave an unknown key; gfmd allows one of 'variable', 'step', 'exponents', 'fixed'",
     ),
     "exponent of no limit": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_x: 1}}"),
-        "bad.yaml:12:15: fit.fixed.eps_x: given an unknown key; allowed: one of 'eps_c', 'eps_f', 'eps_t'",
+        "bad.yaml:12:15: fit.fixed.eps_x: you gave an unknown key; gfmd allows one of 'eps_c', 'eps_f', 'eps_t'",
     ),
     "exponents without limits": (
         ("numerics: {solver: auto}", "fit: {fixed: 1}"),
-        "bad.yaml:12:14: fit.fixed: given 1; allowed: a mapping of 'eps_c', 'eps_f', 'eps_t'",
+        "bad.yaml:12:14: fit.fixed: you gave 1; gfmd allows a mapping of 'eps_c', 'eps_f', 'eps_t'",
     ),
     "exponent of 0": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: 0}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given 0; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave 0; gfmd allows {EXPONENT}",
     ),
     "infinite exponent": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: .inf}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given inf; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave inf; gfmd allows {EXPONENT}",
     ),
     "exponent of nan": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: .nan}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given nan; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave nan; gfmd allows {EXPONENT}",
     ),
     "exponent that is no number": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: one}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given 'one'; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave 'one'; gfmd allows {EXPONENT}",
     ),
     "quoted exponent": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: '1'}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given '1'; allowed: {EXPONENT}; did you mean 1 without quotes?",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave '1'; gfmd allows {EXPONENT}; did you mean 1 without quotes?",
     ),
     "boolean exponent": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: true}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given true; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave true; gfmd allows {EXPONENT}",
     ),
     "range of exponents upside down": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [1, 1/2]}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given [1, 0.5]; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave [1, 0.5]; gfmd allows {EXPONENT}",
     ),
     "range of exponents from 0": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [0, 1]}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given [0, 1]; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave [0, 1]; gfmd allows {EXPONENT}",
     ),
     "endless range of exponents": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [1, .inf]}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given [1, inf]; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave [1, inf]; gfmd allows {EXPONENT}",
     ),
     "range of exponents with three ends": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [0.5, 0.7, 1]}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given [0.5, 0.7, 1]; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave [0.5, 0.7, 1]; gfmd allows {EXPONENT}",
     ),
     "empty range of exponents": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: []}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given []; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave []; gfmd allows {EXPONENT}",
     ),
     "range of exponents in words": (
         ("numerics: {solver: auto}", "fit: {fixed: {eps_t: [low, high]}}"),
-        f"bad.yaml:12:22: fit.fixed.eps_t: given ['low', 'high']; allowed: {EXPONENT}",
+        f"bad.yaml:12:22: fit.fixed.eps_t: you gave ['low', 'high']; gfmd allows {EXPONENT}",
     ),
 }
 

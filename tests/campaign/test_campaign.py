@@ -49,9 +49,9 @@ def test_results_are_found_by_name_among_other_files(finished, tmp_path):
     (out / "another.nc").touch()
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), numbers(finished))
     (out / "campaign.yaml").unlink()
-    with pytest.raises(InputError, match="given a directory with 2 netCDF files"):
+    with pytest.raises(InputError, match="you gave a directory with 2 netCDF files"):
         gfmd_numba.open_campaign(out)
-    with pytest.raises(InputError, match=r"another.nc: given a file that is not netCDF"):
+    with pytest.raises(InputError, match=r"another.nc: you gave a file that is not netCDF"):
         gfmd_numba.open_campaign(out / "another.nc")
-    with pytest.raises(InputError, match=r"third.nc: given a path that cannot be read \(No such"):
+    with pytest.raises(InputError, match=r"third.nc: you gave a path that cannot be read \(No such"):
         gfmd_numba.open_campaign(out / "third.nc")

@@ -127,7 +127,7 @@ def test_cases_of_one_file_are_run_alone(folder):
     gfmd("run", folder / "steel.yaml", "--workers", 0, "-o", folder / "out", "--only", "file=data/b.csv")
     found = gfmd_numba.open_campaign(folder / "out")
     assert set(found["file"].values[(found["status"] == 0).values[:, 0]]) == {"data/b.csv"}
-    with pytest.raises(InputError, match=r"--only: given file=b.csv; allowed: .*data/a.csv, data/b.csv"):
+    with pytest.raises(InputError, match=r"--only: you gave file=b.csv; gfmd allows .*data/a.csv, data/b.csv"):
         plan(folder / "steel.yaml").only({"file": "b.csv"})
 
 
@@ -136,7 +136,7 @@ def test_a_missing_file_is_told_where_it_stands(folder, command):
     write(folder, ["data/a.csv", "data/bb.csv"])
     done = CliRunner().invoke(main, [command, str(folder / "steel.yaml")])
     assert done.exit_code == 2
-    assert "grid.file[1]: given 'data/bb.csv'; allowed: an existing file, unlike" in " ".join(done.output.split())
+    assert "grid.file[1]: you gave 'data/bb.csv'; gfmd allows an existing file, unlike" in " ".join(done.output.split())
 
 
 @pytest.mark.parametrize(
@@ -144,15 +144,18 @@ def test_a_missing_file_is_told_where_it_stands(folder, command):
     [
         (
             "data/a.csv",
-            r"^[^:]*:[0-9]+:[0-9]+: grid.file: given 'data/a.csv'; allowed: a list of one or more file names",
+            r"^[^:]*:[0-9]+:[0-9]+: grid.file: you gave 'data/a.csv'; gfmd allows a list of one or more file names",
         ),
-        ([], r"grid.file: given \[\]; allowed: a list of one or more file names"),
-        (["data/a.csv", 3], r"grid.file\[1\]: given 3; allowed: a file name"),
-        ([""], r"grid.file\[0\]: given ''; allowed: a file name"),
-        (["data/a.csv", "data/a.csv"], r"grid.file\[1\]: given .data/a.csv.; allowed: each value once"),
-        (["data/a.csv", "words.csv"], r"grid.file\[1\]: given words.csv \(.*allowed: at least 4 equidistant"),
-        (["data/a.csv", "flat.csv"], r"grid.file\[1\]: given flat.csv \(.*it is flat"),
-        (["data/a.csv", "reduced.csv"], r"grid.file\[1\]: given reduced.csv \(.*in L_x\); .* in m, as a.csv has them"),
+        ([], r"grid.file: you gave \[\]; gfmd allows a list of one or more file names"),
+        (["data/a.csv", 3], r"grid.file\[1\]: you gave 3; gfmd allows a file name"),
+        ([""], r"grid.file\[0\]: you gave ''; gfmd allows a file name"),
+        (["data/a.csv", "data/a.csv"], r"grid.file\[1\]: you gave .data/a.csv.; gfmd allows each value once"),
+        (["data/a.csv", "words.csv"], r"grid.file\[1\]: you gave words.csv \(.*gfmd allows at least 4 equidistant"),
+        (["data/a.csv", "flat.csv"], r"grid.file\[1\]: you gave flat.csv \(.*it is flat"),
+        (
+            ["data/a.csv", "reduced.csv"],
+            r"grid.file\[1\]: you gave reduced.csv \(.*in L_x\); .* in m, as a.csv has them",
+        ),
     ],
 )
 def test_a_file_that_cannot_be_used_is_told_where_it_stands(folder, files, said):
@@ -167,14 +170,16 @@ def test_a_file_that_cannot_be_used_is_told_where_it_stands(folder, files, said)
 def test_files_of_a_random_surface_are_refused(folder):
     scene = SCENE | {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}}
     random = {"seed": 1, "realisations": 1, "reference": {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1}}
-    with pytest.raises(InputError, match=r"grid.file: given .*; allowed: nothing, as scene.roughness with model self_"):
+    with pytest.raises(
+        InputError, match=r"grid.file: you gave .*; gfmd allows nothing, as scene.roughness with model self_"
+    ):
         plan(write(folder, scene=scene, **random))
 
 
 def test_a_line_load_needs_files_of_one_period(folder):
     scene = SCENE | {"loading": {"line_load": 1e4}, "length": 1e-3}
     with pytest.raises(
-        InputError, match=r"grid.file\[1\]: given b.csv \(positions over a period of 0.002 m.*not length"
+        InputError, match=r"grid.file\[1\]: you gave b.csv \(positions over a period of 0.002 m.*not length"
     ):
         plan(write(folder, scene=scene, grid={"file": list(FILES)}))
 
@@ -233,17 +238,17 @@ def test_a_file_is_read_once_however_many_surfaces_are_made_of_it(folder, monkey
     [
         (
             {"cutoff": [5e-5, 5e-3]},
-            r"grid.cutoff\[1\]: given a.csv \(no wave as long as cutoff = 0.005 in the period",
+            r"grid.cutoff\[1\]: you gave a.csv \(no wave as long as cutoff = 0.005 in the period",
         ),
-        ({"cutoff": [5e-8]}, r"grid.cutoff\[0\]: given a.csv \(no wave shorter than cutoff = 5e-08"),
-        ({"cutoff": [0.0]}, r"grid.cutoff\[0\]: given 0.0; allowed: a number from 1e-30"),
-        ({"points": [128, 3]}, r"grid.points\[1\]: given 3; allowed: a whole number from 4"),
-        ({"points": [128.0]}, r"grid.points\[0\]: given 128.0; allowed: a whole number from 4"),
+        ({"cutoff": [5e-8]}, r"grid.cutoff\[0\]: you gave a.csv \(no wave shorter than cutoff = 5e-08"),
+        ({"cutoff": [0.0]}, r"grid.cutoff\[0\]: you gave 0.0; gfmd allows a number from 1e-30"),
+        ({"points": [128, 3]}, r"grid.points\[1\]: you gave 3; gfmd allows a whole number from 4"),
+        ({"points": [128.0]}, r"grid.points\[0\]: you gave 128.0; gfmd allows a whole number from 4"),
         (
             {"points": [128, 2**36]},
-            r"grid.points\[1\]: given 68719476736; allowed: a grid that fits in .* GB of memory",
+            r"grid.points\[1\]: you gave 68719476736; gfmd allows a grid that fits in .* GB of memory",
         ),
-        ({"file": ["data/a.csv", "words.csv"]}, r"grid.file\[1\]: given words.csv \("),
+        ({"file": ["data/a.csv", "words.csv"]}, r"grid.file\[1\]: you gave words.csv \("),
     ],
 )
 def test_a_value_of_the_treatment_that_makes_no_surface_is_told_where_it_stands(folder, change, said):
@@ -257,7 +262,7 @@ def test_a_map_too_large_for_the_memory_is_refused_before_it_is_made(folder):
     scene = SCENE | {"body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 0.05}}
     with pytest.raises(
         InputError,
-        match=r"grid.points\[1\]: given map.npy \(1000000 x 1000000 points after resampling, not",
+        match=r"grid.points\[1\]: you gave map.npy \(1000000 x 1000000 points after resampling, not",
     ):
         plan(write(folder, scene=scene, grid={"file": ["map.npy"], "points": [16, 1_000_000]}))
 
@@ -270,6 +275,6 @@ def test_lengths_of_a_grid_have_units_where_the_file_tells_the_period(folder):
     np.save(folder / "reduced.npy", np.sin(np.arange(64)) / 100)
     scene = SCENE | {"body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 0.05}}
     with pytest.raises(
-        InputError, match=r"grid.cutoff\[1\]: given '0.1 mm'; allowed: a number without a unit, as there"
+        InputError, match=r"grid.cutoff\[1\]: you gave '0.1 mm'; gfmd allows a number without a unit, as there"
     ):
         plan(write(folder, scene=scene, grid={"file": ["reduced.npy"], "cutoff": [0.1, "0.1 mm"]}))

@@ -180,20 +180,22 @@ def test_a_grid_over_the_bodies_is_run_and_named(tmp_path):
     [
         (
             {"scene": WALL | {"body": STEEL, "roughness": ROUGH}, "grid": {"counter_body_youngs_modulus": [1e9]}},
-            r"grid.counter_body_youngs_modulus: given .*; allowed: nothing without scene.counter_body.youngs_modulus",
+            r"grid.counter_body_youngs_modulus: you gave .*; gfmd allows nothing without "
+            r"scene.counter_body.youngs_modulus",
         ),
-        ({"grid": {"counter_body_poissons_ratio": [0.3, 0.6]}}, r"grid.counter_body_poissons_ratio\[1\]: given 0.6"),
-        ({"grid": {"body_rms_gradient": [-1]}}, r"grid.body_rms_gradient\[0\]: given -1; allowed: a number"),
+        ({"grid": {"counter_body_poissons_ratio": [0.3, 0.6]}}, r"grid.counter_body_poissons_ratio\[1\]: you gave 0.6"),
+        ({"grid": {"body_rms_gradient": [-1]}}, r"grid.body_rms_gradient\[0\]: you gave -1; gfmd allows a number"),
         (
             {
                 "scene": TWO | {"loading": {"displacement": 1e-3}, "body": TWO["body"] | {"aspect_ratio": 1}},
                 "grid": {"counter_body_aspect_ratio": [0.5, float("inf")]},
             },
-            r"grid.counter_body_aspect_ratio\[1\]: given inf; allowed: a finite aspect_ratio",
+            r"grid.counter_body_aspect_ratio\[1\]: you gave inf; gfmd allows a finite aspect_ratio",
         ),
         (
             {"scene": TWO | {"counter_body": ALUMINIUM | {"aspect_ratio": 1e-4, "roughness": ROUGH}}},
-            r"scene.counter_body.roughness: given a topography from .*; allowed: one within the height of the body",
+            r"scene.counter_body.roughness: you gave a topography from .*; gfmd allows one within the height of the "
+            r"body",
         ),
     ],
 )

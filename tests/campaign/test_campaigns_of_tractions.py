@@ -87,19 +87,23 @@ def test_a_number_acts_on_every_grid(tmp_path):
         (
             None,
             {"limits": {"eps_c": [1 / 8]}},
-            r"normal_traction: given wave.npy \(256 values\); allowed: .* 512 nodes",
+            r"normal_traction: you gave wave.npy \(256 values\); gfmd allows .* 512 nodes",
         ),
         (
             {"normal_traction": 1.0},
             {},
-            r"boundary.normal_traction: given a mean of 1; allowed: a mean of 0, as loading",
+            r"boundary.normal_traction: you gave a mean of 1; gfmd allows a mean of 0, as loading",
         ),
         (
             {"normal_traction": "nowhere.npy"},
             {},
-            r"boundary.normal_traction: given 'nowhere.npy'; allowed: an existing file",
+            r"boundary.normal_traction: you gave 'nowhere.npy'; gfmd allows an existing file",
         ),
-        ({"normal_displacement": 0.0}, {}, "boundary.normal_displacement: given 0.*; allowed: only tractions beside"),
+        (
+            {"normal_displacement": 0.0},
+            {},
+            "boundary.normal_displacement: you gave 0.*; gfmd allows only tractions beside",
+        ),
     ],
 )
 def test_what_cannot_be_prescribed_in_every_case_is_refused(wave, boundary, changes, said):

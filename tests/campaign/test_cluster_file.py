@@ -28,16 +28,28 @@ def test_workers_leave_before_their_walltime_ends(seconds, spelt, lifetime):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("8 GB", "8G", "2:9: memory: given '8G'; allowed: a memory in B, MB, GB or the like"),
-        ("2 h", "02:00:00", "3:11: walltime: given '02:00:00'; allowed: a time in s, min, h or the like"),
-        ("{max: 10}", "{min: 11, max: 10}", "4:13: jobs.min: given 11; allowed: at most jobs.max, 10"),
-        ("{max: 10}", "10", "4:7: jobs: given 10; allowed: a mapping of 'min', 'max'"),
-        ("cores: 4", "cores: 0", "1:8: cores: given 0; allowed: a whole number from 1 to 4096"),
-        ("cores: 4", "cores: 4\nqueue: main", "2:1: queue: given an unknown key; allowed: one of 'system', 'cores'"),
-        ("cores: 4", "cores: 4\nsystem: pbs", "2:9: system: given 'pbs'; allowed: 'slurm'"),
-        ("cores: 4", "cores: 4\npartition: a b", "2:12: partition: given 'a b'; allowed: up to 100 letters"),
-        ("cores: 4", "cores: 4\ndirectives: [exclusive]", "directives[0]: given 'exclusive'; allowed: an option of"),
-        ("cores: 4", "cores: 4\ndirectives: --x", "directives: given '--x'; allowed: a list, each item an option of"),
+        ("8 GB", "8G", "2:9: memory: you gave '8G'; gfmd allows a memory in B, MB, GB or the like"),
+        ("2 h", "02:00:00", "3:11: walltime: you gave '02:00:00'; gfmd allows a time in s, min, h or the like"),
+        ("{max: 10}", "{min: 11, max: 10}", "4:13: jobs.min: you gave 11; gfmd allows at most jobs.max, 10"),
+        ("{max: 10}", "10", "4:7: jobs: you gave 10; gfmd allows a mapping of 'min', 'max'"),
+        ("cores: 4", "cores: 0", "1:8: cores: you gave 0; gfmd allows a whole number from 1 to 4096"),
+        (
+            "cores: 4",
+            "cores: 4\nqueue: main",
+            "2:1: queue: you gave an unknown key; gfmd allows one of 'system', 'cores'",
+        ),
+        ("cores: 4", "cores: 4\nsystem: pbs", "2:9: system: you gave 'pbs'; gfmd allows 'slurm'"),
+        ("cores: 4", "cores: 4\npartition: a b", "2:12: partition: you gave 'a b'; gfmd allows up to 100 letters"),
+        (
+            "cores: 4",
+            "cores: 4\ndirectives: [exclusive]",
+            "directives[0]: you gave 'exclusive'; gfmd allows an option of",
+        ),
+        (
+            "cores: 4",
+            "cores: 4\ndirectives: --x",
+            "directives: you gave '--x'; gfmd allows a list, each item an option of",
+        ),
     ],
 )
 def test_a_fault_is_told_with_its_place_and_what_is_allowed(tmp_path, old, new, said):

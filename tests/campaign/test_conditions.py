@@ -62,20 +62,28 @@ def test_conditions_are_met_together(planned):
 @pytest.mark.parametrize(
     ("name", "given", "said"),
     [
-        ("pressure", "60 MPa", "--only: given pressure=60 MPa; allowed: a value of the campaign, like 50 MPa, 100 MPa"),
+        (
+            "pressure",
+            "60 MPa",
+            "--only: you gave pressure=60 MPa; gfmd allows a value of the campaign, like 50 MPa, 100 MPa",
+        ),
         ("pressure", "50.001 MPa", "like 50 MPa, 100 MPa"),
-        ("pressure", "50 mm", "--only: given pressure=50 mm; allowed: a pressure in Pa, kPa, MPa, GPa or the like"),
+        (
+            "pressure",
+            "50 mm",
+            "--only: you gave pressure=50 mm; gfmd allows a pressure in Pa, kPa, MPa, GPa or the like",
+        ),
         ("pressure", "50 Mpa", "did you mean 'MPa'?"),
         ("pressure", "high", "like 50 MPa, 100 MPa"),
         (
             "aspect_ratio",
             "0.3333",
-            "--only: given aspect_ratio=0.3333; allowed: a value of the campaign, like 0.333333",
+            "--only: you gave aspect_ratio=0.3333; gfmd allows a value of the campaign, like 0.333333",
         ),
-        ("rms_height", "1 nm", "allowed: a value of the campaign, like 1 µm, 3 µm"),
-        ("presure", "50 MPa", "--only: given presure; allowed: case_id, limit, "),
+        ("rms_height", "1 nm", "gfmd allows a value of the campaign, like 1 µm, 3 µm"),
+        ("presure", "50 MPa", "--only: you gave presure; gfmd allows case_id, limit, "),
         ("presure", "50 MPa", "did you mean 'pressure'?"),
-        ("aspect_ratio", "1 MPa", "allowed: a value of the campaign, like 0.333333, inf"),
+        ("aspect_ratio", "1 MPa", "gfmd allows a value of the campaign, like 0.333333, inf"),
     ],
 )
 def test_what_is_not_there_is_told_with_what_is(planned, name, given, said):
@@ -92,12 +100,14 @@ def test_a_unit_beside_a_scene_without_units_is_refused():
     planned = plan({**CAMPAIGN, "scene": scene, "grid": {"rms_height": [1e-3, 2e-3]}})
     assert len(planned.only({"rms_height": "0.002"})) == 1
     with pytest.raises(
-        InputError, match="--only: given rms_height=2 mm; allowed: a number without a unit, as the scene"
+        InputError, match="--only: you gave rms_height=2 mm; gfmd allows a number without a unit, as the scene"
     ):
         planned.only({"rms_height": "2 mm"})
 
 
 def test_conditions_that_no_case_meets_together_are_refused(planned):
     limits = plan({**CAMPAIGN, "limits": {"eps_c": [1 / 4]}, "grid": {}})
-    with pytest.raises(InputError, match="given --only limit=eps_c --only eps_c=1/2, and no case meets all of these"):
+    with pytest.raises(
+        InputError, match="you gave --only limit=eps_c --only eps_c=1/2, and no case meets all of these"
+    ):
         limits.only({"limit": "eps_c", "eps_c": "1/2"})

@@ -86,7 +86,7 @@ def test_cross_cases_are_chosen_planned_checked_and_watched(tmp_path):
     assert "cases         14, of which 14 distinct problems" in planned.output
     ran = CliRunner().invoke(main, ["run", str(path), "-o", str(out), "--workers=0", "--only=limit=cross"])
     assert ran.exit_code == 0, ran.output
-    assert "60 of 84 simulations have not run yet" in ran.output
+    assert "60 of the 84 simulations of the whole campaign have not run yet" in ran.output
     said = CliRunner().invoke(main, ["status", str(out)])
     assert "4 of 14" in said.output
     results = gfmd_numba.open_campaign(out / "small.nc")
@@ -106,51 +106,57 @@ def test_a_mapping_may_have_cross_levels(tmp_path, monkeypatch):
 FAULTS = {
     "one discretisation": (
         "cross: [{eps_f: 1/64}]",
-        "bad.yaml:10:57: limits.cross[0]: given {'eps_f': 0.015625}; allowed: a mapping of two or more of eps_c, eps_f",
+        "bad.yaml:10:57: limits.cross[0]: you gave {'eps_f': 0.015625}; gfmd allows a mapping of two or more of "
+        "eps_c, eps_f",
     ),
     "no discretisation": (
         "cross: [{}]",
-        "bad.yaml:10:57: limits.cross[0]: given {}; allowed: a mapping of two or more of eps_c, eps_f, eps_t",
+        "bad.yaml:10:57: limits.cross[0]: you gave {}; gfmd allows a mapping of two or more of eps_c, eps_f, eps_t",
     ),
     "none left by nothing": (
         "cross: [{eps_c: 1, eps_f: null}]",
-        "bad.yaml:10:57: limits.cross[0]: given {'eps_c': 1, 'eps_f': None}; allowed: a mapping of two or more of",
+        "bad.yaml:10:57: limits.cross[0]: you gave {'eps_c': 1, 'eps_f': None}; gfmd allows a mapping of two or more "
+        "of",
     ),
     "no list": (
         "cross: {eps_c: 1, eps_f: 1/64}",
-        "bad.yaml:10:56: limits.cross: given {'eps_c': 1, 'eps_f': 0.015625}; allowed: a list of one or more mapp",
+        "bad.yaml:10:56: limits.cross: you gave {'eps_c': 1, 'eps_f': 0.015625}; gfmd allows a list of one or more "
+        "mapp",
     ),
     "an empty list": (
         "cross: []",
-        "bad.yaml:10:56: limits.cross: given []; allowed: a list of one or more mappings of 'eps_c', ",
+        "bad.yaml:10:56: limits.cross: you gave []; gfmd allows a list of one or more mappings of 'eps_c', ",
     ),
     "no mapping": (
         "cross: [1/2]",
-        "bad.yaml:10:57: limits.cross[0]: given 0.5; allowed: a mapping of 'eps_c', 'eps_f', 'eps_t'",
+        "bad.yaml:10:57: limits.cross[0]: you gave 0.5; gfmd allows a mapping of 'eps_c', 'eps_f', 'eps_t'",
     ),
     "an unknown discretisation": (
         "cross: [{eps_c: 1, eps_x: 1}]",
-        "bad.yaml:10:68: limits.cross[0].eps_x: given an unknown key; allowed: one of 'eps_c', 'eps_f', 'eps_t'",
+        "bad.yaml:10:68: limits.cross[0].eps_x: you gave an unknown key; gfmd allows one of 'eps_c', 'eps_f', 'eps_t'",
     ),
     "a value above 1": (
         "cross: [{eps_c: 1, eps_f: 2}]",
-        "bad.yaml:10:75: limits.cross[0].eps_f: given 2; allowed: a number above 0 and at most 1",
+        "bad.yaml:10:75: limits.cross[0].eps_f: you gave 2; gfmd allows a number above 0 and at most 1",
     ),
     "a value of the reference": (
         "cross: [{eps_c: 1, eps_t: 1}, {eps_c: 1/4, eps_f: 1/1024}]",
-        "bad.yaml:10:99: limits.cross[1].eps_f: given 0.0009765625; allowed: a value other than the reference's",
+        "bad.yaml:10:99: limits.cross[1].eps_f: you gave 0.0009765625; gfmd allows a value other than the reference's",
     ),
     "a level twice": (
         "cross: [{eps_c: 1, eps_t: 1}, {eps_t: 1, eps_c: 1, eps_f: null}]",
-        "bad.yaml:10:79: limits.cross[1]: given {'eps_c': 1, 'eps_f': None, 'eps_t': 1}; allowed: each value once",
+        "bad.yaml:10:79: limits.cross[1]: you gave {'eps_c': 1, 'eps_f': None, 'eps_t': 1}; gfmd allows each value "
+        "once",
     ),
     "waves that are not whole": (
         "cross: [{eps_c: 1, eps_t: 1}, {eps_f: 1/64, eps_t: 0.3}]",
-        f"bad.yaml:10:100: limits.cross[1].eps_t: given 0.3; allowed: {WHOLE}eps_c = 0.5 and eps_f = 0.015625; did",
+        f"bad.yaml:10:100: limits.cross[1].eps_t: you gave 0.3; gfmd allows {WHOLE}eps_c = 0.5 and eps_f = 0.015625; "
+        "did",
     ),
     "waves that are not whole beside a reference of whole ones": (
         "cross: [{eps_c: 1/4, eps_f: 2/5, eps_t: 1/3}]",
-        f"bad.yaml:10:77: limits.cross[0].eps_f: given 0.4; allowed: {WHOLE}eps_c = 0.25 and eps_t = 0.333333; did",
+        f"bad.yaml:10:77: limits.cross[0].eps_f: you gave 0.4; gfmd allows {WHOLE}eps_c = 0.25 and eps_t = 0.333333; "
+        "did",
     ),
 }
 
@@ -163,13 +169,15 @@ def test_a_bad_cross_level_is_refused_where_it_is_wrong(tmp_path, name):
 
 def test_an_axis_of_the_grid_is_in_no_cross_level(tmp_path):
     change = ("[1, 1/2, 1/4]}\ngrid: {", "[1, 1/2, 1/4], cross: [{eps_t: 1, eps_f: 1/64}]}\ngrid: {eps_f: [1/32], ")
-    expected = "bad.yaml:11:15: grid.eps_f: given [0.03125]; allowed: eps_f in either limits or grid, not in both"
+    expected = "bad.yaml:11:15: grid.eps_f: you gave [0.03125]; gfmd allows eps_f in either limits or grid, not in both"
     assert_complaint(tmp_path, load_campaign, CAMPAIGN, change, expected)
 
 
 def test_realisations_of_cross_levels_are_as_many_as_these(tmp_path):
     change = ("realisations: 30", "realisations: {reference: 30, cross: [3, 2]}")
-    expected = "bad.yaml:3:38: realisations.cross: given [3, 2]; allowed: 0 numbers, as limits.cross has so many levels"
+    expected = (
+        "bad.yaml:3:38: realisations.cross: you gave [3, 2]; gfmd allows 0 numbers, as limits.cross has so many levels"
+    )
     assert_complaint(tmp_path, load_campaign, CAMPAIGN, change, expected)
 
 
@@ -185,4 +193,4 @@ def test_surfaces_with_points_of_their_own_have_no_cross_levels(tmp_path, extra)
     change = ("realisations: 3\n", f"{extra}\n" + "realisations: 3\n" * (name == "limits"))
     message = assert_complaint(tmp_path, load_campaign, good, change, "bad.yaml:1:")
     assert f"{name}.cross: given" in message
-    assert "allowed: nothing, as the surface has points and lengths of its own" in message
+    assert "gfmd allows nothing, as the surface has points and lengths of its own" in message

@@ -43,7 +43,7 @@ def assert_kept(out, note):
     if before:
         said = gfmd("run", out / "campaign.yaml", "-o", out, "--workers=0")
         assert said.exit_code == 2
-        assert f"{note.name}: given a path which gfmd did not write" in unfolded(said.stderr)
+        assert f"{note.name}: you gave a path which gfmd did not write" in unfolded(said.stderr)
         assert note.read_bytes() == before
         said = gfmd("verify", out)
         assert said.exit_code == 3

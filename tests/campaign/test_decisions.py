@@ -81,7 +81,9 @@ def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
     with pytest.raises(UnknownExponentsError) as advised:
         decided(one, 0.00005, Fit("kappa", {}))
     assert str(advised.value).endswith("lie in our campaigns, `fit: {fixed: {eps_f: [1/5, 2]}}`")
-    with pytest.raises(UnusableDataError, match=r"error of 0.014%; allowed: a larger target, or levels further from"):
+    with pytest.raises(
+        UnusableDataError, match=r"error of 0.014%; gfmd allows a larger target, or levels further from"
+    ):
         decided(one, 0.00005, Fit("kappa", {"eps_f": 0.6}))
 
 
@@ -90,7 +92,7 @@ def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
     for target, told in ((0.0001, "1000000 realisations of every case would leave"), (0.00035, "more than 1000000")):
         with pytest.raises(UnusableDataError, match=told) as refused:
             decided(found, target)
-        assert str(refused.value).endswith("; allowed: a larger target, or levels further from the reference")
+        assert str(refused.value).endswith("; gfmd allows a larger target, or levels further from the reference")
 
 
 def test_a_run_ends_with_the_advice_that_helps():

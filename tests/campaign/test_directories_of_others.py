@@ -11,7 +11,9 @@ from support.campaigns import campaign
 def test_output_directory_of_another_campaign_is_refused(tmp_path):
     out = tmp_path / "out"
     gfmd_numba.run(campaign(tmp_path), out, 0)
-    with pytest.raises(InputError, match=r"out: given the output directory of campaign 'small'; allowed: .*'other'"):
+    with pytest.raises(
+        InputError, match=r"out: you gave the output directory of campaign 'small'; gfmd allows .*'other'"
+    ):
         gfmd_numba.run(campaign(tmp_path, **{"name: small": "name: other"}), out, 0)
 
 
@@ -20,7 +22,9 @@ def test_a_damaged_label_says_what_to_do(tmp_path, text):
     path, out = campaign(tmp_path), tmp_path / "out"
     gfmd_numba.run(path, out)
     (out / "campaign.yaml").write_text(text)
-    with pytest.raises(InputError, match=r"out/campaign.yaml: given a copy .* that somebody has changed.*move it away"):
+    with pytest.raises(
+        InputError, match=r"out/campaign.yaml: you gave a copy .* that somebody has changed.*move it away"
+    ):
         gfmd_numba.run(path, out)
     (out / "campaign.yaml").unlink()
     gfmd_numba.run(path, out)
@@ -31,7 +35,7 @@ def test_one_run_at_a_time(tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     with (
         claimed(out, "small", "name: small"),
-        pytest.raises(InputError, match=r"out: given an output directory in which another run is at work"),
+        pytest.raises(InputError, match=r"out: you gave an output directory in which another run is at work"),
     ):
         gfmd_numba.run(path, out)
     gfmd_numba.run(path, out)

@@ -76,7 +76,7 @@ def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, 
 
 def test_a_budget_that_the_pilot_exceeds_is_refused(tmp_path):
     goal = GOAL.model_copy(update={"budget": 1e-6})
-    with pytest.raises(InputError, match=r"budget: given 1e-06 s of processor time, where the pilot of 20"):
+    with pytest.raises(InputError, match=r"budget: you gave 1e-06 s of processor time, where the pilot of 20"):
         run_until(campaign(tmp_path, **ONE), goal, tmp_path / "out", HERE)
     assert not (tmp_path / "out").exists()
 
@@ -183,19 +183,19 @@ def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
     assert outcome.rounds.ended == "not reached: the run stopped at the first failure"
     assert list(outcome.failures.values()) == [Failure("crashed", "FloatingPointError: boom")]
     outcome = run_until(path, GOAL, out, HERE)
-    assert "given no good realisation" in outcome.rounds.ended
+    assert "you gave no good realisation" in outcome.rounds.ended
     monkeypatch.setattr(block_work, "measured", solve)
     assert run_until(path, GOAL, out, HERE, choice=Choice(retry_failed=True)).reached
 
 
 def test_a_campaign_without_limits_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"until: given a campaign without a limit; allowed: one with levels"):
+    with pytest.raises(InputError, match=r"until: you gave a campaign without a limit; gfmd allows one with levels"):
         run_until(campaign(tmp_path, TINY), GOAL, tmp_path / "out", HERE)
     assert not (tmp_path / "out").exists()
 
 
 def test_another_variable_than_the_campaign_fits_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"until: given kappa_r; allowed: kappa, as the campaign fits that"):
+    with pytest.raises(InputError, match=r"until: you gave kappa_r; gfmd allows kappa, as the campaign fits that"):
         run_until(campaign(tmp_path, **ONE), Goal(variable="kappa_r", target=0.1), tmp_path / "out", HERE)
 
 
@@ -203,13 +203,15 @@ def test_another_variable_than_the_campaign_fits_is_refused(tmp_path):
     "given", [0.01, {}, {"kappa": 0}, {"kappa": 1}, {"kappa": "1%"}, {"area": 0.1}, {"kappa": 0.1, "kappa_r": 0.1}, "x"]
 )
 def test_what_is_no_target_is_refused(given, tmp_path):
-    with pytest.raises(InputError, match=r"^until: given .*; allowed: one of kappa, kappa_counted, .* and a rela"):
+    with pytest.raises(
+        InputError, match=r"^until: you gave .*; gfmd allows one of kappa, kappa_counted, .* and a rela"
+    ):
         gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", until=given)
 
 
 @pytest.mark.parametrize("given", ["soon", -1, 0, "nan", float("inf"), "5 m", True, []])
 def test_what_is_no_time_is_refused(given):
-    with pytest.raises(InputError, match=r"^budget: given .*; allowed: a time like 20min, 2h or 90 s"):
+    with pytest.raises(InputError, match=r"^budget: you gave .*; gfmd allows a time like 20min, 2h or 90 s"):
         goal_of({"kappa": 0.1}, given)
 
 
@@ -219,7 +221,7 @@ def test_times_are_read_as_others():
 
 
 def test_a_budget_without_a_target_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"^budget: given without until"):
+    with pytest.raises(InputError, match=r"^budget: you gave it without until"):
         gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", budget=5)
 
 

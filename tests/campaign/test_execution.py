@@ -108,7 +108,7 @@ def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
 def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
     """A limit to the size of files stops the run as a full disk would; without workers it is the first of all runs."""
     path, out = campaign(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers", str(workers)]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers", str(workers)]
 
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
@@ -161,7 +161,7 @@ def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
 )
 def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
     with (
-        pytest.raises(InputError, match=f"--scheduler: given {address}.*allowed: .*{allowed}"),
+        pytest.raises(InputError, match=f"--scheduler: you gave {address}.*gfmd allows .*{allowed}"),
         connected(address, None, False),
     ):
         pass
@@ -171,7 +171,7 @@ def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
         address = cluster.scheduler_address
         monkeypatch.setattr("gfmd_numba.campaign.cluster.versions", OtherVersions())
-        with pytest.raises(InputError, match=r"--scheduler: given tcp://.* with numba .*; allowed: 0.1, as here"):
+        with pytest.raises(InputError, match=r"--scheduler: you gave tcp://.* with numba .*; gfmd allows 0.1, as here"):
             check(Workers(address=address), tmp_path)
 
 

@@ -30,7 +30,7 @@ from support.campaigns import TINY, campaign, numbers
 def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
     """SIGKILL as soon as the first shards are there; what is finished is not computed again."""
     path, out = campaign(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), f"--workers={workers}"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     while process.poll() is None and len(list(out.glob("shards/*.shard"))) < 3:
         time.sleep(0.001)
@@ -47,7 +47,7 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     """Ctrl-C reaches the workers, too, at any moment after the first shard."""
     path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=2"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_heeding
     )

@@ -113,40 +113,46 @@ def test_jobs_that_end_before_their_workers_come_stop_the_run(tmp_path, slurm):
 
 
 def test_what_slurm_refuses_is_told_before_anything_is_made(tmp_path, slurm):
-    with pytest.raises(InputError, match=r"--cluster: given jobs that SLURM refuses \(.*invalid partition: nowhere\)"):
+    with pytest.raises(
+        InputError, match=r"--cluster: you gave jobs that SLURM refuses \(.*invalid partition: nowhere\)"
+    ):
         gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"partition": "nowhere"})
     assert not (tmp_path / "out").exists()
 
 
 def test_an_interface_that_is_not_there_is_refused(tmp_path, slurm):
-    with pytest.raises(InputError, match=r"--cluster: given the interface ib7; allowed: one of .*\blo\b"):
+    with pytest.raises(InputError, match=r"--cluster: you gave the interface ib7; gfmd allows one of .*\blo\b"):
         check(workers_of(CLUSTER | {"interface": "ib7"}), tmp_path / "out")
 
 
 def test_a_queue_that_does_not_answer_is_told(tmp_path, slurm, monkeypatch):
     (slurm / "sbatch").write_text("#!/bin/sh\nexec sleep 60\n")
     monkeypatch.setattr(job_queue, "_PATIENCE", 0.2)
-    with pytest.raises(InputError, match=r"--cluster: given where sbatch did not answer in 0.2 s; allowed: a SLURM"):
+    with pytest.raises(InputError, match=r"--cluster: sbatch did not answer in 0.2 s; gfmd needs a SLURM"):
         check(workers_of(CLUSTER), tmp_path / "out")
 
 
 def test_a_slurm_that_is_not_there_is_no_fault_of_the_jobs(tmp_path, slurm):
     (slurm / "sbatch").write_text("#!/bin/sh\necho 'Could not establish a configuration source' >&2\nexit 1\n")
-    with pytest.raises(InputError, match=r"sbatch reaches no SLURM \(Could not .*\); allowed: a SLURM that is up"):
+    with pytest.raises(InputError, match=r"sbatch reaches no SLURM \(Could not .*\); gfmd allows a SLURM that is up"):
         check(workers_of(CLUSTER), tmp_path / "out")
 
 
 def test_an_output_that_a_script_cannot_name_is_refused(tmp_path, slurm):
-    with pytest.raises(InputError, match=r"--output: given '.*my results' with --cluster; allowed: a path of letters"):
+    with pytest.raises(
+        InputError, match=r"--output: you gave '.*my results' with --cluster; gfmd allows a path of letters"
+    ):
         check(workers_of(CLUSTER), tmp_path / "my results")
 
 
 def test_jobs_with_too_little_memory_are_refused(tmp_path, slurm):
-    with pytest.raises(InputError, match=r"--cluster: given jobs of 0.2 GB for 8 workers; allowed: a memory of at"):
+    with pytest.raises(
+        InputError, match=r"--cluster: you gave jobs of 0.2 GB for 8 workers; gfmd allows a memory of at"
+    ):
         gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"cores": 8, "memory": 2e8})
 
 
 def test_a_machine_without_slurm_is_told(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(InputError, match="--cluster: given where there is no sbatch; allowed: a machine that submits"):
+    with pytest.raises(InputError, match="--cluster: this machine has no sbatch; gfmd needs a machine that submits"):
         check(workers_of(CLUSTER), tmp_path / "out")

@@ -158,7 +158,7 @@ def test_a_path_resumes_with_one_digest(dragged, tmp_path):
 def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path, workers):
     """SIGKILL after the first of two shards."""
     path, out = campaign(tmp_path, yaml.safe_dump(DRAGGED)), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), f"--workers={workers}"]
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, **silent, start_new_session=True)
     while process.poll() is None and not list(out.glob("shards/*.shard")):
@@ -175,7 +175,7 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}
     file["path"] = [{"reduced_pressure": 0.05}, {"sliding": 5e-4}, {"sliding": 0.0}]
     results = gfmd_numba.run(file, tmp_path / "out")
-    with pytest.raises(gfmd_numba.analysis.UnusableDataError, match="given no path that is ok"):
+    with pytest.raises(gfmd_numba.analysis.UnusableDataError, match="you gave no path that is ok"):
         plot_path(results.isel(case=[0]))
     found = results.isel(case=0, realisation=0)
     assert found["status"] == 1

@@ -24,7 +24,9 @@ def with_timeout(folder, seconds):
 def test_a_timeout_beyond_the_longest_is_refused(tmp_path):
     assert load_campaign(with_timeout(tmp_path, LONGEST_TIMEOUT))[0].case_timeout == LONGEST_TIMEOUT
     for seconds in (1.001 * LONGEST_TIMEOUT, 1e300):
-        with pytest.raises(InputError, match=r"case_timeout: given .*; allowed: a number above 0 and at most 2592000"):
+        with pytest.raises(
+            InputError, match=r"case_timeout: you gave .*; gfmd allows a number above 0 and at most 2592000"
+        ):
             load_campaign(with_timeout(tmp_path, seconds))
 
 

@@ -70,14 +70,18 @@ def test_another_surface_is_another_problem(folder):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"seed": 1}, r"seed: given 1; allowed: nothing, as a measured surface is not random"),
-        ({"realisations": 1}, r"realisations: given 1; allowed: nothing, as a measured surface is not random"),
+        ({"seed": 1}, r"seed: you gave 1; gfmd allows nothing, as a measured surface is not random"),
+        ({"realisations": 1}, r"realisations: you gave 1; gfmd allows nothing, as a measured surface is not random"),
         (
             {"scene": SCENE | {"body": SCENE["body"] | {"roughness": RANDOM}}},
-            r"seed: given nothing; allowed: a whole number at least 0 and below 4294967296, as surfaces are random",
+            r"seed: you gave nothing; gfmd needs a whole number at least 0 and below 4294967296, as surfaces are "
+            r"random",
         ),
-        ({"reference": {"eps_c": 1, "eps_f": 1, "eps_t": 1}}, r"reference: given .*; allowed: nothing, as the surface"),
-        ({"grid": {"hurst": [0.3, 0.8]}}, r"grid.hurst: given .*; allowed: nothing without"),
+        (
+            {"reference": {"eps_c": 1, "eps_f": 1, "eps_t": 1}},
+            r"reference: you gave .*; gfmd allows nothing, as the surface",
+        ),
+        ({"grid": {"hurst": [0.3, 0.8]}}, r"grid.hurst: you gave .*; gfmd allows nothing without"),
         ({"scene": SCENE | {"roughness": {"method": "measured", "file": "steal.npy"}}}, r"did you mean 'steel.npy'"),
         ({"scene": SCENE | {"roughness": {"method": "measured", "heights": [0, 1, 0, 2]}}}, r"save the array as .npy"),
     ],
@@ -119,7 +123,7 @@ def test_a_map_of_a_file_bears_a_force_without_a_dimension_in_the_scene(folder):
         done = CliRunner().invoke(main, ["check", str(write(folder, scene=scene, grid={load: [1e5, 1e6]}))])
         assert done.exit_code == (0 if load == right else 2), done.output
     said = " ".join(done.output.split())
-    assert f"scene.loading.{wrong}: given 100000.0; allowed: a {right} with dimension {heights.ndim}" in said
+    assert f"scene.loading.{wrong}: you gave 100000.0; gfmd allows a {right} with dimension {heights.ndim}" in said
     scene["loading"] = {right: 1e5}
     found = gfmd_numba.run(write(folder, scene=scene, grid={right: [1e5, 1e6]}), folder / "out")
     assert found["dimension"].values.tolist() == 2 * [heights.ndim]

@@ -110,10 +110,13 @@ def test_each_punch_tells_its_own_period(folder):
 @pytest.mark.parametrize(
     ("grid", "said"),
     [
-        ({"file": ["short.npy", "short_map.npy"]}, r"grid.file\[1\]: given "),
-        ({"file": ["short.npy", "none.npy"]}, r"grid.file\[1\]: given "),
-        ({"file": ["short.npy"], "points": [64, 32]}, r"grid.points\[1\]: given 32 heights; allowed: as many heights"),
-        ({"file": ["short.npy", "near.csv"]}, r"grid.file\[1\]: given near.csv"),
+        ({"file": ["short.npy", "short_map.npy"]}, r"grid.file\[1\]: you gave "),
+        ({"file": ["short.npy", "none.npy"]}, r"grid.file\[1\]: you gave "),
+        (
+            {"file": ["short.npy"], "points": [64, 32]},
+            r"grid.points\[1\]: you gave 32 heights; gfmd allows as many heights",
+        ),
+        ({"file": ["short.npy", "near.csv"]}, r"grid.file\[1\]: you gave near.csv"),
     ],
 )
 def test_a_punch_of_a_grid_that_does_not_fit_is_said_with_its_place(folder, grid, said):

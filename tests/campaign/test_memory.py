@@ -47,7 +47,7 @@ def test_two_workers_beyond_the_free_memory_are_objected_to(tmp_path, free, monk
     free(20e9)
     said = gfmd(command, campaign(tmp_path, LARGE), "--workers=2")
     assert said.exit_code == 2
-    for part in ("--workers: given 2", "12.9 GB", "25.8 GB in all", "20.0 GB of memory are free", "at most 1"):
+    for part in ("--workers: you gave 2", "12.9 GB", "25.8 GB in all", "20.0 GB of memory are free", "at most 1"):
         assert part in said.output
 
 
@@ -58,11 +58,11 @@ def test_what_is_proposed_is_accepted(tmp_path, free):
         check_memory(blocks, 3)
     check_memory(blocks, 2)
     free(13.2e9)
-    with pytest.raises(InputError, match="allowed: 0, this process alone"):
+    with pytest.raises(InputError, match="gfmd allows 0, this process alone"):
         check_memory(blocks, 1)
     check_memory(blocks, 0)
     free(10e9)
-    with pytest.raises(InputError, match=r"given 0, .* a machine with 13.1 GB free, or a coarser grid"):
+    with pytest.raises(InputError, match=r"you gave 0, .* a machine with 13.1 GB free, or a coarser grid"):
         check_memory(blocks, 0)
 
 

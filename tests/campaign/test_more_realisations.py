@@ -107,7 +107,7 @@ def test_a_part_of_a_run_with_more_realisations_is_collected(tmp_path, of_six):
         main, ["run", str(realisations(tmp_path, 6)), "-o", str(out), "--workers=0", "--only=hurst=0.3", "--limit=2"]
     )
     assert ran.exit_code == 0, ran.output
-    assert "16 of 60 simulations have not run yet" in ran.output
+    assert "16 of the 60 simulations of the whole campaign have not run yet" in ran.output
 
 
 ranges = st.tuples(st.integers(0, 30), st.integers(1, 8)).map(lambda r: (r[0], r[0] + r[1]))

@@ -89,5 +89,5 @@ def test_a_block_that_takes_too_long_is_a_timeout(block, monkeypatch):
 
 
 def test_a_worker_that_comes_later_with_other_packages_is_refused(block):
-    with pytest.raises(InputError, match=r"cluster: given a worker with numba .*; allowed: 0.1, as here"):
+    with pytest.raises(InputError, match=r"cluster: you gave a worker with numba .*; gfmd allows 0.1, as here"):
         compute((block,), "run", {"numba": "0.1"}, None)

@@ -36,7 +36,7 @@ def test_a_campaign_runs_without_a_home_or_a_compiler(tmp_path):
     nowhere = {name: str(tmp_path / "file" / "home") for name in ("HOME", "XDG_CACHE_HOME", "MPLCONFIGDIR")}
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA", "GFMD"))} | nowhere
     environment["NUMBA_DISABLE_JIT"] = "1"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(tmp_path / "out"), "--workers", "0"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(tmp_path / "out"), "--workers", "0"]
     ran = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
     assert "Traceback" not in ran.stderr

@@ -32,7 +32,7 @@ def test_the_folder_of_the_campaign_file_is_not_taken_for_an_output_directory(tm
     said = gfmd(*(("run", path, "-o", tmp_path, "--workers=0") if command == "run" else (command, tmp_path)))
     assert said.exit_code == 2
     assert ".gfmd-campaign" in said.stderr
-    assert "allowed: " in said.stderr
+    assert "gfmd allows " in said.stderr
     assert contents(tmp_path) == before
 
 
@@ -44,7 +44,9 @@ def test_the_default_output_beside_the_file_is_not_taken_from_its_owner(tmp_path
     before = contents(tmp_path)
     said = gfmd("run", "campaign.yaml", "--workers=0")
     assert said.exit_code == 2
-    assert "small: given a path that holds something else; allowed: a new or empty directory, or one" in said.stderr
+    assert (
+        "small: you gave a path that holds something else; gfmd allows a new or empty directory, or one" in said.stderr
+    )
     assert contents(tmp_path) == before
 
 
@@ -77,7 +79,9 @@ def test_a_copy_edited_by_hand_is_never_lost(tmp_path):
     copy = out / "campaign.yaml"
     edited = SMALL.replace("seed: 1", "seed: 2   # mine")
     copy.write_text(edited)
-    with pytest.raises(InputError, match=r"campaign.yaml: given a copy of the campaign file that somebody has changed"):
+    with pytest.raises(
+        InputError, match=r"campaign.yaml: you gave a copy of the campaign file that somebody has changed"
+    ):
         gfmd_numba.run(path, out)
     for command in ("status", "collect", "verify"):
         assert "runs the changed one" in gfmd(command, out).stderr
@@ -110,7 +114,8 @@ def test_a_damaged_mark_is_no_traceback_and_costs_no_shard(tmp_path, mark):
         store(out, {"a": {"kappa": np.ones(2)}})
     (out / ".gfmd-campaign").write_text(mark)
     assert (
-        ".gfmd-campaign: given a path which gfmd did not write, or somebody has changed" in gfmd("status", out).stderr
+        ".gfmd-campaign: you gave a path which gfmd did not write, or somebody has changed"
+        in gfmd("status", out).stderr
     )
     with pytest.raises(InputError, match="makes it again"), claimed(out, "small", SMALL):
         pass
@@ -162,7 +167,9 @@ def test_a_picture_of_somebody_else_is_not_drawn_over(tmp_path, monkeypatch, com
         "accuracy": lambda: gfmd("accuracy", "campaign.yaml", "-o", "photo.nc"),
     }[command]()
     assert said.exit_code == 2
-    assert "photo.png: given a path which gfmd did not write, or somebody has changed since, where the" in said.stderr
+    assert (
+        "photo.png: you gave a path which gfmd did not write, or somebody has changed since, where the" in said.stderr
+    )
     assert (tmp_path / "photo.png").read_text() == "precious"
 
 

@@ -39,17 +39,29 @@ ADHESIVE = {"interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1
 @pytest.mark.parametrize(
     ("file", "said"),
     [
-        (campaign(POWER_LAW | {"cut_on": 0.01}), "scene.roughness.cut_on: given 0.01; allowed: at least 0.0666"),
-        (campaign(POWER_LAW, length=1e-4), "scene.roughness.roll_off: given 0.5; allowed: at most the period 0.0001"),
-        (campaign(MODEL | {"cut_on": 2.0}), "scene.roughness.cut_on: given 2"),
-        (campaign(MODEL | {"cut_on": 0.001}), "scene.roughness.cut_on: given 0.001; allowed: at least"),
-        (campaign(POWER_LAW | {"roll_off": 3.0}), "scene.roughness.roll_off: given 3"),
-        (campaign(POWER_LAW | {"cut_on": 0.30, "roll_off": 0.31}), "scene.roughness.cut_on: given 0.3"),
-        (campaign(MODEL | {"points": 2**38}), "scene.roughness.points: given 274877906944; allowed: a grid that fits"),
-        (campaign(POWER_LAW, {"anisotropy": [1, 50]}, dimension=2), "grid.anisotropy[1]: given 50"),
-        (campaign(POWER_LAW, {"points": [32, 8]}), "grid.points[1]: given 8; allowed: a value for which cut_on is at"),
-        (campaign(MODEL, {"points": [8, 2**38]}), "grid.points[1]: given 274877906944; allowed: a grid that fits"),
-        (campaign(MODEL) | {"realisations": {"reference": 2, "eps_c": 5}}, "realisations.eps_c: given 5"),
+        (campaign(POWER_LAW | {"cut_on": 0.01}), "scene.roughness.cut_on: you gave 0.01; gfmd allows at least 0.0666"),
+        (
+            campaign(POWER_LAW, length=1e-4),
+            "scene.roughness.roll_off: you gave 0.5; gfmd allows at most the period 0.0001",
+        ),
+        (campaign(MODEL | {"cut_on": 2.0}), "scene.roughness.cut_on: you gave 2"),
+        (campaign(MODEL | {"cut_on": 0.001}), "scene.roughness.cut_on: you gave 0.001; gfmd allows at least"),
+        (campaign(POWER_LAW | {"roll_off": 3.0}), "scene.roughness.roll_off: you gave 3"),
+        (campaign(POWER_LAW | {"cut_on": 0.30, "roll_off": 0.31}), "scene.roughness.cut_on: you gave 0.3"),
+        (
+            campaign(MODEL | {"points": 2**38}),
+            "scene.roughness.points: you gave 274877906944; gfmd allows a grid that fits",
+        ),
+        (campaign(POWER_LAW, {"anisotropy": [1, 50]}, dimension=2), "grid.anisotropy[1]: you gave 50"),
+        (
+            campaign(POWER_LAW, {"points": [32, 8]}),
+            "grid.points[1]: you gave 8; gfmd allows a value for which cut_on is at",
+        ),
+        (
+            campaign(MODEL, {"points": [8, 2**38]}),
+            "grid.points[1]: you gave 274877906944; gfmd allows a grid that fits",
+        ),
+        (campaign(MODEL) | {"realisations": {"reference": 2, "eps_c": 5}}, "realisations.eps_c: you gave 5"),
     ],
 )
 def test_what_does_not_fit_the_points_is_refused(file, said):
@@ -59,7 +71,7 @@ def test_what_does_not_fit_the_points_is_refused(file, said):
 
 
 def test_a_range_that_the_fewest_points_do_not_resolve_is_refused():
-    with pytest.raises(InputError, match=r"grid.interaction_range\[1\]: given 0.0003; allowed: at least 0.00063"):
+    with pytest.raises(InputError, match=r"grid.interaction_range\[1\]: you gave 0.0003; gfmd allows at least 0.00063"):
         plan(campaign(MODEL, {"interaction_range": [0.1, 3e-4], "points": [64, 16]}, **ADHESIVE))
     plan(campaign(MODEL, {"interaction_range": [0.1, 3e-4], "points": [128]}, **ADHESIVE))
 
@@ -79,7 +91,9 @@ def test_a_map_beyond_its_period_is_refused_everywhere():
         (gfmd_numba.make_surface, {"surface": stretched, "dimension": 2}),
         (gfmd_numba.solve, {"scene": campaign(stretched, dimension=2)["scene"]}),
     ):
-        with pytest.raises(InputError, match=r"anisotropy: given 50; allowed: at most the period over roll_off = 2"):
+        with pytest.raises(
+            InputError, match=r"anisotropy: you gave 50; gfmd allows at most the period over roll_off = 2"
+        ):
             make(file)
 
 

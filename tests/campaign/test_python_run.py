@@ -42,15 +42,17 @@ def test_the_text_of_a_mapping_says_the_same(mapping, tmp_path, name):
 
 def test_faults_of_a_mapping_are_told(mapping):
     mapping["grid"]["hirst"] = mapping["grid"].pop("hurst")
-    with pytest.raises(InputError, match=r"^grid.hirst: given an unknown key; .*did you mean 'hurst'\?"):
+    with pytest.raises(InputError, match=r"^grid.hirst: you gave an unknown key; .*did you mean 'hurst'\?"):
         gfmd_numba.run(mapping)
 
 
 @pytest.mark.parametrize("given", [123, None, [1], 1.5, b"campaign.yaml"])
 def test_what_is_no_campaign_is_refused(given, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    allowed = "allowed: the path of a YAML file, or a mapping of its content"
-    with pytest.raises(InputError, match=f"^campaign: given {re.escape(repr(given)[:40]) if given else ''}.*{allowed}"):
+    allowed = "gfmd allows the path of a YAML file, or a mapping of its content"
+    with pytest.raises(
+        InputError, match=f"^campaign: you gave {re.escape(repr(given)[:40]) if given else ''}.*{allowed}"
+    ):
         gfmd_numba.run(given)
     assert list(tmp_path.iterdir()) == []
 
@@ -58,13 +60,13 @@ def test_what_is_no_campaign_is_refused(given, tmp_path, monkeypatch):
 @pytest.mark.parametrize("given", ["2", -1, 1.5, True, None, [2]])
 def test_what_are_no_workers_is_refused(given, tmp_path):
     path = campaign(tmp_path)
-    with pytest.raises(InputError, match=r"^workers: given .*; allowed: a number of processes from 0, a dask"):
+    with pytest.raises(InputError, match=r"^workers: you gave .*; gfmd allows a number of processes from 0, a dask"):
         gfmd_numba.run(path, tmp_path / "out", workers=given)
     assert not (tmp_path / "out").exists()
 
 
 def test_an_output_that_is_no_path_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"^output: given 5; allowed: the path of a directory"):
+    with pytest.raises(InputError, match=r"^output: you gave 5; gfmd allows the path of a directory"):
         gfmd_numba.run(campaign(tmp_path), 5)
 
 
@@ -76,7 +78,7 @@ def test_a_dask_client_may_do_the_work(finished, tmp_path):
         result = gfmd_numba.run(campaign(tmp_path), tmp_path / "out", workers=client)
         assert client.status == "running"  # it is the caller's
     xr.testing.assert_identical(numbers(result), numbers(finished))
-    with pytest.raises(InputError, match=r"^workers: given a dask client that is closed; allowed: .*connected"):
+    with pytest.raises(InputError, match=r"^workers: you gave a dask client that is closed; gfmd allows .*connected"):
         gfmd_numba.run(campaign(tmp_path), tmp_path / "new", workers=client)
     assert not (tmp_path / "new").exists()
 
@@ -110,4 +112,4 @@ def test_a_refused_run_keeps_what_was_there(tmp_path, finished):
 def test_a_message_about_a_scheduler_is_told_once(tmp_path):
     with pytest.raises(InputError) as told:
         run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address="tcp://192.0.2.1:8786"))
-    assert str(told.value).count("given") == str(told.value).count("allowed:") == 1
+    assert str(told.value).count("you gave") == str(told.value).count("gfmd allows") == 1

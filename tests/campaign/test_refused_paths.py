@@ -16,7 +16,7 @@ def dragged(tmp_path_factory):
 
 def test_what_takes_one_load_refuses_a_path(dragged):
     with pytest.raises(
-        gfmd_numba.analysis.UnusableDataError, match=r"allowed: one step, like `dataset.isel\(step=-1\)`"
+        gfmd_numba.analysis.UnusableDataError, match=r"gfmd allows one step, like `dataset.isel\(step=-1\)`"
     ):
         gfmd_numba.analysis.ensemble_mean(dragged, "kappa")
 
@@ -24,14 +24,17 @@ def test_what_takes_one_load_refuses_a_path(dragged):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"path": []}, "path: given []; allowed: at least one loading, or no path"),
-        ({"fit": {"step": 7}}, "fit.step: given 7; allowed: a step from 0, the first loading, to 6"),
-        ({"fit": {"variable": "hysteresis", "step": 1}}, "fit.step: given 1; allowed: nothing beside hysteresis"),
+        ({"path": []}, "path: you gave []; gfmd allows at least one loading, or no path"),
+        ({"fit": {"step": 7}}, "fit.step: you gave 7; gfmd allows a step from 0, the first loading, to 6"),
+        ({"fit": {"variable": "hysteresis", "step": 1}}, "fit.step: you gave 1; gfmd allows nothing beside hysteresis"),
         (
             {"fit": {"variable": "pull_off_pressure"}},
-            "allowed: what this path has; a punch is pulled off",
+            "gfmd allows what this path has; a punch is pulled off",
         ),
-        ({"path": [{"displacement": 1e-3}]}, "path[0].displacement: given 0.001; allowed: what the loading prescribes"),
+        (
+            {"path": [{"displacement": 1e-3}]},
+            "path[0].displacement: you gave 0.001; gfmd allows what the loading prescribes",
+        ),
         ({"path": [{"reduced_pressure": 1e40}]}, "path[0].reduced_pressure: "),
         ({"path": [{"sliding": "1 um"}]}, "path[0].sliding: "),
         ({"scene": DRAGGED["scene"] | {"interface": {"hard_wall": {}}}, "grid": {}}, "path[0].sliding: "),
@@ -46,5 +49,5 @@ def test_what_does_not_go_with_a_path_is_refused_where_it_stands(changed, said):
 def test_a_load_of_the_path_is_judged_beside_the_moduli():
     scene = DRAGGED["scene"] | {"loading": {"pressure": 1e6}}
     scene["body"] = scene["body"] | {"youngs_modulus": 1e9}
-    with pytest.raises(InputError, match=r"path\[0\]\.pressure: given 1e-29; allowed: a reduced pressure from"):
+    with pytest.raises(InputError, match=r"path\[0\]\.pressure: you gave 1e-29; gfmd allows a reduced pressure from"):
         plan(DRAGGED | {"scene": scene, "path": [{"pressure": 1e-29}]})

@@ -108,7 +108,9 @@ def test_a_long_name_stays_within_what_a_name_may_be(tmp_path):
 
 def test_a_text_that_would_not_read_as_meant_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(accuracy, "with_values", lambda text, values: text.replace("seed: 1", "seed: 2"))
-    with pytest.raises(InputError, match=r"--write: given a campaign file whose text .*`realisations: {reference: 46"):
+    with pytest.raises(
+        InputError, match=r"--write: you gave a campaign file whose text .*`realisations: {reference: 46"
+    ):
         rewritten(tmp_path, SMALL)
 
 
@@ -123,7 +125,7 @@ def test_the_planned_campaign_leaves_the_results_of_the_first_alone(tmp_path, mo
     assert "planned.yaml, named small-0.02" in said.output
     again = CliRunner().invoke(main, ["plan", "campaign.yaml", "--target=kappa=2%", "--write=campaign.yaml"])
     assert again.exit_code == 2
-    assert "--write: given campaign.yaml; allowed: a new file in an existing folder" in again.output
+    assert "--write: you gave campaign.yaml; gfmd allows a new file in an existing folder" in again.output
     assert (tmp_path / "campaign.yaml").read_text() == SMALL
 
 

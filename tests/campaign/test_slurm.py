@@ -22,7 +22,7 @@ def test_killed_jobs_of_slurm_change_no_digest(tmp_path, tmp_path_factory):
     path.write_text(CAMPAIGN.replace("realisations: 1200", "realisations: 800"))  # more work than two jobs can finish
     digest = gfmd_numba.run(path, tmp_path / "serial").attrs["content_sha256"]
     (tmp_path / "cluster.yaml").write_text(CLUSTER)
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", "jobs", "--cluster", "cluster.yaml"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", "jobs", "--cluster", "cluster.yaml"]
     with (
         one_machine_slurm(tmp_path_factory.mktemp("slurm")) as environment,
         subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as run,

@@ -1,6 +1,7 @@
 """Looking at a campaign while it runs and afterwards: status, collect, verify, and running parts of it."""
 
 import json
+import re
 import shutil
 
 import pytest
@@ -33,7 +34,10 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     ran = gfmd("run", path, "-o", out, "--workers=0", "--only=hurst=0.3", "--only=eps_f=1/16", "--limit=2")
     assert ran.exit_code == 0, ran.output
-    assert f"{8 * 6} of 60 simulations have not run yet" in ran.output
+    assert f"{8 * 6} of the 60 simulations of the whole campaign have not run yet: a run without --only" in unfolded(
+        ran.output
+    )
+    assert re.findall(r"blocks +(.*)", ran.output) == ["1 of 3", "2 of 3"]
     part = gfmd_numba.open_campaign(out)
     done = part["status"].values == 0
     assert done.all(axis=1).sum() == 2
@@ -50,10 +54,10 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
 @pytest.mark.parametrize(
     ("only", "said"),
     [
-        ("hirst=0.3", "--only: given hirst; allowed: case_id, limit"),
-        ("hurst=0.4", "--only: given hurst=0.4; allowed: a value of the campaign, like 0.3, 0.8"),
+        ("hirst=0.3", "--only: you gave hirst; gfmd allows case_id, limit"),
+        ("hurst=0.4", "--only: you gave hurst=0.4; gfmd allows a value of the campaign, like 0.3, 0.8"),
         ("hurst", "a coordinate and its value, like hurst=0.8"),
-        ("hurst=0.3 --only hurst=0.8", "and another value of hurst; allowed: one value of each name"),
+        ("hurst=0.3 --only hurst=0.8", "and another value of hurst; gfmd allows one value of each name"),
     ],
 )
 def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
@@ -193,7 +197,7 @@ def test_the_status_of_a_running_campaign_is_shown(tmp_path):
 def test_a_directory_of_no_campaign_is_refused(tmp_path, command):
     ran = gfmd(command, tmp_path)
     assert ran.exit_code == 2
-    assert "given a directory without .gfmd-campaign; allowed: one that `gfmd run` made" in ran.output
+    assert "you gave a directory without .gfmd-campaign; gfmd allows one that `gfmd run` made" in ran.output
 
 
 def test_results_of_two_versions_say_so_and_a_run_warns(tmp_path, monkeypatch):

@@ -105,40 +105,61 @@ def test_lengths_are_in_metres_beside_a_period_in_metres(tmp_path):
 @pytest.mark.parametrize(
     ("roughness", "grid", "said"),
     [
-        (POWER_LAW, {"cut_on": [0.125, 0.5]}, "grid.cut_on[1]: given 0.5; allowed: a wavelength below roll_off = 0.5"),
+        (
+            POWER_LAW,
+            {"cut_on": [0.125, 0.5]},
+            "grid.cut_on[1]: you gave 0.5; gfmd allows a wavelength below roll_off = 0.5",
+        ),
         (
             POWER_LAW,
             {"roll_off": [0.5, 0.1]},
-            "grid.roll_off[1]: given 0.1; allowed: a value for which cut_on is a wavelength below roll_off = 0.1",
+            "grid.roll_off[1]: you gave 0.1; gfmd allows a value for which cut_on is a wavelength below roll_off = 0.1",
         ),
-        (POWER_LAW, {"cut_on": [0.01]}, "grid.cut_on[0]: given 0.01; allowed: at least 0.0666"),
-        (POWER_LAW, {"roll_off": [0.5, 3]}, "grid.roll_off[1]: given 3; allowed: at most the period 1"),
+        (POWER_LAW, {"cut_on": [0.01]}, "grid.cut_on[0]: you gave 0.01; gfmd allows at least 0.0666"),
+        (POWER_LAW, {"roll_off": [0.5, 3]}, "grid.roll_off[1]: you gave 3; gfmd allows at most the period 1"),
         (
             POWER_LAW,
             {"cut_on": [0.1, 0.2], "roll_off": [0.5, 0.15]},
-            "grid.cut_on[1]: given 0.2; allowed: a wavelength below roll_off = 0.15",
+            "grid.cut_on[1]: you gave 0.2; gfmd allows a wavelength below roll_off = 0.15",
         ),
-        (MOUNDS, {"correlation_length": [0.1, 0.4]}, "grid.correlation_length[1]: given 0.4; allowed: at most mound_s"),
+        (
+            MOUNDS,
+            {"correlation_length": [0.1, 0.4]},
+            "grid.correlation_length[1]: you gave 0.4; gfmd allows at most mound_s",
+        ),
         (
             MOUNDS,
             {"mound_separation": [0.01]},
-            "grid.mound_separation[0]: given 0.01; allowed: a value for which correlation_length is at most mound",
+            "grid.mound_separation[0]: you gave 0.01; gfmd allows a value for which correlation_length is at most "
+            "mound",
         ),
-        (MODEL, {"cut_on": [2]}, "grid.cut_on[0]: given 2; allowed: a wavelength so short that"),
-        (MODEL, {"rms_gradient": [0.1]}, "grid.rms_gradient[0]: given 0.1; allowed: exactly one of rms_height and"),
-        (MODEL, {"rms_gradient": [0.1], "cut_on": [0.2]}, "grid.rms_gradient[0]: given 0.1; allowed: exactly one of"),
+        (MODEL, {"cut_on": [2]}, "grid.cut_on[0]: you gave 2; gfmd allows a wavelength so short that"),
+        (
+            MODEL,
+            {"rms_gradient": [0.1]},
+            "grid.rms_gradient[0]: you gave 0.1; gfmd allows exactly one of rms_height and",
+        ),
+        (
+            MODEL,
+            {"rms_gradient": [0.1], "cut_on": [0.2]},
+            "grid.rms_gradient[0]: you gave 0.1; gfmd allows exactly one of",
+        ),
         (
             POWER_LAW,
             {"roll_off": [0.1], "hurst": [0.5]},
-            "grid.roll_off[0]: given 0.1; allowed: a value for which cut_",
+            "grid.roll_off[0]: you gave 0.1; gfmd allows a value for which cut_",
         ),
-        (MODEL, {"hurst": [0.0]}, "grid.hurst[0]: given 0"),
-        (MODEL, {"correlation_length": [0]}, "grid.correlation_length[0]: given 0; allowed: a number from 1e-30"),
-        (POWER_LAW, {"correlation_length": [1]}, "allowed: nothing, as scene.roughness with model self_affine has no "),
+        (MODEL, {"hurst": [0.0]}, "grid.hurst[0]: you gave 0"),
+        (MODEL, {"correlation_length": [0]}, "grid.correlation_length[0]: you gave 0; gfmd allows a number from 1e-30"),
+        (
+            POWER_LAW,
+            {"correlation_length": [1]},
+            "gfmd allows nothing, as scene.roughness with model self_affine has no ",
+        ),
         (
             EXPONENTS,
             {"hurst": [0.5]},
-            "allowed: nothing, as scene.roughness with model scaling_anisotropy has no hurst",
+            "gfmd allows nothing, as scene.roughness with model scaling_anisotropy has no hurst",
         ),
     ],
 )
@@ -156,7 +177,7 @@ def test_values_are_checked_beside_the_grids_others_and_not_beside_what_they_rep
 def test_a_wavelength_of_a_surface_on_a_discretisation_is_refused():
     file = campaign({"method": "psd", "hurst": 0.8, "rms_gradient": 0.02, "points": None}, {"cut_on": [0.1]})
     with pytest.raises(
-        InputError, match=r"grid\.cut_on\[0\]: given 0.1; allowed: points, cut_on and roll_off together"
+        InputError, match=r"grid\.cut_on\[0\]: you gave 0.1; gfmd allows points, cut_on and roll_off together"
     ):
         load_campaign(file | {"reference": {"eps_c": 0.25, "eps_f": 0.25, "eps_t": 0.5}})
 
@@ -169,7 +190,9 @@ def test_a_length_that_makes_no_surface_is_one_message(tmp_path, scale):
     done = CliRunner().invoke(main, ["run", str(file)])
     assert done.exit_code == 2
     said = " ".join(done.stderr.split())
-    assert "method fourier_filter, correlation_length 5; allowed: a usable surface, not a spectrum that is neg" in said
+    assert (
+        "method fourier_filter, correlation_length 5; gfmd allows a usable surface, not a spectrum that is neg" in said
+    )
 
 
 @pytest.mark.parametrize("scale", [{"rms_height": 1e-3}, {"rms_gradient": 0.01}])
@@ -213,11 +236,13 @@ def test_commands_say_nothing_of_an_eps_that_a_campaign_has_not(tmp_path):
     assert (tmp_path / "c.png").stat().st_size > 1000
     refused = CliRunner().invoke(main, ["run", str(file), "-o", out, "--only", "eps_c=1"])
     assert refused.exit_code == 2
-    assert "--only: given eps_c" in refused.stderr
+    assert "--only: you gave eps_c" in refused.stderr
 
 
 def test_exponents_of_an_eps_that_a_campaign_has_not_are_refused():
-    with pytest.raises(InputError, match=r"fit\.fixed\.eps_c: given 1\.?0?; allowed: nothing, as the surface has"):
+    with pytest.raises(
+        InputError, match=r"fit\.fixed\.eps_c: you gave 1\.?0?; gfmd allows nothing, as the surface has"
+    ):
         load_campaign(campaign(MODEL) | {"fit": {"fixed": {"eps_c": 1.0}}})
 
 

@@ -141,7 +141,7 @@ def test_rounds_that_are_damaged_are_decided_anew(reached, tmp_path):
         (out / "rounds.json").write_text(content)
         assert rounds.read(out) is None
         if content:
-            with pytest.raises(InputError, match=r"rounds.json: given a path which gfmd did not write"):
+            with pytest.raises(InputError, match=r"rounds.json: you gave a path which gfmd did not write"):
                 run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
             assert (out / "rounds.json").read_text() == content
     (out / "rounds.json").unlink()

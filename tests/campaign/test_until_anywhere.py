@@ -64,7 +64,7 @@ def test_a_process_killed_at_any_time_resumes_to_the_same_digest(serial, tmp_pat
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     begin = partial(
         subprocess.Popen,
-        [sys.executable, "-m", "gfmd_numba.cli", *command(path, out, "--workers=0")],
+        [sys.executable, "-m", "gfmd_numba", *command(path, out, "--workers=0")],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,

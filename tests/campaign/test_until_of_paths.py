@@ -97,9 +97,11 @@ def test_commands_plan_and_run_to_the_hysteresis_of_a_path(tmp_path):
 
 def test_a_measure_of_a_path_needs_one():
     without = {key: value for key, value in of("hysteresis").items() if key != "path"}
-    with pytest.raises(InputError, match=r"fit\.variable: given 'hysteresis'; allowed: what a single contact has"):
+    with pytest.raises(
+        InputError, match=r"fit\.variable: you gave 'hysteresis'; gfmd allows what a single contact has"
+    ):
         plan(without)
-    with pytest.raises(InputError, match=r"fit\.step: given 0; allowed: nothing without a path"):
+    with pytest.raises(InputError, match=r"fit\.step: you gave 0; gfmd allows nothing without a path"):
         plan({key: value for key, value in of(step=0).items() if key != "path"})
 
 

@@ -29,7 +29,9 @@ def test_an_existing_scheduler_changes_no_number(finished, tmp_path):
 
 @pytest.mark.parametrize("address", ["nowhere://127.0.0.1:1", "tcp://127.0.0.1:x"])
 def test_a_wrong_scheduler_is_named(tmp_path, address):
-    with pytest.raises(InputError, match=f"--scheduler: given {address} .*; allowed: the address of a running dask"):
+    with pytest.raises(
+        InputError, match=f"--scheduler: you gave {address} .*; gfmd allows the address of a running dask"
+    ):
         run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address=address))
     run_campaign(campaign(tmp_path), tmp_path / "out", Workers(0))  # a client that failed is not in the way
 

@@ -42,7 +42,7 @@ def test_a_file_of_the_user_is_no_output(tmp_path, scene, content):
     code, said = gfmd("solve", scene, "-o", mine)
     assert code == 2
     changed = "which gfmd did not write, or somebody has changed since"
-    assert f"--output: given {mine}, {changed}; allowed: a new file" in said
+    assert f"--output: you gave {mine}, {changed}; gfmd allows a new file" in said
     assert mine.read_bytes() == content
 
 
@@ -119,7 +119,7 @@ def test_a_dataset_of_ours_that_somebody_changed_is_his(tmp_path, scene, change)
     before = out.read_bytes()
     code, said = gfmd("solve", scene, "-o", out)
     assert code == 2
-    assert f"--output: given {out}, which gfmd did not write, or somebody has changed since" in said
+    assert f"--output: you gave {out}, which gfmd did not write, or somebody has changed since" in said
     assert out.read_bytes() == before
 
 
@@ -134,7 +134,7 @@ def test_an_output_is_not_written_through_a_link(tmp_path, scene, target):
     link.symlink_to(mine)
     code, said = gfmd("solve", scene, "-o", link)
     assert code == 2
-    assert f"--output: given {link}, which is a link; allowed: a new file" in said
+    assert f"--output: you gave {link}, which is a link; gfmd allows a new file" in said
     assert link.is_symlink()
     assert (mine.read_bytes() if mine.exists() else None) == before
 
@@ -179,6 +179,6 @@ def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
     code, said = gfmd(*asked)
     assert code == 2
     changed = "which gfmd did not write, or somebody has changed since"
-    assert f"{table}: given a path {changed}, where the table would go; allowed: no such file" in said
+    assert f"{table}: you gave a path {changed}, where the table would go; gfmd allows no such file" in said
     assert table.read_text() == edited
     assert (tmp_path / "c.nc").read_bytes() == before

@@ -62,7 +62,7 @@ def test_a_full_standard_output_is_no_bad_input(tmp_path, command):
 def test_too_few_open_files_are_told_at_once(tmp_path):
     done = gfmd(tmp_path, "ulimit -n 32; gfmd run tiny.yaml -o out")
     assert done.returncode == 2
-    assert done.stderr == "gfmd: ulimit -n: given 32 open files; allowed: at least 256\n"
+    assert done.stderr == "gfmd: ulimit -n: you gave 32 open files; gfmd allows at least 256\n"
     assert not (tmp_path / "out").exists()
 
 

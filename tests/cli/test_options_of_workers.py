@@ -13,9 +13,15 @@ CLUSTER = "cores: 4\nmemory: 8 GB\nwalltime: 2 h\njobs: {max: 10}\n"
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--workers=2", "--scheduler=tcp://127.0.0.1:1"], "--scheduler: given with --workers; allowed: one of them"),
-        (["--scheduler=tcp://127.0.0.1:1", "--cluster=c.yaml"], "--cluster: given with --scheduler; allowed: one"),
-        (["--insecure"], "--insecure: given without --scheduler; allowed: beside it"),
+        (
+            ["--workers=2", "--scheduler=tcp://127.0.0.1:1"],
+            "--scheduler: you gave --workers as well; gfmd allows one of them",
+        ),
+        (
+            ["--scheduler=tcp://127.0.0.1:1", "--cluster=c.yaml"],
+            "--cluster: you gave --scheduler as well; gfmd allows one",
+        ),
+        (["--insecure"], "--insecure: you gave no --scheduler, and --insecure is about its address"),
     ],
 )
 def test_options_that_name_two_kinds_of_workers_are_refused(tmp_path, options, said):
@@ -33,9 +39,9 @@ def test_a_cluster_file_is_checked(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("cores: 4\n", "jobs: given nothing; allowed: a mapping of 'min', 'max'"),
-        ("partition: long\ninterface: ib0\n", "cores: given nothing; allowed: a whole number from 1"),
-        ("body: {poissons_ratio: 0.3}\ncores: 4\n", "cores: given an unknown key; allowed: one of 'body'"),
+        ("cores: 4\n", "jobs: you gave nothing; gfmd needs a mapping of 'min', 'max'"),
+        ("partition: long\ninterface: ib0\n", "cores: you gave nothing; gfmd needs a whole number from 1"),
+        ("body: {poissons_ratio: 0.3}\ncores: 4\n", "cores: you gave an unknown key; gfmd allows one of 'body'"),
     ],
 )
 def test_a_file_is_judged_as_a_cluster_by_any_of_its_keys(tmp_path, text, said):
@@ -51,5 +57,5 @@ def test_a_fault_in_a_cluster_file_is_told_before_a_run_begins(tmp_path):
     command = ["run", str(campaign(tmp_path)), "-o", output, "--cluster", str(tmp_path / "cluster.yaml")]
     refused = CliRunner().invoke(main, command)
     assert refused.exit_code == 2
-    assert "cluster.yaml:2:9: memory: given '8 m'; allowed: a memory in B, MB, GB" in unfolded(refused.output)
+    assert "cluster.yaml:2:9: memory: you gave '8 m'; gfmd allows a memory in B, MB, GB" in unfolded(refused.output)
     assert not (tmp_path / "out").exists()

@@ -1,6 +1,8 @@
 """Commands that are refused: options, files that are no results, and outputs that would do harm."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 import xarray as xr
@@ -16,8 +18,11 @@ from support.scenes import SCENE
 )
 def test_a_malformed_exponent_is_told_what_is_allowed(results, option):
     message = refused("fit", results, "--fixed", option)
-    assert "'--fixed'" in message
-    assert f"given {option!r}; allowed: eps_c, eps_f, eps_t with a number above 0 or a range, like eps_t=1" in message
+    assert message.startswith("gfmd: --fixed: you gave ")
+    assert (
+        f"you gave {option!r}; gfmd allows eps_c, eps_f, eps_t with a number above 0 or a range, like eps_t=1"
+        in message
+    )
 
 
 @pytest.fixture(scope="module")
@@ -33,27 +38,30 @@ def contact(tmp_path_factory):
 def test_files_that_are_no_results_are_refused(tmp_path, command, content):
     for name in ("results.nc", "results.yaml"):
         (tmp_path / name).write_text(content)
-        message = refused(command, tmp_path / name, "-o", tmp_path / "out.png")
-        assert f"{tmp_path / name}: given a file that is not netCDF" in message
-        assert "; allowed: a netCDF file that gfmd has written" in message
+        message = refused(command, tmp_path / name, "-o", tmp_path / f"out.{'nc' if command == 'fit' else 'png'}")
+        assert f"{tmp_path / name}: you gave a file that is not netCDF" in message
+        assert "; gfmd allows a netCDF file that gfmd has written" in message
 
 
 def test_results_of_another_kind_are_refused(tmp_path, results, contact):
     assert gfmd("fit", results, "--fixed=eps_c=1", "--fixed=eps_f=1/2:1", "-o", tmp_path / "fit.nc").exit_code == 0
     message = refused("fit", tmp_path / "fit.nc")
-    assert message.startswith(f"gfmd: {tmp_path / 'fit.nc'}: given no results of a campaign; allowed: ")
-    assert refused("fit", contact).startswith(f"gfmd: {contact}: given no results of a campaign; allowed: ")
+    assert message.startswith(f"gfmd: {tmp_path / 'fit.nc'}: you gave no results of a campaign; gfmd allows ")
+    assert refused("fit", contact).startswith(f"gfmd: {contact}: you gave no results of a campaign; gfmd allows ")
     xr.open_dataset(contact).drop_vars("gap").to_netcdf(tmp_path / "nogap.nc")
-    assert f"{tmp_path / 'nogap.nc'}: given no results of a contact" in refused("plot", tmp_path / "nogap.nc")
+    assert f"{tmp_path / 'nogap.nc'}: you gave no results of a contact" in refused("plot", tmp_path / "nogap.nc")
     xr.Dataset().to_netcdf(tmp_path / "empty.nc")
     for command in ("fit", "plot"):
-        assert f"{tmp_path / 'empty.nc'}: given no results of a campaign" in refused(command, tmp_path / "empty.nc")
+        assert f"{tmp_path / 'empty.nc'}: you gave no results of a campaign" in refused(command, tmp_path / "empty.nc")
 
 
 def test_an_unknown_variable_or_picture_is_told_what_is_allowed(tmp_path, results):
-    assert "'kapa' is not one of 'kappa', 'kappa_counted', 'kappa_r'" in refused("fit", results, "--variable=kapa")
+    message = refused("fit", results, "--variable=kapa")
+    assert message.startswith(
+        "gfmd: --variable: you gave 'kapa'; gfmd allows one of 'kappa', 'kappa_counted', 'kappa_r'"
+    )
     message = refused("plot", results, "-o", tmp_path / "picture.doc")
-    assert f"given {tmp_path / 'picture.doc'}; allowed: a picture ending in" in message
+    assert f"you gave {tmp_path / 'picture.doc'}; gfmd allows a picture, ending in" in message
 
 
 def test_inputs_are_not_overwritten(tmp_path, results):
@@ -62,7 +70,9 @@ def test_inputs_are_not_overwritten(tmp_path, results):
     scene.write_text(scene.read_text().partition("discretisation")[0])
     (tmp_path / "p.csv").write_text("0\n1\n0\n2\n")
     before = {file: file.read_bytes() for file in (scene, tmp_path / "p.csv", results)}
-    assert f"--output: given {scene}, which is an input; allowed: another file" in refused("solve", scene, "-o", scene)
+    assert f"--output: you gave {scene}, which is an input; gfmd allows another file" in refused(
+        "solve", scene, "-o", scene
+    )
     assert "p.csv, which is an input" in refused("solve", scene, "-o", tmp_path / "p.csv")
     assert "which is an input" in refused("fit", results.parent, "-o", results)
     assert "which is an input" in refused("plot", results, "-o", results.parent / "campaign.yaml")
@@ -73,7 +83,7 @@ def test_an_output_that_cannot_be_written_is_told_before_solving(tmp_path, monke
     (tmp_path / "scene.yaml").write_text(SCENE)
     monkeypatch.setattr("gfmd_numba.solve", None)
     message = refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "no" / "out.nc")
-    assert f"allowed: a file in a folder that exists, unlike {tmp_path / 'no'}" in message
+    assert f"gfmd allows a file in a folder that exists, unlike {tmp_path / 'no'}" in message
     monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
     assert "which you may not write" in refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
 
@@ -81,14 +91,66 @@ def test_an_output_that_cannot_be_written_is_told_before_solving(tmp_path, monke
 def test_a_campaign_is_no_scene_and_says_what_takes_it(tmp_path):
     message = refused("solve", campaign(tmp_path), "-o", tmp_path / "out.nc")
     assert (
-        "realisations: given a key of campaigns; allowed: the keys of a scene; gfmd run and gfmd plan take" in message
+        "realisations: you gave a key of campaigns; gfmd allows the keys of a scene; gfmd run and gfmd plan take"
+        in message
     )
-    assert message.count("given") == 1
+    assert message.count("you gave") == 1
 
 
 @pytest.mark.parametrize("option", [("--variable", "kappa"), ("--exponents", "shared"), ("--fixed", "eps_c=1")])
 def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, option):
     message = refused("plot", contact, *option, "-o", tmp_path / "contact.png")
-    assert f"{option[0]}: given for" in message
-    assert "allowed: nothing, as its picture has no fit" in message
+    assert f"{option[0]}: the picture of {contact} has no fit; leave the option out" in message
     assert not (tmp_path / "contact.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--foo"], "gfmd: no such option '--foo'; `gfmd --help` says what it takes"),
+        (["foo"], "gfmd: no such command 'foo'; `gfmd --help` says what it takes"),
+        (["fit"], "gfmd: missing argument 'RESULTS'; `gfmd fit --help` says what it takes"),
+        (["fit", "none.nc"], "gfmd: RESULTS: you gave none.nc, which does not exist; gfmd needs a path that does"),
+        (["solve", ".", "-o", "a.nc"], "gfmd: FILE: you gave ., which is a directory; gfmd needs a file"),
+        (["run", "a.yaml", "--workers=x"], "gfmd: --workers: you gave 'x'; gfmd allows a number"),
+        (["run", "a.yaml", "--limit=0"], "gfmd: --limit: you gave 0; gfmd allows x>=1"),
+        (
+            ["run", "a.yaml", "--until=foo=1%"],
+            "gfmd: --until: you gave 'foo'; gfmd allows one of kappa, kappa_counted, ",
+        ),
+    ],
+)
+def test_a_command_line_is_refused_in_one_sentence_as_a_file_is(tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.yaml").write_text("a: 1\n")
+    done = subprocess.run([sys.executable, "-m", "gfmd_numba", *arguments], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith(said)
+    assert done.stderr.count("\n") == 1
+    assert "{" not in done.stderr
+
+
+def test_a_netcdf_file_has_a_name_that_says_so(tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    for name in ("contact.txt", "contact", "contact.png"):
+        message = refused("solve", tmp_path / "scene.yaml", "-o", tmp_path / name)
+        assert message == f"gfmd: --output: you gave {tmp_path / name}; gfmd allows a netCDF file, ending in .nc, .nc4"
+        assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("cut_on: 1 um", "cut_on: 0.1 um", "cut_on: you gave '0.1 um'; gfmd allows at least 0.322581 um"),
+        ("cut_on: 1 um", "cut_on: 100 nm", "cut_on: you gave '100 nm'; gfmd allows at least 322.581 nm"),
+        ("cut_on: 1 um", "cut_on: 1e-7", "cut_on: you gave 1e-07; gfmd allows at least 3.22581e-07"),
+        ("roll_off: 5 um", "roll_off: 0.02 mm", "roll_off: you gave '0.02 mm'; gfmd allows at most the period 0.01 mm"),
+    ],
+)
+def test_what_is_allowed_stands_in_the_unit_that_was_given(tmp_path, old, new, said):
+    text = (
+        "surface: {method: psd, hurst: 0.8, rms_height: 0.01 um, points: 64, cut_on: 1 um, roll_off: 5 um}\n"
+        "length: 10 um\n"
+    )
+    (tmp_path / "s.yaml").write_text(text.replace(old, new))
+    assert said in refused("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")

@@ -47,9 +47,9 @@ def test_an_unusable_profile_is_refused_with_its_reason(tmp_path, name, content,
     scene.write_text(text.partition("discretisation")[0])
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 2
-    assert f"{scene}:5:39: scene.roughness.file: given {name} (" in done.stderr
+    assert f"{scene}:5:39: scene.roughness.file: you gave {name} (" in done.stderr
     assert given in done.stderr
-    assert "allowed: at least 4 equidistant finite heights" in done.stderr
+    assert "gfmd allows at least 4 equidistant finite heights" in done.stderr
 
 
 def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tmp_path):

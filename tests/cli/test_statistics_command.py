@@ -110,7 +110,7 @@ def test_a_profile_has_distributions_but_no_channels(folder, tmp_path):
         done = gfmd(*command, folder / "profile.nc", "-o", tmp_path / "out.nc")
         assert done.exit_code == 2
         said = unfolded(done.stderr)
-        assert f"{folder / 'profile.nc'}: given the contact of a profile" in said
+        assert f"{folder / 'profile.nc'}: you gave the contact of a profile" in said
         assert "solve a scene with `dimension: 2`" in said
 
 
@@ -124,7 +124,7 @@ def test_a_profile_conducts_with_a_word_on_its_ridges(folder):
 def test_a_failed_run_has_no_statistics(folder, tmp_path, command):
     done = gfmd(command, folder / "failed.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 2
-    assert f"{folder / 'failed.nc'}: given a run that is not ok" in unfolded(done.stderr)
+    assert f"{folder / 'failed.nc'}: you gave a run that is not ok" in unfolded(done.stderr)
     assert not list(tmp_path.iterdir())
 
 

@@ -52,7 +52,9 @@ def test_a_law_that_softens_faster_than_any_wave_stiffens_is_refused_with_the_sh
     for command in (["check"], ["solve", "-o", tmp_path / "out.nc"]):
         refused = gfmd(command[0], path, *command[1:])
         assert refused.exit_code == 2
-        assert "scene.interface.exponential.range: given 0.002; allowed: at least 0.00273" in unfolded(refused.stderr)
+        assert "scene.interface.exponential.range: you gave 0.002; gfmd allows at least 0.00273" in unfolded(
+            refused.stderr
+        )
         assert "at least 4776 points" in unfolded(refused.stderr)
     with warnings.catch_warnings(action="ignore"):
         gfmd_numba.solve(scene(512, tmp_path, exponential=ADHESIVE | {"range": 0.00274}))
@@ -112,4 +114,4 @@ def test_a_campaign_refuses_the_range_that_no_case_may_have(tmp_path):
     for command in ("check", "plan", "run"):
         refused = gfmd(command, path)
         assert refused.exit_code == 2
-        assert "grid.interaction_range[1]: given 0.01; allowed: at least 0.0446" in unfolded(refused.stderr)
+        assert "grid.interaction_range[1]: you gave 0.01; gfmd allows at least 0.0446" in unfolded(refused.stderr)

@@ -100,15 +100,15 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--until=0",), "allowed: a relative error like kappa=2% or 0.02"),
-        (("--until=kappa=x",), "allowed: a relative error like kappa=2% or 0.02"),
-        (("--until=area=1%",), "allowed: one of kappa, kappa_counted, kappa_r, contact_area_fraction, hysteresis"),
-        (("--until=kappa_r=1%",), "allowed: kappa, as the campaign fits that"),
-        (("--until=1%", "--budget=soon"), "allowed: a time like 20min, 2h or 90 s"),
+        (("--until=0",), "gfmd allows a relative error like kappa=2% or 0.02"),
+        (("--until=kappa=x",), "gfmd allows a relative error like kappa=2% or 0.02"),
+        (("--until=area=1%",), "gfmd allows one of kappa, kappa_counted, kappa_r, contact_area_fraction, hysteresis"),
+        (("--until=kappa_r=1%",), "gfmd allows kappa, as the campaign fits that"),
+        (("--until=1%", "--budget=soon"), "gfmd allows a time like 20min, 2h or 90 s"),
         (("--until=1%", "--budget=1e-9"), "where the pilot of 20 realisations of every case takes about"),
-        (("--budget=20min",), "given without --until"),
-        (("--until=1%", "--only=limit=eps_c"), "--only: given with --until"),
-        (("--until=1%", "--limit=3"), "--limit: given with --until"),
+        (("--budget=20min",), "--budget: you gave no --until"),
+        (("--until=1%", "--only=limit=eps_c"), "--only: you gave --until as well"),
+        (("--until=1%", "--limit=3"), "--limit: you gave --until as well"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path, options, told):
@@ -118,8 +118,8 @@ def test_what_makes_no_sense_is_refused(tmp_path, options, told):
 
 def test_a_campaign_without_limits_is_refused(tmp_path):
     said = refused("run", campaign(tmp_path, TINY), "-o", tmp_path / "out", "--until=1%")
-    assert said.startswith("gfmd: --until: given a campaign without a limit")
-    assert "gfmd: --until: given kappa_r; allowed: kappa, as" in refused(
+    assert said.startswith("gfmd: --until: you gave a campaign without a limit")
+    assert "gfmd: --until: you gave kappa_r; gfmd allows kappa, as" in refused(
         "run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--until=kappa_r=1%"
     )
 
@@ -137,7 +137,7 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
 def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path):
     """With two workers, in the first round after the pilot."""
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--until=0.1%"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--until=0.1%"]
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,

@@ -19,28 +19,30 @@ FRICTION = ("{hard_wall: {}}", "{hard_wall: {}, friction: {coefficient: 0.3}}")
 SCENES = {
     "time step of a solver without one": (
         ("{solver: auto}", "{time_step: 0.5}"),
-        "bad.yaml:10:23: numerics.time_step: given 0.5; allowed: nothing with solver active_set_newton, which has no "
+        "bad.yaml:10:23: numerics.time_step: you gave 0.5; gfmd allows nothing with solver active_set_newton, which "
+        "has no "
         "time_step; these have one: verlet, gronbech_jensen, fire",
     ),
     "damping of a solver without one": (
         ("{solver: auto}", "{solver: fire, damping: 0.5}"),
-        "bad.yaml:10:35: numerics.damping: given 0.5; allowed: nothing with solver fire, which has no damping; these",
+        "bad.yaml:10:35: numerics.damping: you gave 0.5; gfmd allows nothing with solver fire, which has no damping; "
+        "these",
     ),
     "order of no topography": (
         ("{solver: auto}", "{topography_order: 2}"),
-        "bad.yaml:10:30: numerics.topography_order: given 2; allowed: nothing where no deformable body is rough",
+        "bad.yaml:10:30: numerics.topography_order: you gave 2; gfmd allows nothing where no deformable body is rough",
     ),
     "solver of one displacement": (
         (
             FRICTION[0] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: auto",
             FRICTION[1] + "\n  loading:\n    reduced_pressure: 0.007\nnumerics: {solver: fire",
         ),
-        "bad.yaml:10:20: numerics.solver: given 'fire'; allowed: 'frictional_newton', 'verlet' or 'auto', "
+        "bad.yaml:10:20: numerics.solver: you gave 'fire'; gfmd allows 'frictional_newton', 'verlet' or 'auto', "
         "which follow both displacements",
     ),
     "anisotropy of a profile": (
         ("rms_gradient: 0.01", "rms_gradient: 0.01\n    anisotropy: 2"),
-        "bad.yaml:7:17: scene.roughness.anisotropy: given 2; allowed: nothing with dimension 1",
+        "bad.yaml:7:17: scene.roughness.anisotropy: you gave 2; gfmd allows nothing with dimension 1",
     ),
 }
 
@@ -76,7 +78,7 @@ def test_an_incompressible_value_of_a_grid_is_refused_to_a_solver_without_a_rigi
     (tmp_path / "good.yaml").write_text(text)
     load_campaign(tmp_path / "good.yaml")
     said = complaint(tmp_path, load_campaign, changed(text, "{solver: auto}", "{solver: verlet}"))
-    assert "grid.poissons_ratio[1]: given 0.5; allowed: a number below 0.5 with solver verlet" in said
+    assert "grid.poissons_ratio[1]: you gave 0.5; gfmd allows a number below 0.5 with solver verlet" in said
 
 
 def test_what_is_not_refused_has_a_solver():

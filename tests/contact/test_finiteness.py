@@ -36,7 +36,7 @@ EXTREME = ["1e300", "1e-300", "1.7e308", "5e-324"]
 def test_an_extreme_value_is_refused_where_it_stands(tmp_path, key, value):
     name = key.partition(":")[0]
     said = complaint(tmp_path, load_scene, SCENE.replace(key, f"{name}: {value}"))
-    assert f"{name}: given {float(value)!r}; allowed: a number from 1e-30 to 1e+30" in said
+    assert f"{name}: you gave {float(value)!r}; gfmd allows a number from 1e-30 to 1e+30" in said
     with pytest.raises(InputError, match=name):
         gfmd_numba.solve(tmp_path / "bad.yaml")
 
@@ -45,7 +45,7 @@ def test_an_extreme_value_is_refused_where_it_stands(tmp_path, key, value):
 @pytest.mark.parametrize("key", ["rms_gradient", "reduced_pressure"])
 def test_an_extreme_value_of_a_campaign_is_refused_where_it_stands(tmp_path, key, value):
     text = CAMPAIGN.replace("grid: {", f"grid: {{{key}: [0.01, {value}], ")
-    assert f"grid.{key}[1]: given " in complaint(tmp_path, load_campaign, text)
+    assert f"grid.{key}[1]: you gave " in complaint(tmp_path, load_campaign, text)
 
 
 @pytest.mark.parametrize("value", ["1.8e308", "1.7e308", "1e31", "1e-13"])
@@ -53,20 +53,20 @@ def test_a_slab_taller_than_any_is_refused(tmp_path, value):
     text = SCENE.replace("aspect_ratio: 1", f"aspect_ratio: {value}").replace(
         "reduced_pressure: 0.05", "displacement: 0"
     )
-    assert "aspect_ratio: given " in complaint(tmp_path, load_scene, text)
+    assert "aspect_ratio: you gave " in complaint(tmp_path, load_scene, text)
 
 
 @pytest.mark.parametrize("value", ["1e-160", "1e-320", "5e-324"])
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_a_grid_beyond_the_range_of_numbers_is_refused(tmp_path, dimension, value):
     text = SCENE.replace("eps_f: 1/8", f"eps_f: {value}") + f"dimension: {dimension}\n"
-    assert "discretisation.eps_f: given " in complaint(tmp_path, load_scene, text)
+    assert "discretisation.eps_f: you gave " in complaint(tmp_path, load_scene, text)
 
 
 @pytest.mark.parametrize("value", ['"2D"', '"2"', "two", "3", "[2]", "true", ".nan"])
 def test_a_dimension_is_one_of_two_numbers(tmp_path, value):
     said = complaint(tmp_path, load_scene, SCENE + f"dimension: {value}\n")
-    assert "allowed: one of 1, 2" in said
+    assert "gfmd allows one of 1, 2" in said
     assert said.endswith("did you mean 2 without quotes?") == (value == '"2"')
 
 
@@ -80,7 +80,7 @@ def test_heights_beyond_all_measure_are_refused(tmp_path, place, height):
     body = {"poissons_ratio": 0.3, "youngs_modulus": 1.0}
     scene = {"body": body, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
     scene |= {"roughness": rough} if place == "roughness" else {place: body | {"roughness": rough}}
-    with pytest.raises(InputError, match=r"roughness.file: given p.npy \(height"):
+    with pytest.raises(InputError, match=r"roughness.file: you gave p.npy \(height"):
         gfmd_numba.solve(scene)
 
 
@@ -180,7 +180,7 @@ def test_fields_that_are_not_finite_are_refused(tmp_path):
     found = gfmd_numba.solve(tmp_path / "s.yaml")
     found["pressure"][3] = np.inf
     with (
-        pytest.raises(InputError, match="contact: given a contact whose fields are not finite"),
+        pytest.raises(InputError, match="contact: you gave a contact whose fields are not finite"),
         np.errstate(all="ignore"),
     ):
         gfmd_numba.body_fields(found)

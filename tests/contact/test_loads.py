@@ -77,13 +77,19 @@ def test_a_path_changes_the_load_that_the_loading_prescribes():
 
 NOTHING = "a youngs_modulus of every elastic body"
 FAULTS = {
-    "no moduli": (("youngs_modulus: 70 GPa, ", ""), f"given '1 kN/m'; allowed: line_load beside {NOTHING}, or a"),
-    "no length": (("  length: 1 mm\n", ""), "given '1 kN/m'; allowed: line_load beside the length of the period, or a"),
-    "on a map": (("  length", "  dimension: 2\n  length"), "given '1 kN/m'; allowed: a force with dimension 2"),
-    "another dimension": (("1 kN/m", "1 kN"), "given '1 kN'; allowed: a force per length in N/m, kN/m, N/mm or the"),
+    "no moduli": (("youngs_modulus: 70 GPa, ", ""), f"you gave '1 kN/m'; gfmd allows line_load beside {NOTHING}, or a"),
+    "no length": (
+        ("  length: 1 mm\n", ""),
+        "you gave '1 kN/m'; gfmd allows line_load beside the length of the period, or a",
+    ),
+    "on a map": (("  length", "  dimension: 2\n  length"), "you gave '1 kN/m'; gfmd allows a force with dimension 2"),
+    "another dimension": (
+        ("1 kN/m", "1 kN"),
+        "you gave '1 kN'; gfmd allows a force per length in N/m, kN/m, N/mm or the",
+    ),
     "beyond measure": (
         ("1 kN/m", "1e30"),
-        "given 1e+30; allowed: a reduced pressure from 1e-30 to 1e+30, while this one",
+        "you gave 1e+30; gfmd allows a reduced pressure from 1e-30 to 1e+30, while this one",
     ),
 }
 
@@ -102,7 +108,7 @@ def test_a_load_that_makes_no_sense_is_refused_where_it_stands(name, tmp_path):
 
 def test_a_step_changes_no_other_load(tmp_path):
     expected = (
-        "bad.yaml:8:19: path[0].pressure: given '1 MPa'; allowed: what the loading prescribes, which is line_load"
+        "bad.yaml:8:19: path[0].pressure: you gave '1 MPa'; gfmd allows what the loading prescribes, which is line_load"
     )
     assert_complaint(tmp_path, load_checked, SCENE, ("{line_load: 2 kN/m}", "{pressure: 1 MPa}"), expected)
 
@@ -110,7 +116,9 @@ def test_a_step_changes_no_other_load(tmp_path):
 def test_a_force_on_a_profile_is_refused(tmp_path):
     text = changed(SCENE, "line_load: 1 kN/m", "force: 1 N").replace("line_load: 2 kN/m", "force: 2 N")
     said = complaint(tmp_path, load_checked, text)
-    assert said.startswith("bad.yaml:6:20: scene.loading.force: given '1 N'; allowed: a line_load with dimension 1")
+    assert said.startswith(
+        "bad.yaml:6:20: scene.loading.force: you gave '1 N'; gfmd allows a line_load with dimension 1"
+    )
 
 
 @pytest.mark.parametrize("name", [load for load in LOADS if load != "reduced_pressure"])
@@ -134,6 +142,6 @@ def test_a_load_far_beyond_all_measure_is_refused_in_a_campaign():
     scene = {"body": BODY | {"youngs_modulus": 1e-30}, "roughness": ROUGH, "interface": {"hard_wall": {}}}
     file = CAMPAIGN | {"scene": scene | {"loading": {"pressure": 1e30}}}
     with pytest.raises(
-        gfmd_numba.InputError, match=r"scene.loading.pressure: given 1e.30; allowed: a reduced pressure"
+        gfmd_numba.InputError, match=r"scene.loading.pressure: you gave 1e.30; gfmd allows a reduced pressure"
     ):
         gfmd_numba.run(file, "nowhere", workers=0)

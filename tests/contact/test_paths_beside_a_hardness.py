@@ -204,7 +204,9 @@ def test_a_campaign_records_what_one_contact_does(tmp_path):
 def test_a_step_beyond_the_hardness_is_an_error_with_its_place():
     file = scene(HARD) | {"path": [{"reduced_pressure": 0.2}, {"reduced_pressure": 0.5}]}
     loaded, document = load_scene(file)
-    with pytest.raises(InputError, match=r"path\[1\]\.reduced_pressure: given 0\.5; allowed: below 0\.5, at which"):
+    with pytest.raises(
+        InputError, match=r"path\[1\]\.reduced_pressure: you gave 0\.5; gfmd allows below 0\.5, at which"
+    ):
         check_combination(document, loaded.scene, loaded.numerics, loaded.path)
 
 

@@ -132,7 +132,9 @@ def test_a_law_of_too_short_a_slip_is_refused_with_the_shortest_that_may_be(tmp_
 
     refused = check(5e-3)
     assert refused.exit_code == 2
-    told = f"scene.interface.cohesive.tangential_length: given 0.005; allowed: at least {shortest:.3g} on this grid"
+    told = (
+        f"scene.interface.cohesive.tangential_length: you gave 0.005; gfmd allows at least {shortest:.3g} on this grid"
+    )
     assert told in unfolded(refused.stderr)
     for factor, warns in ((1.01, True), (1.01 * np.sqrt(REFUSED / COARSEST), False)):
         checked = check(factor * shortest)

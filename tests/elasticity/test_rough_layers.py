@@ -154,7 +154,8 @@ def test_valleys_through_the_topmost_layer_are_refused_at_higher_orders_alone():
     body = ElasticBody.layered((0.02, BELOW), BODIES["hard on soft"].stack.materials, None)
     heights = 0.03 * np.cos(2 * np.pi * X)
     allowed = (
-        r"scene.body.roughness: given a topography from -0.03 to 0.03 L_x; allowed: valleys above the lower side of "
+        r"scene.body.roughness: you gave a topography from -0.03 to 0.03 L_x; gfmd allows valleys above the lower "
+        r"side of "
         r"the topmost layer, -0.02 L_x, or a numerics.topography_order of 0"
     )
     with pytest.raises(InputError, match=allowed):

@@ -145,55 +145,59 @@ path: []
         (
             "{hard_wall: {}}",
             "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 1e-9}}",
-            "5:74: scene.interface.exponential.range: given 1e-09; allowed: at least 4.76e-09 on this grid",
+            "5:74: scene.interface.exponential.range: you gave 1e-09; gfmd allows at least 4.76e-09 on this grid",
         ),
         (
             "{hard_wall: {}}",
             "{exponential: {work_of_adhesion: 0.1, range: 1e-6}}",
-            "5:14: scene.interface: given {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
-            "allowed: hard_wall, cohesive, or an exponential law that repels",
+            "5:14: scene.interface: you gave {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
+            "gfmd allows hard_wall, cohesive, or an exponential law that repels",
         ),
         (
             "{hard_wall: {}}",
             "{hard_wall: {}, exponential: {work_of_adhesion: 0, range: 1e-6}}",
-            "5:62: scene.interface.exponential.work_of_adhesion: given 0; allowed: a number other than 0",
+            "5:62: scene.interface.exponential.work_of_adhesion: you gave 0; gfmd allows a number other than 0",
         ),
         (
             "{hard_wall: {}}",
             "{hard_wall: {}, "
             "cohesive: {work_of_adhesion: 1, normal_length: 1, tangential_length: 1}, friction: {coefficient: 1}}",
-            "5:113: scene.interface.friction: given {'coefficient': 1}; allowed: one law of normal and tangential",
+            "5:113: scene.interface.friction: you gave {'coefficient': 1}; gfmd allows one law of normal and "
+            "tangential",
         ),
         (
             "{hard_wall: {}}",
             "{hard_wall: {}, friction: {coefficient: -1}}",
-            "5:54: scene.interface.friction.coefficient: given -1; allowed: a number above 0, or .inf for sticking",
+            "5:54: scene.interface.friction.coefficient: you gave -1; gfmd allows a number above 0, or .inf for "
+            "sticking",
         ),
         (
             "solver: auto",
             "solver: verlet, time_step: 1.01",
-            "8:39: numerics.time_step: given 1.01; allowed: a number from 1e-6 to 1, as more is above the "
+            "8:39: numerics.time_step: you gave 1.01; gfmd allows a number from 1e-6 to 1, as more is above the "
             "stability limit",
         ),
         (
             "path: []",
             "path: [{displacement: 1e-7}]",
-            "9:23: path[0].displacement: given 1e-07; allowed: what the loading prescribes, which is reduced_pressure",
+            "9:23: path[0].displacement: you gave 1e-07; gfmd allows what the loading prescribes, which is "
+            "reduced_pressure",
         ),
         (
             "path: []",
             "path: [{sliding: 1e-7}]",
-            "9:18: path[0].sliding: given 1e-07; allowed: nothing without friction or a cohesive law",
+            "9:18: path[0].sliding: you gave 1e-07; gfmd allows nothing without friction or a cohesive law",
         ),
         (
             "path: []",
             "path: [{reduced_pressure: -0.1}]",
-            "9:27: path[0].reduced_pressure: given -0.1; allowed: a number from 1e-30 to 1e+30",
+            "9:27: path[0].reduced_pressure: you gave -0.1; gfmd allows a number from 1e-30 to 1e+30",
         ),
         (
             "{reduced_pressure: 0.05}",
             "{displacement: -1e-7}",
-            "6:27: scene.loading.displacement: given -1e-07; allowed: a finite number of at least 0, as nothing acts",
+            "6:27: scene.loading.displacement: you gave -1e-07; gfmd allows a finite number of at least 0, as "
+            "nothing acts",
         ),
     ],
 )
@@ -214,5 +218,5 @@ def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, s
     path = tmp_path / "scene.yaml"
     text = SCENE.replace("hard_wall: {}", f"hard_wall: {{}}, {interface}")
     path.write_text(text.replace("solver: auto", f"solver: {solver}"))
-    with pytest.raises(InputError, match=f"numerics.solver: given '{solver}'; allowed: "):
+    with pytest.raises(InputError, match=f"numerics.solver: you gave '{solver}'; gfmd allows "):
         gfmd_numba.solve(path)

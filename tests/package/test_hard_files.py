@@ -40,7 +40,7 @@ def assert_loads_or_says_why(folder, kind, text):
     said = refusal(load, path)
     assert time.perf_counter() - begun < 10.0
     if said is not None:
-        assert re.match(re.escape(str(path)) + r":(\d+:\d+:)? .*given .*; allowed: ", said, re.DOTALL)
+        assert re.match(re.escape(str(path)) + r":(\d+:\d+:)? .*you gave .*; gfmd (allows|needs) ", said, re.DOTALL)
         assert len(said) < 20_000
 
 

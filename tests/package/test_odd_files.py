@@ -41,14 +41,14 @@ def test_a_command_refuses_what_is_no_regular_file(tmp_path, command, kind):
     output = ["-o", tmp_path / ("p.png" if command == "plot" else "p.nc")] if command not in ("check", "plan") else []
     done = gfmd(command, odd(tmp_path, kind, "odd.yaml"), *output)
     assert done.exit_code == 2
-    assert "given a device, pipe or socket, not a regular file; allowed: " in done.output
+    assert "you gave a device, pipe or socket, not a regular file; gfmd allows " in done.output
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "device"])
 @pytest.mark.parametrize("suffix", ["npy", "csv", "nc", "opd"])
 def test_a_surface_refuses_what_is_no_regular_file(tmp_path, kind, suffix):
     file = odd(tmp_path, kind, f"odd.{suffix}")
-    with pytest.raises(InputError, match=r"given .*; allowed: an existing file"):
+    with pytest.raises(InputError, match=r"you gave .*; gfmd allows an existing file"):
         gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(file)}})
 
 
@@ -65,8 +65,8 @@ def test_a_file_larger_than_any_input_is_not_read(tmp_path):
     for name in ("scene.yaml", "p.npy", "p.csv", "p.nc"):
         with open(tmp_path / name, "wb") as file:
             file.truncate(2**42)
-    assert "given a file of 4.398e+06 MB, more than" in gfmd("check", tmp_path / "scene.yaml").output
-    assert "given a file of 4.398e+06 MB, more than" in gfmd("fit", tmp_path / "p.nc").output
+    assert "you gave a file of 4.398e+06 MB, more than" in gfmd("check", tmp_path / "scene.yaml").output
+    assert "you gave a file of 4.398e+06 MB, more than" in gfmd("fit", tmp_path / "p.nc").output
     for name in ("p.npy", "p.csv", "p.nc"):
         with pytest.raises(InputError, match=r"a file of 4\.398e\+06 MB, more than"):
             gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(tmp_path / name)}})
@@ -118,7 +118,7 @@ def test_a_damaged_header_of_an_array_is_told(tmp_path, name):
     header = HEADERS[name] + b"\n"
     content = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + np.arange(8.0).tobytes()
     (tmp_path / "p.npy").write_bytes(content)
-    with pytest.raises(InputError, match=r"given p.npy \((no .npy array of numbers|an array of shape)"):
+    with pytest.raises(InputError, match=r"you gave p.npy \((no .npy array of numbers|an array of shape)"):
         gfmd_numba.make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.npy")}})
 
 
@@ -131,11 +131,11 @@ def test_a_link_is_of_the_kind_its_name_says(tmp_path):
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
     rough = {"method": "measured", "file": str(tmp_path / "p.csv")}
     assert int(gfmd_numba.solve({**scene, "roughness": rough})["status"]) == 0
-    with pytest.raises(InputError, match=r"given q.csv \(no row of numbers, but 'root"):
+    with pytest.raises(InputError, match=r"you gave q.csv \(no row of numbers, but 'root"):
         gfmd_numba.solve({**scene, "roughness": rough | {"file": str(tmp_path / "q.csv")}})
     loaded = {
         "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
         "boundary": {"normal_traction": str(tmp_path / "q.csv")},
     }
-    with pytest.raises(InputError, match=r"given q.csv \(no row of numbers, but 'root"):
+    with pytest.raises(InputError, match=r"you gave q.csv \(no row of numbers, but 'root"):
         gfmd_numba.solve({"scene": loaded})

@@ -143,7 +143,7 @@ def test_every_choice_is_refused_by_the_table_or_allowed(sorted_out):
     for said in refused.values():
         for line in said.splitlines():
             assert line.startswith(("scene.", "numerics.", "path")), line
-            assert "; allowed: " in line
+            assert "; gfmd allows " in line
 
 
 def test_every_pair_is_refused_or_solved(sorted_out, tmp_path):

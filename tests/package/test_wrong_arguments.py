@@ -30,45 +30,47 @@ OF_A_CONTACT = (
 
 @pytest.mark.parametrize("given", WRONG, ids=lambda given: type(given).__name__)
 def test_what_is_neither_a_file_nor_a_mapping_is_no_scene(given):
-    with pytest.raises(InputError, match=r"scene: given .*; allowed: the path of a YAML file, or a mapping"):
+    with pytest.raises(InputError, match=r"scene: you gave .*; gfmd allows the path of a YAML file, or a mapping"):
         gfmd_numba.solve(given)
-    with pytest.raises(InputError, match=r"surface: given .*; allowed: the path of a YAML file, or a mapping"):
+    with pytest.raises(InputError, match=r"surface: you gave .*; gfmd allows the path of a YAML file, or a mapping"):
         gfmd_numba.make_surface(given)
 
 
 @pytest.mark.parametrize("given", [{}, {"scene": np.zeros(3)}, {1: 2}, {"body": None}, xr.Dataset({"x": 1}), {None: 0}])
 def test_a_mapping_of_something_else_is_no_scene(given):
     for function in (gfmd_numba.solve, gfmd_numba.make_surface):
-        with pytest.raises(InputError, match="allowed: "):
+        with pytest.raises(InputError, match="gfmd allows "):
             function(given)
 
 
 @pytest.mark.parametrize("given", [*WRONG, {}], ids=lambda given: type(given).__name__)
 @pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, *OF_A_CONTACT])
 def test_what_is_no_dataset_is_told_who_makes_one(function, given):
-    with pytest.raises(InputError, match=r"given .*; allowed: an xarray.Dataset, as gfmd_numba\.(open_campaign|solve)"):
+    with pytest.raises(
+        InputError, match=r"you gave .*; gfmd allows an xarray.Dataset, as gfmd_numba\.(open_campaign|solve)"
+    ):
         function(given)
 
 
 @pytest.mark.parametrize("given", WRONG, ids=lambda given: type(given).__name__)
 def test_what_is_no_path_is_no_campaign(given):
-    with pytest.raises(InputError, match=r"path: given .*; allowed: a netCDF file, or the output directory"):
+    with pytest.raises(InputError, match=r"path: you gave .*; gfmd allows a netCDF file, or the output directory"):
         gfmd_numba.open_campaign(given)
 
 
 @pytest.mark.parametrize("z", ["deep", [[-0.1]], [-0.1, None], object(), np.array(["a"]), 1j, [-2.0], 0.1, np.nan])
 def test_heights_that_are_none_are_told(z):
     contact = gfmd_numba.solve(SCENE)
-    with pytest.raises(InputError, match=r"z: given .*; allowed: "):
+    with pytest.raises(InputError, match=r"z: you gave .*; gfmd allows "):
         gfmd_numba.body_fields(contact, z)
-    with pytest.raises(InputError, match=r"body: given .*; allowed: 'body'"):
+    with pytest.raises(InputError, match=r"body: you gave .*; gfmd allows 'body'"):
         gfmd_numba.body_fields(contact, -0.1, z)
 
 
 @pytest.mark.parametrize("scene", ["", "{}", "[", "3", '{"scene": 1}'])
 def test_results_with_another_scene_are_told(scene):
     contact = gfmd_numba.solve(SCENE).assign_attrs(scene=scene)
-    with pytest.raises(InputError, match="contact: given a contact whose scene is unreadable"):
+    with pytest.raises(InputError, match="contact: you gave a contact whose scene is unreadable"):
         gfmd_numba.body_fields(contact)
 
 
@@ -90,14 +92,17 @@ def test_options_of_a_fit_are_checked(tmp_path):
 @pytest.mark.parametrize(
     ("function", "said"),
     [
-        (gfmd_numba.fit_tfc, "given no results of a campaign; allowed: what a finished `gfmd run` leaves"),
-        (gfmd_numba.contact_statistics, "given no results of a contact; allowed: what `gfmd solve` leaves"),
-        (gfmd_numba.gap_percolation, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
-        (gfmd_numba.leakage, "given no results of a map's contact; allowed: what `gfmd solve` leaves"),
-        (gfmd_numba.contact_conductance, "contact: given no results of a contact; allowed: what gfmd_numba.solve"),
-        (contact_stiffness, "given no results of several loads; allowed: a campaign's, or those of a path"),
-        (plot_fit, "given no fit; allowed: what `gfmd fit -o` leaves"),
-        (plot_curve, "given no load curve; allowed: what `gfmd curve` leaves"),
+        (gfmd_numba.fit_tfc, "you gave no results of a campaign; gfmd allows what a finished `gfmd run` leaves"),
+        (gfmd_numba.contact_statistics, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves"),
+        (gfmd_numba.gap_percolation, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
+        (gfmd_numba.leakage, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
+        (
+            gfmd_numba.contact_conductance,
+            "contact: you gave no results of a contact; gfmd allows what gfmd_numba.solve",
+        ),
+        (contact_stiffness, "you gave no results of several loads; gfmd allows a campaign's, or those of a path"),
+        (plot_fit, "you gave no fit; gfmd allows what `gfmd fit -o` leaves"),
+        (plot_curve, "you gave no load curve; gfmd allows what `gfmd curve` leaves"),
     ],
 )
 def test_a_dataset_of_another_kind_is_an_error_of_the_input(function, said):
@@ -107,7 +112,7 @@ def test_a_dataset_of_another_kind_is_an_error_of_the_input(function, said):
 
 @pytest.mark.parametrize("function", [gfmd_numba.fit_tfc, gfmd_numba.contact_statistics, gfmd_numba.body_fields])
 def test_a_path_stands_for_the_results_in_it(tmp_path, function):
-    with pytest.raises(InputError, match=r"absent.nc: given a path that cannot be read"):
+    with pytest.raises(InputError, match=r"absent.nc: you gave a path that cannot be read"):
         function(tmp_path / "absent.nc")
     if function is gfmd_numba.fit_tfc:
         path = tmp_path / "out"

@@ -110,17 +110,35 @@ grid: {{anisotropy: [1, 4]}}
 @pytest.mark.parametrize(
     ("load", "text", "old", "new", "fault"),
     [
-        (gfmd_numba.solve, SCENE, "dimension: 2", "dimension: 1", "roughness.anisotropy: given 2; allowed: nothing"),
-        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 1/2", "anisotropy: given 0.5; allowed: a finite"),
-        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 5", "given 5.0; allowed: at most 1/eps_t = 4"),
-        (load_campaign, CAMPAIGN, "dimension: 2", "dimension: 1", "grid.anisotropy: given [1, 4]; allowed: nothing"),
-        (load_campaign, CAMPAIGN, "[1, 4]", "[1, 8]", "grid.anisotropy[1]: given 8.0; allowed: at most 1/eps_t = 4"),
+        (
+            gfmd_numba.solve,
+            SCENE,
+            "dimension: 2",
+            "dimension: 1",
+            "roughness.anisotropy: you gave 2; gfmd allows nothing",
+        ),
+        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 1/2", "anisotropy: you gave 0.5; gfmd allows a finite"),
+        (load_scene, SCENE, "anisotropy: 2", "anisotropy: 5", "you gave 5.0; gfmd allows at most 1/eps_t = 4"),
+        (
+            load_campaign,
+            CAMPAIGN,
+            "dimension: 2",
+            "dimension: 1",
+            "grid.anisotropy: you gave [1, 4]; gfmd allows nothing",
+        ),
+        (
+            load_campaign,
+            CAMPAIGN,
+            "[1, 4]",
+            "[1, 8]",
+            "grid.anisotropy[1]: you gave 8.0; gfmd allows at most 1/eps_t = 4",
+        ),
         (
             load_campaign,
             CAMPAIGN,
             "eps_c: [",
             "eps_t: [1/2, ",
-            "anisotropy[1]: given 4.0; allowed: at most 1/eps_t = 2",
+            "anisotropy[1]: you gave 4.0; gfmd allows at most 1/eps_t = 2",
         ),
     ],
 )

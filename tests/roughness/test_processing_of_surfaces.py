@@ -125,7 +125,7 @@ def test_an_unknown_unit_is_told_with_its_place(tmp_path):
     (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy, units: {z: furlong}}\n")
     done = gfmd("check", tmp_path / "s.yaml")
     assert done.exit_code == 2
-    assert "s.yaml:1:53: surface.units.z: given 'furlong'; allowed: a unit of length: m, km, dm," in done.output
+    assert "s.yaml:1:53: surface.units.z: you gave 'furlong'; gfmd allows a unit of length: m, km, dm," in done.output
 
 
 def test_doubts_stay_in_the_result_and_are_said(tmp_path):

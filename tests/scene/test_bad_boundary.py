@@ -18,62 +18,67 @@ VALUES = (
     "a number up to 1e30 in size or a pressure in Pa, kPa, MPa, GPa or the like, for every node, "
     "or the name of a .npy or .csv file with one value for each node"
 )
-BEFORE = "bad.yaml:4:22: scene.boundary.normal_traction: given "
+BEFORE = "bad.yaml:4:22: scene.boundary.normal_traction: you gave "
 LOADS = {
     "nothing prescribed": (
         ("boundary:\n    normal_traction: pull.csv\n    tangential_displacement: held.npy", "boundary: {}"),
-        "bad.yaml:3:13: scene.boundary: given {}; allowed: at least one of normal_traction, tangential_traction, ",
+        "bad.yaml:3:13: scene.boundary: you gave {}; gfmd allows at least one of normal_traction, "
+        "tangential_traction, ",
     ),
     "no grid": (
         ("normal_traction: pull.csv\n    tangential_displacement: held.npy", "normal_traction: 0.1"),
-        "bad.yaml:1:1: points: given nothing; allowed: the number of nodes, as no file of the boundary gives it",
+        "bad.yaml:1:1: points: you gave nothing; gfmd needs the number of nodes, as no file of the boundary gives it",
     ),
     "unknown key": (
         ("normal_traction", "normal_tracton"),
-        "bad.yaml:4:5: scene.boundary.normal_tracton: given an unknown key; allowed: one of 'normal_traction', "
+        "bad.yaml:4:5: scene.boundary.normal_tracton: you gave an unknown key; gfmd allows one of 'normal_traction', "
         "'tangential_traction', 'normal_displacement', 'tangential_displacement', 'tangential_traction_y', "
         "'tangential_displacement_y'; did you mean 'normal_traction'?",
     ),
-    "list": (("pull.csv", "[0.1, 0.2]"), f"{BEFORE}[0.1, 0.2]; allowed: {VALUES}"),
-    "infinite traction": (("pull.csv", ".inf"), f"{BEFORE}inf; allowed: {VALUES}"),
-    "boolean": (("pull.csv", "true"), f"{BEFORE}true; allowed: {VALUES}"),
-    "quoted number": (("pull.csv", "'0.1'"), f"{BEFORE}'0.1'; allowed: {VALUES}; did you mean 0.1 without quotes?"),
-    "file of another kind": (("pull.csv", "pull.nc"), f"{BEFORE}'pull.nc'; allowed: {VALUES}"),
-    "no such file": (("pull.csv", "pul.csv"), f"{BEFORE}'pul.csv'; allowed: an existing file, unlike pul.csv; did"),
+    "list": (("pull.csv", "[0.1, 0.2]"), f"{BEFORE}[0.1, 0.2]; gfmd allows {VALUES}"),
+    "infinite traction": (("pull.csv", ".inf"), f"{BEFORE}inf; gfmd allows {VALUES}"),
+    "boolean": (("pull.csv", "true"), f"{BEFORE}true; gfmd allows {VALUES}"),
+    "quoted number": (("pull.csv", "'0.1'"), f"{BEFORE}'0.1'; gfmd allows {VALUES}; did you mean 0.1 without quotes?"),
+    "file of another kind": (("pull.csv", "pull.nc"), f"{BEFORE}'pull.nc'; gfmd allows {VALUES}"),
+    "no such file": (("pull.csv", "pul.csv"), f"{BEFORE}'pul.csv'; gfmd allows an existing file, unlike pul.csv; did"),
     "text in a file": (("pull.csv", "words.csv"), f"{BEFORE}words.csv (no row of numbers, but 'one')"),
     "infinity in a file": (
         ("pull.csv", "endless.csv"),
-        f"{BEFORE}endless.csv (inf at index 3); allowed: finite numbers of at most 1e+30, and not-a-number "
+        f"{BEFORE}endless.csv (inf at index 3); gfmd allows finite numbers of at most 1e+30, and not-a-number "
         "where nothing is prescribed",
     ),
     "nothing in a file": (
         ("pull.csv", "nothing.csv"),
-        f"{BEFORE}nothing.csv (no number); allowed: a number for at least one node",
+        f"{BEFORE}nothing.csv (no number); gfmd allows a number for at least one node",
     ),
     "two columns": (("pull.csv", "table.csv"), f"{BEFORE}table.csv (2 columns, not one column of equidistant values)"),
     "grids that differ": (
         ("pull.csv", "long.csv"),
-        "bad.yaml:5:30: scene.boundary.tangential_displacement: given held.npy (16 values); allowed: one value for "
+        "bad.yaml:5:30: scene.boundary.tangential_displacement: you gave held.npy (16 values); gfmd allows one value "
+        "for "
         "each of the 20 nodes",
     ),
     "a grid unlike the points": (
         ("scene:", "points: 12\nscene:"),
-        "bad.yaml:5:22: scene.boundary.normal_traction: given pull.csv (16 values); allowed: one value for each of "
+        "bad.yaml:5:22: scene.boundary.normal_traction: you gave pull.csv (16 values); gfmd allows one value for "
+        "each of "
         "the 12 nodes",
     ),
     "both at every node": (
         ("pull.csv", "0.2\n    normal_displacement: 0"),
-        f"{BEFORE}0.2 at node 0; allowed: a file with not-a-number at the nodes whose normal_displacement is "
+        f"{BEFORE}0.2 at node 0; gfmd allows a file with not-a-number at the nodes whose normal_displacement is "
         "prescribed, of which this is one",
     ),
     "both at one node": (
         ("pull.csv", "pull.csv\n    tangential_traction: pull.csv"),
-        "bad.yaml:5:26: scene.boundary.tangential_traction: given 3 at node 3; allowed: a file with not-a-number at "
+        "bad.yaml:5:26: scene.boundary.tangential_traction: you gave 3 at node 3; gfmd allows a file with "
+        "not-a-number at "
         "the nodes whose tangential_displacement is prescribed, of which this is one",
     ),
     "half-space out of balance": (
         ("0.5}", ".inf}"),
-        f"{BEFORE}a mean of 7.5; allowed: a mean of 0, or a finite aspect_ratio or a normal_displacement, as nothing "
+        f"{BEFORE}a mean of 7.5; gfmd allows a mean of 0, or a finite aspect_ratio or a normal_displacement, as "
+        "nothing "
         "holds a half-space",
     ),
     "incompressible slab without a free node": (
@@ -81,37 +86,42 @@ LOADS = {
             "0.3, aspect_ratio: 0.5}\n  boundary:\n    normal_traction: pull.csv",
             "0.5, aspect_ratio: 0.5}\n  boundary:\n    normal_displacement: 0.1",
         ),
-        "bad.yaml:4:26: scene.boundary.normal_displacement: given 0.1; allowed: not-a-number for at least one node of "
+        "bad.yaml:4:26: scene.boundary.normal_displacement: you gave 0.1; gfmd allows not-a-number for at least one "
+        "node of "
         "an incompressible slab, whose pressure no displacement tells",
     ),
     "solver of one component": (
         ("scene:", "numerics: {solver: fire}\nscene:"),
-        "bad.yaml:1:20: numerics.solver: given 'fire'; allowed: 'verlet' or 'auto', the solver of both displacements",
+        "bad.yaml:1:20: numerics.solver: you gave 'fire'; gfmd allows 'verlet' or 'auto', the solver of both "
+        "displacements",
     ),
     "a loading without a punch": (
         ("scene:", "scene:\n  loading: {reduced_pressure: 0.1}"),
-        "bad.yaml:1:1: scene.interface: given nothing; allowed: ",
+        "bad.yaml:1:1: scene.interface: you gave nothing; gfmd needs ",
     ),
 }
 BESIDES = {
     "mean pressure and mean traction": (
         ("wave.csv", "0.01"),
-        "bad.yaml:11:22: scene.boundary.normal_traction: given a mean of 0.01; allowed: a mean of 0, as "
+        "bad.yaml:11:22: scene.boundary.normal_traction: you gave a mean of 0.01; gfmd allows a mean of 0, as "
         "loading.reduced_pressure prescribes the mean pressure",
     ),
     "half-space out of balance": (
         ("wave.csv", "wave.csv\n    tangential_traction: 0.01"),
-        "bad.yaml:12:26: scene.boundary.tangential_traction: given a mean of 0.01; allowed: a mean of 0, or a finite "
+        "bad.yaml:12:26: scene.boundary.tangential_traction: you gave a mean of 0.01; gfmd allows a mean of 0, or a "
+        "finite "
         "aspect_ratio, as nothing holds a half-space",
     ),
     "another grid": (
         ("wave.csv", "long.csv"),
-        "bad.yaml:11:22: scene.boundary.normal_traction: given long.csv (20 values); allowed: one value for each of "
+        "bad.yaml:11:22: scene.boundary.normal_traction: you gave long.csv (20 values); gfmd allows one value for "
+        "each of "
         "the 16 nodes",
     ),
     "displacements beside a punch": (
         ("wave.csv", "wave.csv\n    tangential_displacement: 0"),
-        "bad.yaml:12:30: scene.boundary.tangential_displacement: given 0; allowed: only tractions beside a punch, as "
+        "bad.yaml:12:30: scene.boundary.tangential_displacement: you gave 0; gfmd allows only tractions beside a "
+        "punch, as "
         "the punch prescribes displacements (to make it stick: friction with coefficient .inf); ",
     ),
 }

@@ -48,7 +48,7 @@ def test_a_scene_is_refused_exactly_where_its_arrays_do_not_fit(law, steps, arra
     memory(arrays)
     loaded(law, steps)
     memory(arrays - 1)
-    with pytest.raises(InputError, match=r"discretisation.eps_f: given .* a grid that fits in .* GB of memory"):
+    with pytest.raises(InputError, match=r"discretisation.eps_f: you gave .* a grid that fits in .* GB of memory"):
         loaded(law, steps)
 
 

@@ -19,7 +19,8 @@ def test_a_path_that_is_no_file_is_named(tmp_path):
     with pytest.raises(InputError) as caught:
         load_scene(tmp_path / "absent.yaml")
     assert str(caught.value) == (
-        f"{tmp_path}/absent.yaml: given a path that cannot be read (No such file or directory); allowed: a YAML file"
+        f"{tmp_path}/absent.yaml: you gave a path that cannot be read (No such file or directory); gfmd allows a "
+        "YAML file"
     )
     with pytest.raises(InputError, match="Is a directory"):
         load_scene(tmp_path)
@@ -27,39 +28,42 @@ def test_a_path_that_is_no_file_is_named(tmp_path):
 
 def test_flat_file_is_told_its_own_paths(tmp_path):
     assert complaint(tmp_path, load_scene, FLAT) == (
-        "bad.yaml:2:33: roughness.hurst: given 1.4; allowed: a number from 0 to 1\n"
-        "bad.yaml:4:11: loading.reduced_presure: given an unknown key; allowed: one of 'reduced_pressure', "
+        "bad.yaml:2:33: roughness.hurst: you gave 1.4; gfmd allows a number from 0 to 1\n"
+        "bad.yaml:4:11: loading.reduced_presure: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
         "'pressure', 'line_load', 'force', 'displacement'; did you mean 'reduced_pressure'?"
     )
     assert (
         complaint(tmp_path, load_scene, "roughnes: 1\n" + FLAT)
         .splitlines()[-1]
-        .startswith("bad.yaml:1:1: roughnes: given an unknown key; allowed: one of 'body', 'roughness', ")
+        .startswith("bad.yaml:1:1: roughnes: you gave an unknown key; gfmd allows one of 'body', 'roughness', ")
     )
     body = changed(FLAT, "body: {poissons_ratio: 0.33}\n", "")
-    assert complaint(tmp_path, load_scene, body).startswith("bad.yaml:1:1: body: given nothing; allowed: a mapping")
+    assert complaint(tmp_path, load_scene, body).startswith(
+        "bad.yaml:1:1: body: you gave nothing; gfmd needs a mapping"
+    )
 
 
 def test_mapping_is_told_the_path_alone():
     with pytest.raises(InputError) as caught:
         load_scene({"body": {"poissons_ratio": "0.3"}})
     assert str(caught.value).splitlines()[0] == (
-        "body.poissons_ratio: given '0.3'; allowed: a number above -1 and at most 0.5; did you mean 0.3 without quotes?"
+        "body.poissons_ratio: you gave '0.3'; gfmd allows a number above -1 and at most 0.5; did you mean 0.3 "
+        "without quotes?"
     )
 
 
 def test_a_fraction_in_quotes_is_told_like_a_number_in_quotes():
-    with pytest.raises(InputError, match=r"eps_c: given '1/4'; allowed: .*; did you mean 1/4 without quotes"):
+    with pytest.raises(InputError, match=r"eps_c: you gave '1/4'; gfmd allows .*; did you mean 1/4 without quotes"):
         load_scene({"scene": {}, "discretisation": {"eps_c": "1/4", "eps_f": 0.5, "eps_t": 0.5}})
 
 
 def test_a_number_of_numpy_is_told_like_any_other():
-    with pytest.raises(InputError, match=r"poissons_ratio: given 0\.7; allowed"):
+    with pytest.raises(InputError, match=r"poissons_ratio: you gave 0\.7; gfmd allows"):
         load_scene({"body": {"poissons_ratio": np.float64(0.7)}})
 
 
 def test_a_number_as_a_key_of_a_mapping_is_refused():
-    with pytest.raises(InputError, match=r"body\[1\]: given an unknown key; allowed: one of 'youngs_modulus'"):
+    with pytest.raises(InputError, match=r"body\[1\]: you gave an unknown key; gfmd allows one of 'youngs_modulus'"):
         load_scene({"body": {"poissons_ratio": 0.3, 1: 2}})
 
 
@@ -68,5 +72,5 @@ def test_record_is_checked_too(tmp_path):
     path.write_text(SCENE)
     good = load_scene(path)[0]
     bad = SceneFile.model_validate({**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}})
-    with pytest.raises(InputError, match=r"^discretisation\.eps_t: given 0\.3; .*; did you mean 1/3\?$"):
+    with pytest.raises(InputError, match=r"^discretisation\.eps_t: you gave 0\.3; .*; did you mean 1/3\?$"):
         load_scene(bad)

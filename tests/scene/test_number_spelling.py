@@ -30,7 +30,7 @@ def test_a_number_written_as_elsewhere_is_told_how_to_be_written(tmp_path, text)
     assert respelt(text) == SPELLINGS[text]
     for field, good in (("rms_gradient", "rms_gradient: 0.01"), ("rms_height", "rms_gradient: 0.01")):
         said = complaint(tmp_path, load_scene, changed(SCENE, good, f"{field}: {text}"))
-        assert f"scene.roughness.{field}: given " in said
+        assert f"scene.roughness.{field}: you gave " in said
         assert said.endswith(f"; {SPELLINGS[text]}"), said
 
 

@@ -105,7 +105,7 @@ def test_units_stand_in_campaigns_and_their_lists(tmp_path):
 
 def test_a_time_with_a_unit_has_the_bounds_of_one_in_seconds(tmp_path):
     said = complaint(tmp_path, load_campaign, CAMPAIGN + "case_timeout: 31 day\n")
-    assert "case_timeout: given '31 day'; allowed: a number above 0 and at most 2592000.0, or a time in s" in said
+    assert "case_timeout: you gave '31 day'; gfmd allows a number above 0 and at most 2592000.0, or a time in s" in said
 
 
 def test_units_stand_in_the_boundary_of_a_body():
@@ -142,30 +142,30 @@ def test_a_number_with_a_unit_is_a_float_in_all_else():
     assert not isinstance(TypeAdapter(Length).validate_python(2e-3), WithUnit)
 
 
-LENGTHS = "allowed: a length in m, mm, um, nm or the like"
-RANGE = f"allowed: a number from 1e-30 to 1e+30, or {LENGTHS[9:]}"
+LENGTHS = "gfmd allows a length in m, mm, um, nm or the like"
+RANGE = f"gfmd allows a number from 1e-30 to 1e+30, or {LENGTHS[9:]}"
 FAULTS = {
-    "another dimension": ("0.2 mm", "5 kg", f"given '5 kg'; {LENGTHS}"),
-    "a pressure": ("0.2 mm", "5 Pa", f"given '5 Pa'; {LENGTHS}"),
-    "an area": ("0.2 mm", "5 mm^2", f"given '5 mm^2'; {LENGTHS}"),
-    "an unknown unit": ("0.2 mm", "5 mmm", f"given '5 mmm'; {LENGTHS}; did you mean 'mm'?"),
-    "an unknown word": ("0.2 mm", "5 milimeter", f"given '5 milimeter'; {LENGTHS}; did you mean 'millimeter'?"),
-    "upper case": ("0.2 mm", "5 UM", f"given '5 UM'; {LENGTHS}; did you mean 'um'?"),
-    "a scale with an offset": ("0.2 mm", "5 degC", f"given '5 degC'; {LENGTHS}"),
-    "decibels": ("0.2 mm", "5 dBm", f"given '5 dBm'; {LENGTHS}"),
-    "a huge power": ("0.2 mm", "5 m^99999999", f"given '5 m^99999999'; {LENGTHS}"),
-    "a product without end": ("0.2 mm", "5 " + "m*" * 40 + "m", "given '5 m*m*m*m*m*m*m*m"),
-    "no unit": ("0.2 mm", "5 %", f"given '5 %'; {LENGTHS}"),
-    "a dunder": ("0.2 mm", "5 __import__('os')", 'given "5 __import__'),
-    "two numbers": ("0.2 mm", "1 2 mm", f"given '1 2 mm'; {RANGE}"),
-    "nan": ("0.2 mm", "nan mm", f"given 'nan mm'; {RANGE}"),
-    "infinite": ("0.2 mm", ".inf mm", f"given '.inf mm'; {RANGE}"),
-    "beyond a float": ("0.2 mm", "1e400 mm", f"given '1e400 mm'; {RANGE}"),
-    "beyond a decimal": ("0.2 mm", "1e99999999999999999999 mm", f"given '1e99999999999999999999 mm'; {RANGE}"),
-    "beneath a decimal": ("0.2 mm", "1e-99999999999999999999 mm", f"given '1e-99999999999999999999 mm'; {RANGE}"),
-    "divided by 0": ("0.2 mm", "1/0 mm", f"given '1/0 mm'; {RANGE}"),
-    "too small": ("0.2 mm", "1e-31 m", f"given '1e-31 m'; {RANGE}"),
-    "below 0": ("0.2 mm", "-1 mm", f"given '-1 mm'; {RANGE}"),
+    "another dimension": ("0.2 mm", "5 kg", f"you gave '5 kg'; {LENGTHS}"),
+    "a pressure": ("0.2 mm", "5 Pa", f"you gave '5 Pa'; {LENGTHS}"),
+    "an area": ("0.2 mm", "5 mm^2", f"you gave '5 mm^2'; {LENGTHS}"),
+    "an unknown unit": ("0.2 mm", "5 mmm", f"you gave '5 mmm'; {LENGTHS}; did you mean 'mm'?"),
+    "an unknown word": ("0.2 mm", "5 milimeter", f"you gave '5 milimeter'; {LENGTHS}; did you mean 'millimeter'?"),
+    "upper case": ("0.2 mm", "5 UM", f"you gave '5 UM'; {LENGTHS}; did you mean 'um'?"),
+    "a scale with an offset": ("0.2 mm", "5 degC", f"you gave '5 degC'; {LENGTHS}"),
+    "decibels": ("0.2 mm", "5 dBm", f"you gave '5 dBm'; {LENGTHS}"),
+    "a huge power": ("0.2 mm", "5 m^99999999", f"you gave '5 m^99999999'; {LENGTHS}"),
+    "a product without end": ("0.2 mm", "5 " + "m*" * 40 + "m", "you gave '5 m*m*m*m*m*m*m*m"),
+    "no unit": ("0.2 mm", "5 %", f"you gave '5 %'; {LENGTHS}"),
+    "a dunder": ("0.2 mm", "5 __import__('os')", 'you gave "5 __import__'),
+    "two numbers": ("0.2 mm", "1 2 mm", f"you gave '1 2 mm'; {RANGE}"),
+    "nan": ("0.2 mm", "nan mm", f"you gave 'nan mm'; {RANGE}"),
+    "infinite": ("0.2 mm", ".inf mm", f"you gave '.inf mm'; {RANGE}"),
+    "beyond a float": ("0.2 mm", "1e400 mm", f"you gave '1e400 mm'; {RANGE}"),
+    "beyond a decimal": ("0.2 mm", "1e99999999999999999999 mm", f"you gave '1e99999999999999999999 mm'; {RANGE}"),
+    "beneath a decimal": ("0.2 mm", "1e-99999999999999999999 mm", f"you gave '1e-99999999999999999999 mm'; {RANGE}"),
+    "divided by 0": ("0.2 mm", "1/0 mm", f"you gave '1/0 mm'; {RANGE}"),
+    "too small": ("0.2 mm", "1e-31 m", f"you gave '1e-31 m'; {RANGE}"),
+    "below 0": ("0.2 mm", "-1 mm", f"you gave '-1 mm'; {RANGE}"),
 }
 
 
@@ -176,9 +176,9 @@ def test_a_unit_that_makes_no_sense_is_refused_where_it_stands(name, tmp_path):
 
 
 DIMENSIONLESS = [
-    ("poissons_ratio: 0.33", "poissons_ratio: 0.33 MPa", "scene.body.poissons_ratio: given '0.33 MPa'"),
-    ("hurst: 0.8", "hurst: 0.8 mm", "scene.roughness.hurst: given '0.8 mm'; allowed: a number from 0 to 1"),
-    ("points: 64", "points: 64 m", "scene.roughness.points: given '64 m'; allowed: a whole number"),
+    ("poissons_ratio: 0.33", "poissons_ratio: 0.33 MPa", "scene.body.poissons_ratio: you gave '0.33 MPa'"),
+    ("hurst: 0.8", "hurst: 0.8 mm", "scene.roughness.hurst: you gave '0.8 mm'; gfmd allows a number from 0 to 1"),
+    ("points: 64", "points: 64 m", "scene.roughness.points: you gave '64 m'; gfmd allows a whole number"),
 ]
 
 
@@ -210,14 +210,16 @@ def test_a_unit_without_a_scale_to_compare_it_with_is_refused(old, new, place, m
         f"a number without a unit, as there is no {missing.replace('and', 'and no')}; to use units, give {missing}"
     )
     given = repr(new.split(": ")[-1].removesuffix(", range"))
-    assert_complaint(tmp_path, load_checked, BARE, (old, new), f"bad.yaml:{place}: given {given}; allowed: {allowed}")
+    assert_complaint(
+        tmp_path, load_checked, BARE, (old, new), f"bad.yaml:{place}: you gave {given}; gfmd allows {allowed}"
+    )
 
 
 def test_a_unit_in_the_grid_of_a_scene_without_a_length_is_refused(tmp_path):
     text = changed(CAMPAIGN, "{reduced_pressure: 0.007}", "{displacement: 0.001}")
     text = changed(text, "grid: {hurst: [0.3, 0.5]}", "grid: {displacement: [0.001, 2 nm]}")
     said = complaint(tmp_path, load_campaign, text)
-    assert said.startswith("bad.yaml:11:30: grid.displacement[1]: given '2 nm'; allowed: a number without a unit")
+    assert said.startswith("bad.yaml:11:30: grid.displacement[1]: you gave '2 nm'; gfmd allows a number without a unit")
 
 
 def test_equal_numbers_with_and_without_units_are_not_confused():
@@ -256,5 +258,5 @@ def test_only_a_file_with_units_loads_the_library_of_units(text, loaded, tmp_pat
 
 
 def test_an_error_of_python_names_the_field():
-    with pytest.raises(InputError, match=r"scene.length: given '5 kg'; allowed: a length in m"):
+    with pytest.raises(InputError, match=r"scene.length: you gave '5 kg'; gfmd allows a length in m"):
         gfmd_numba.solve({"scene": {"length": "5 kg"}})

@@ -78,31 +78,32 @@ RUBBING = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
 BAD = {
     "all flat": (
         {},
-        "scene.roughness: given nothing; allowed: a mapping with a method like 'psd' or 'measured', here for the punch",
+        "scene.roughness: you gave nothing; gfmd needs a mapping with a method like 'psd' or 'measured', here for "
+        "the punch",
     ),
     "punch beside a counter body": (
         {"counter_body": COUNTER, "roughness": ROUGH},
-        "scene.roughness: given {.*}; allowed: nothing beside a counter_body",
+        "scene.roughness: you gave {.*}; gfmd allows nothing beside a counter_body",
     ),
     "counter body without a modulus": (
         {"counter_body": {"poissons_ratio": 0.3, "roughness": ROUGH}},
-        "scene.counter_body.youngs_modulus: given nothing; allowed: a number above 0 for both bodies",
+        "scene.counter_body.youngs_modulus: you gave nothing; gfmd needs a number above 0 for both bodies",
     ),
     "bodies in different states": (
         {"counter_body": COUNTER | {"state": "plane_stress"}},
-        "scene.counter_body.state: given 'plane_stress'; allowed: 'plane_strain', as that of the body",
+        "scene.counter_body.state: you gave 'plane_stress'; gfmd allows 'plane_strain', as that of the body",
     ),
     "sliding of a half-space": (
         {"order": 0, "body": COUNTER | {"aspect_ratio": np.inf}, "interface": RUBBING, "path": [{"sliding": 1e-4}]},
-        r"path\[0\].sliding: given 0.0001; allowed: nothing without a finite aspect_ratio",
+        r"path\[0\].sliding: you gave 0.0001; gfmd allows nothing without a finite aspect_ratio",
     ),
     "half-space under displacement control": (
         {"body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
-        "scene.body.aspect_ratio: given inf; allowed: a finite aspect_ratio, .* no reference for displacement",
+        "scene.body.aspect_ratio: you gave inf; gfmd allows a finite aspect_ratio, .* no reference for displacement",
     ),
     "half-space as counter body under displacement control": (
         {"counter_body": COUNTER | {"aspect_ratio": np.inf}, "loading": {"displacement": 1e-3}},
-        "scene.counter_body.aspect_ratio: given inf; allowed: a finite aspect_ratio",
+        "scene.counter_body.aspect_ratio: you gave inf; gfmd allows a finite aspect_ratio",
     ),
     "more than there is room for between incompressible bodies": (
         {
@@ -111,11 +112,12 @@ BAD = {
             "counter_body": BODY | {"poissons_ratio": 0.5},
             "loading": {"displacement": 0.01},
         },
-        "scene.loading.displacement: given 0.01; allowed: at most 0.000787.*, as an incompressible body has no room",
+        "scene.loading.displacement: you gave 0.01; gfmd allows at most 0.000787.*, as an incompressible body has no "
+        "room",
     ),
     "topography higher than the body": (
         {"body": COUNTER | {"aspect_ratio": 1e-4}},
-        "scene.body.roughness: given a topography from -.* L_x; allowed: one within the height of the body",
+        "scene.body.roughness: you gave a topography from -.* L_x; gfmd allows one within the height of the body",
     ),
 }
 
@@ -135,15 +137,15 @@ def test_bodies_that_cannot_be_pressed_are_refused(case):
 def test_profiles_that_do_not_fit_are_refused(tmp_path):
     heights = 1e-3 * np.cos(2 * np.pi * X)
     body = BODY | {"roughness": measured(tmp_path, heights)}
-    with pytest.raises(InputError, match=r"scene.body.roughness: given 512 heights; allowed: as many .* 256"):
+    with pytest.raises(InputError, match=r"scene.body.roughness: you gave 512 heights; gfmd allows as many .* 256"):
         gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, heights[::2], "p.npy")))
-    with pytest.raises(InputError, match=r"heights that add up to nothing; allowed: surfaces that are not all flat"):
+    with pytest.raises(InputError, match=r"heights that add up to nothing; gfmd allows surfaces that are not all flat"):
         gfmd_numba.solve(scene(body=body, roughness=measured(tmp_path, -heights, "p.npy")))
-    with pytest.raises(InputError, match=r"body.roughness.file: given 'missing.npy'; allowed: an existing file"):
+    with pytest.raises(InputError, match=r"body.roughness.file: you gave 'missing.npy'; gfmd allows an existing file"):
         gfmd_numba.solve(scene(body=BODY | {"roughness": {"method": "measured", "file": "missing.npy"}}))
 
 
 def test_fields_of_a_body_that_is_not_there_are_refused():
     contact = gfmd_numba.solve(scene(body=rough()))
-    with pytest.raises(InputError, match=r"body: given 'counter_body'; allowed: 'body'"):
+    with pytest.raises(InputError, match=r"body: you gave 'counter_body'; gfmd allows 'body'"):
         gfmd_numba.body_fields(contact, body="counter_body")

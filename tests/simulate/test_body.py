@@ -124,11 +124,11 @@ def test_a_body_that_is_just_touched_is_drawn():
     [
         (
             [0.0, -0.6],
-            "z: given -0.6; allowed: one row of heights from -0.5 (the base) to 0 (the surface), in L_x",
+            "z: you gave -0.6; gfmd allows one row of heights from -0.5 (the base) to 0 (the surface), in L_x",
         ),
-        (0.1, "z: given 0.1; allowed"),
-        ([np.nan], "z: given nan; allowed"),
-        ([[-0.1]], "z: given an array of shape (1, 1); allowed"),
+        (0.1, "z: you gave 0.1; gfmd allows"),
+        ([np.nan], "z: you gave nan; gfmd allows"),
+        ([[-0.1]], "z: you gave an array of shape (1, 1); gfmd allows"),
     ],
 )
 def test_z_outside_the_body_is_refused(z, message):
@@ -139,9 +139,11 @@ def test_z_outside_the_body_is_refused(z, message):
 
 
 def test_what_is_no_contact_is_refused():
-    with pytest.raises(InputError, match=r"contact: given no results of a contact; allowed: what .*solve returns"):
+    with pytest.raises(
+        InputError, match=r"contact: you gave no results of a contact; gfmd allows what .*solve returns"
+    ):
         gfmd_numba.body_fields(xr.Dataset())
-    with pytest.raises(UnusableDataError, match="allowed: what `gfmd fields` leaves"):
+    with pytest.raises(UnusableDataError, match="gfmd allows what `gfmd fields` leaves"):
         plot_body(gfmd_numba.solve(scene()))
 
 
@@ -163,7 +165,7 @@ def test_a_contact_that_is_not_a_whole_period_any_more_has_no_fields(cut, length
     contact = gfmd_numba.solve(scene(body=body, **({"length": length} if length else {})))
     with xr.set_options(keep_attrs=True):
         altered = CUTS[cut](contact)
-    with pytest.raises(InputError, match=r"^contact: given .*nodes .*; allowed: all nodes of the period"):
+    with pytest.raises(InputError, match=r"^contact: you gave .*nodes .*; gfmd allows all nodes of the period"):
         gfmd_numba.body_fields(altered)
 
 
@@ -179,7 +181,7 @@ def test_a_shift_of_the_origin_and_single_precision_leave_a_period_whole():
 def test_a_loaded_body_that_was_thinned_has_no_fields():
     body = {"poissons_ratio": 0.33, "aspect_ratio": 0.5}
     loaded = gfmd_numba.solve({"scene": {"body": body, "boundary": {"normal_traction": 1e-3}}, "points": 64})
-    with pytest.raises(InputError, match="given 32 of the 64 nodes of its period"):
+    with pytest.raises(InputError, match="you gave 32 of the 64 nodes of its period"):
         gfmd_numba.body_fields(loaded.isel(x=slice(None, None, 2)))
 
 
@@ -235,11 +237,11 @@ def test_tractions_beside_a_punch_are_in_the_fields(tmp_path, loading, interface
 
 def test_tractions_beside_a_punch_that_were_removed_leave_no_fields():
     contact = gfmd_numba.solve(scene(boundary={"tangential_traction": 1e-4}))
-    with pytest.raises(InputError, match="given a contact that was altered"):
+    with pytest.raises(InputError, match="you gave a contact that was altered"):
         gfmd_numba.body_fields(contact.drop_vars("prescribed_normal_traction"))
 
 
 @pytest.mark.parametrize("option", ["x", "y", "planes"])
 def test_a_profile_has_no_other_section(option):
-    with pytest.raises(InputError, match=f"{option}: given -?0.2; allowed: nothing for a profile"):
+    with pytest.raises(InputError, match=f"{option}: you gave -?0.2; gfmd allows nothing for a profile"):
         gfmd_numba.body_fields(gfmd_numba.solve(scene()), **{option: 0.2 if option != "planes" else -0.2})

@@ -119,5 +119,5 @@ def test_conductance_is_per_metre_where_lengths_are_metres():
 )
 def test_altered_contacts_are_refused(alter, said):
     given = pressed(wave(64, 0.01), 0.003)
-    with pytest.raises(gfmd_numba.InputError, match=f"contact: given {said}"):
+    with pytest.raises(gfmd_numba.InputError, match=f"contact: you gave {said}"):
         gfmd_numba.contact_conductance(alter(given))

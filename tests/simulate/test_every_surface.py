@@ -75,5 +75,7 @@ def test_a_campaign_presses_the_surfaces_of_a_scene(tmp_path, dimension, name):
 
 def test_a_surface_with_points_leaves_nothing_to_a_discretisation():
     file = {"scene": scene(1, "exponential"), "discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 1}}
-    with pytest.raises(InputError, match=r"discretisation: given .*; allowed: nothing, as every surface has its own"):
+    with pytest.raises(
+        InputError, match=r"discretisation: you gave .*; gfmd allows nothing, as every surface has its own"
+    ):
         gfmd_numba.solve(file)

@@ -140,9 +140,9 @@ def test_below_a_cohesive_map_every_step_has_its_tractions_and_displacements(tmp
 def test_a_traction_that_was_dropped_is_missed(tmp_path, name):
     beside = pressed(tmp_path, {})
     for contact, dropped in ((loaded(tmp_path), name), (beside, f"prescribed_{name}")):
-        with pytest.raises(InputError, match=r"contact: given (a contact that was altered|no results)"):
+        with pytest.raises(InputError, match=r"contact: you gave (a contact that was altered|no results)"):
             gfmd_numba.body_fields(contact.drop_vars(dropped))
-    with pytest.raises(InputError, match=r"body: given 'counter_body'; allowed: 'body'"):
+    with pytest.raises(InputError, match=r"body: you gave 'counter_body'; gfmd allows 'body'"):
         gfmd_numba.body_fields(beside, body="counter_body")
 
 

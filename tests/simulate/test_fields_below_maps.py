@@ -161,17 +161,17 @@ def test_a_run_that_failed_has_no_fields():
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"x": 1.5}, "x: given 1.5; allowed: a number from 0 to 1, in L_x"),
-        ({"y": "middle"}, "y: given 'middle'; allowed: a number from 0 to 1"),
-        ({"y": float("nan")}, "y: given nan; allowed: a number"),
-        ({"x": 0.1, "y": 0.1}, "y: given 0.1 beside x; allowed: one section"),
-        ({"x": 0.1, "planes": [-0.1]}, "x: given 0.1 beside planes; allowed: one section"),
-        ({"z": [-0.1], "planes": [-0.1]}, "planes: given .* beside z; allowed: either"),
-        ({"planes": [-0.6]}, "planes: given -0.6; allowed: one row of heights"),
-        ({"planes": []}, "planes: given an array of shape"),
+        ({"x": 1.5}, "x: you gave 1.5; gfmd allows a number from 0 to 1, in L_x"),
+        ({"y": "middle"}, "y: you gave 'middle'; gfmd allows a number from 0 to 1"),
+        ({"y": float("nan")}, "y: you gave nan; gfmd allows a number"),
+        ({"x": 0.1, "y": 0.1}, "y: you gave 0.1 beside x; gfmd allows one section"),
+        ({"x": 0.1, "planes": [-0.1]}, "x: you gave 0.1 beside planes; gfmd allows one section"),
+        ({"z": [-0.1], "planes": [-0.1]}, "planes: you gave .* beside z; gfmd allows either"),
+        ({"planes": [-0.6]}, "planes: you gave -0.6; gfmd allows one row of heights"),
+        ({"planes": []}, "planes: you gave an array of shape"),
         (
             {"planes": -np.linspace(0, 0.5, 10**6)},
-            "planes: given 1000000 heights; allowed: fewer, or a grid that fits in",
+            "planes: you gave 1000000 heights; gfmd allows fewer, or a grid that fits in",
         ),
     ],
 )
@@ -183,11 +183,11 @@ def test_sections_that_cannot_be_are_refused(contact, asked, message):
 @pytest.mark.parametrize(
     ("total", "asked", "message"),
     [
-        (1e6, {}, "contact: given 64 x 64 nodes; allowed: a grid that fits in .* where a section below it needs"),
+        (1e6, {}, "contact: you gave 64 x 64 nodes; gfmd allows a grid that fits in .* where a section below it needs"),
         (
             2e6,
             {"planes": [0.0, -0.1]},
-            "planes: given 2 heights; allowed: fewer, or a grid .* this stack of planes needs",
+            "planes: you gave 2 heights; gfmd allows fewer, or a grid .* this stack of planes needs",
         ),
     ],
 )
@@ -200,9 +200,9 @@ def test_fields_beyond_the_memory_are_refused_by_what_was_asked(contact, monkeyp
 @pytest.mark.parametrize("dim", ["x", "y"])
 def test_a_map_that_is_not_a_whole_period_any_more_has_no_fields(contact, dim):
     for cut in (contact.isel({dim: slice(0, 40)}), contact.roll({dim: 5}, roll_coords=True)):
-        with pytest.raises(InputError, match=r"^contact: given .*nodes .*; allowed: all nodes of the period"):
+        with pytest.raises(InputError, match=r"^contact: you gave .*nodes .*; gfmd allows all nodes of the period"):
             gfmd_numba.body_fields(cut)
-    with pytest.raises(InputError, match="contact: given a contact that was altered"):
+    with pytest.raises(InputError, match="contact: you gave a contact that was altered"):
         gfmd_numba.body_fields(contact.isel({dim: 3}))
 
 
@@ -226,12 +226,15 @@ def test_sections_and_planes_on_the_command_line(contact, tmp_path, options, dim
 def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path):
     contact.to_netcdf(tmp_path / "contact.nc")
     for options, message in (
-        (("--y", "5um"), "--y: given '5um'; allowed: a number in L_x"),
-        (("--y", "deep"), "--y: given 'deep'; allowed: a number in L_x"),
-        (("--x", "1.5"), "--x: given 1.5; allowed: a number from 0 to 1, in L_x"),
-        (("--plane", "nan"), "--plane: given 'nan'; allowed: a number in L_x"),
-        (("--plane", "0.1"), "--plane: given 0.1; allowed: one row of heights from -0.5 (the base) to 0 (the surface)"),
-        (("--body", "punch"), "--body: given 'punch'; allowed: 'body'"),
+        (("--y", "5um"), "--y: you gave '5um'; gfmd allows a number in L_x"),
+        (("--y", "deep"), "--y: you gave 'deep'; gfmd allows a number in L_x"),
+        (("--x", "1.5"), "--x: you gave 1.5; gfmd allows a number from 0 to 1, in L_x"),
+        (("--plane", "nan"), "--plane: you gave 'nan'; gfmd allows a number in L_x"),
+        (
+            ("--plane", "0.1"),
+            "--plane: you gave 0.1; gfmd allows one row of heights from -0.5 (the base) to 0 (the surface)",
+        ),
+        (("--body", "punch"), "--body: you gave 'punch'; gfmd allows 'body'"),
     ):
         said = gfmd("fields", tmp_path / "contact.nc", "-o", tmp_path / "none.nc", *options)
         assert said.exit_code == 2
@@ -245,7 +248,7 @@ def test_a_file_that_is_no_contact_is_named_and_not_doubted_for_its_length(conta
         said = gfmd(
             "fields", tmp_path / name, "-o", tmp_path / "none.nc", "--x", "3um" if name == "other.nc" else "0.3"
         )
-        assert f"gfmd: {tmp_path / name}: given no results of a contact" in said.output
+        assert f"gfmd: {tmp_path / name}: you gave no results of a contact" in said.output
 
 
 def test_the_largest_stress_of_a_path_is_said_to_be_that_of_its_last_step(contact):
@@ -258,5 +261,5 @@ def test_places_have_units_where_the_scene_has_a_length():
     contact = xr.Dataset(coords={"x": ("x", [0.0, 1e-6], {"units": "m"})})
     assert place(contact, "plane", "-5um") == -5e-6
     assert place(contact, "x", "5e-6") == 5e-6
-    with pytest.raises(InputError, match="--x: given '5MPa'; allowed: a length like 5um"):
+    with pytest.raises(InputError, match="--x: you gave '5MPa'; gfmd allows a length like 5um"):
         place(contact, "x", "5MPa")

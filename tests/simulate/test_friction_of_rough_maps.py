@@ -145,5 +145,7 @@ def test_sections_planes_and_the_largest_stress_of_a_map_of_higher_order_are_of_
 
 def test_fields_at_higher_orders_say_how_much_memory_they_take(bumps, monkeypatch):
     monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=8 * NX * NX * 100))
-    with pytest.raises(InputError, match=r"contact: given 32 x 32 nodes; allowed: a grid .* a section below it needs"):
+    with pytest.raises(
+        InputError, match=r"contact: you gave 32 x 32 nodes; gfmd allows a grid .* a section below it needs"
+    ):
         gfmd_numba.body_fields(bumps, [0.0])

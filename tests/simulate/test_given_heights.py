@@ -81,16 +81,16 @@ def test_fields_and_statistics_of_given_heights_are_found(pressed):
 @pytest.mark.parametrize(
     ("heights", "said"),
     [
-        ([1, "a"], r"roughness.heights: given \[1, 'a'\]; allowed: a list of at least 4 numbers"),
-        (np.zeros((4, 4, 4)), r"roughness.heights: given array\(.*; allowed: a list of at least 4 numbers"),
-        (np.zeros(8), r"roughness.heights: given an array of 8 \(an rms gradient of 0"),
-        (np.full(8, np.nan), r"roughness.heights: given an array of 8 \(1 of all heights missing"),
-        (np.zeros(2), r"roughness.heights: given an array of 2 \(2 heights, not at least 4"),
+        ([1, "a"], r"roughness.heights: you gave \[1, 'a'\]; gfmd allows a list of at least 4 numbers"),
+        (np.zeros((4, 4, 4)), r"roughness.heights: you gave array\(.*; gfmd allows a list of at least 4 numbers"),
+        (np.zeros(8), r"roughness.heights: you gave an array of 8 \(an rms gradient of 0"),
+        (np.full(8, np.nan), r"roughness.heights: you gave an array of 8 \(1 of all heights missing"),
+        (np.zeros(2), r"roughness.heights: you gave an array of 2 \(2 heights, not at least 4"),
         (
             np.random.default_rng(0).normal(size=(8, 16)),
-            r"given an array of 8 x 16 .*; allowed: a map of as many points",
+            r"you gave an array of 8 x 16 .*; gfmd allows a map of as many points",
         ),
-        (object(), r"roughness.heights: given <object"),
+        (object(), r"roughness.heights: you gave <object"),
     ],
     ids=str,
 )
@@ -100,9 +100,9 @@ def test_heights_that_are_no_surface_are_refused(heights, said):
 
 
 def test_heights_beside_another_roughness_are_refused():
-    with pytest.raises(InputError, match=r"roughness: given .*; allowed: nothing beside heights"):
+    with pytest.raises(InputError, match=r"roughness: you gave .*; gfmd allows nothing beside heights"):
         gfmd_numba.solve(SCENE | {"roughness": PSD}, np.zeros(8))
-    with pytest.raises(InputError, match=r"roughness.file: given nothing; allowed: a file or heights"):
+    with pytest.raises(InputError, match=r"roughness.file: you gave nothing; gfmd needs a file or heights"):
         gfmd_numba.solve(SCENE | {"roughness": {"method": "measured"}})
 
 
@@ -138,7 +138,7 @@ def test_nothing_is_drawn_where_no_surface_is_random(tmp_path, knob):
     rough = {"method": "measured", "file": str(tmp_path / "p.npy")}
     scene = {"body": {"poissons_ratio": 0.3}, "roughness": rough, "interface": {"hard_wall": {}}}
     file = {"scene": scene | {"loading": {"reduced_pressure": 0.1}}, "path": [{"reduced_pressure": 0.2}]}
-    said = f"^{knob}: given 3; allowed: nothing, as no surface of this file is random"
+    said = f"^{knob}: you gave 3; gfmd allows nothing, as no surface of this file is random"
     with pytest.raises(InputError, match=said):
         gfmd_numba.solve(file | {knob: 3})
     del file["path"]

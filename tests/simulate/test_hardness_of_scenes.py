@@ -190,8 +190,8 @@ def test_a_mean_pressure_that_reaches_the_hardness_is_an_error_with_its_place(tm
         said = written(tmp_path, SCENE.replace("PRESSURE", pressure))
         assert said.exit_code == (2 if told else 0), said.output
         if told:
-            assert "scene.yaml:5:31: scene.loading.reduced_pressure: given 0" in said.output
-            assert "allowed: below 0.5" in said.output
+            assert "scene.yaml:5:31: scene.loading.reduced_pressure: you gave 0" in said.output
+            assert "gfmd allows below 0.5" in said.output
 
 
 def test_a_campaign_s_pressures_are_held_against_its_least_hardness(tmp_path):
@@ -203,7 +203,7 @@ def test_a_campaign_s_pressures_are_held_against_its_least_hardness(tmp_path):
     assert ": grid.reduced_pressure[1]: given" in said.output
     by_height = text.replace("rms_gradient: 0.1", "rms_height: 1e-5").replace("PRESSURE", "0.9")
     (tmp_path / "scene.yaml").write_text(by_height)
-    with pytest.raises(InputError, match=r"scene\.loading\.reduced_pressure: given 0\.9; allowed: below"):
+    with pytest.raises(InputError, match=r"scene\.loading\.reduced_pressure: you gave 0\.9; gfmd allows below"):
         gfmd_numba.run(tmp_path / "scene.yaml", tmp_path / "out")
 
 
@@ -223,7 +223,7 @@ def test_what_cannot_have_a_hardness_is_refused(others, place):
     asked = {"scene": scene(0.05, 0.1), "discretisation": EPS}
     asked |= {name: others[name] for name in ("numerics", "path") if name in others}
     asked["scene"]["interface"] |= {name: others[name] for name in ("friction", "cohesive") if name in others}
-    with pytest.raises(InputError, match=rf"(^|\n){place}: given .*; allowed: "):
+    with pytest.raises(InputError, match=rf"(^|\n){place}: you gave .*; gfmd allows "):
         gfmd_numba.solve(asked)
 
 
@@ -264,7 +264,9 @@ def test_a_pressure_in_pascals_needs_no_gradient_to_be_held_against_the_hardness
     for given, place in (("100 MPa", "scene.loading.pressure"), ("300 MPa", "path[0].pressure")):
         said = written(tmp_path, text.replace(given, "6 GPa"))
         assert said.exit_code == 2
-        assert f"{place}: given '6 GPa'; allowed: below 6e+09 Pa, at which the mean pressure is the" in said.output
+        assert (
+            f"{place}: you gave '6 GPa'; gfmd allows below 6e+09 Pa, at which the mean pressure is the" in said.output
+        )
 
 
 def test_the_axis_stands_in_the_scene():

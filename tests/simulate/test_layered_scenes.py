@@ -70,7 +70,7 @@ def test_fields_of_a_python_contact_change_at_the_interface_where_they_may():
     for name in ("displacement_1", "displacement_3", "stress_3", "stress_5"):
         np.testing.assert_allclose(above[name], below[name], atol=1e-3 * float(abs(above[name]).max()))
     assert float(abs(above["stress_1"]).max()) > 10 * float(abs(below["stress_1"]).max())
-    with pytest.raises(InputError, match=r"given -0\.13; allowed: .* -0\.12 \(the base\) to 0"):
+    with pytest.raises(InputError, match=r"you gave -0\.13; gfmd allows .* -0\.12 \(the base\) to 0"):
         gfmd_numba.body_fields(contact, [-0.13])
 
 
@@ -244,7 +244,7 @@ def test_a_campaign_with_layers_runs(tmp_path):
     same = (results["hurst"] == 0.8) & (results["eps_c"] == 0.25)
     assert float(one["kappa"]) == pytest.approx(float(results["kappa"].values[same.values][0, 0]), rel=1e-6)
     for axis in ("poissons_ratio", "aspect_ratio"):
-        with pytest.raises(InputError, match=rf"grid\.{axis}\[0\]: given 0\.3; allowed: nothing beside layers"):
+        with pytest.raises(InputError, match=rf"grid\.{axis}\[0\]: you gave 0\.3; gfmd allows nothing beside layers"):
             load_campaign(campaign | {"grid": {axis: [0.3]}})
 
 

@@ -167,17 +167,25 @@ def test_the_area_of_a_map_is_an_area():
 @pytest.mark.parametrize(
     ("loads", "realisations", "said"),
     [
-        ([0.1, -1.0], 1, r"loads\[1\]: given -1.0; allowed: a number from 1e-30 to 1e\+30"),
-        ([0.1, float("nan")], 1, r"loads\[1\]: given nan; allowed: a number"),
-        ([0.1, "0.2"], 1, r"loads\[1\]: given '0.2'; allowed: a number"),
-        ([0.1, 0.1], 1, r"loads\[1\]: given 0.1; allowed: loads that all rise, or all fall, unlike 0.1 before it"),
-        ([0.1, 0.3, 0.2], 1, r"loads\[2\]: given 0.2; allowed: loads that all rise, or all fall, unlike 0.3 before it"),
-        ([], 1, r"loads: given \[\]; allowed: a list of one or more numbers"),
-        ("0.1", 1, "loads: given '0.1'; allowed: a list of one or more numbers"),
-        (0.1, 1, "loads: given 0.1; allowed: a list of one or more numbers"),
-        (None, 1, "loads: given an empty value; allowed: a list of one or more numbers"),
-        ([0.1], 0, "realisations: given 0; allowed: a whole number from 1"),
-        ([0.1], 1.5, "realisations: given 1.5; allowed: a whole number from 1"),
+        ([0.1, -1.0], 1, r"loads\[1\]: you gave -1.0; gfmd allows a number from 1e-30 to 1e\+30"),
+        ([0.1, float("nan")], 1, r"loads\[1\]: you gave nan; gfmd allows a number"),
+        ([0.1, "0.2"], 1, r"loads\[1\]: you gave '0.2'; gfmd allows a number"),
+        (
+            [0.1, 0.1],
+            1,
+            r"loads\[1\]: you gave 0.1; gfmd allows loads that all rise, or all fall, unlike 0.1 before it",
+        ),
+        (
+            [0.1, 0.3, 0.2],
+            1,
+            r"loads\[2\]: you gave 0.2; gfmd allows loads that all rise, or all fall, unlike 0.3 before it",
+        ),
+        ([], 1, r"loads: you gave \[\]; gfmd allows a list of one or more numbers"),
+        ("0.1", 1, "loads: you gave '0.1'; gfmd allows a list of one or more numbers"),
+        (0.1, 1, "loads: you gave 0.1; gfmd allows a list of one or more numbers"),
+        (None, 1, "loads: you gave an empty value; gfmd allows a list of one or more numbers"),
+        ([0.1], 0, "realisations: you gave 0; gfmd allows a whole number from 1"),
+        ([0.1], 1.5, "realisations: you gave 1.5; gfmd allows a whole number from 1"),
     ],
 )
 def test_bad_loads_are_located_errors(loads, realisations, said):
@@ -186,19 +194,21 @@ def test_bad_loads_are_located_errors(loads, realisations, said):
 
 
 def test_scenes_that_have_no_load_curve_are_refused(tmp_path):
-    with pytest.raises(InputError, match="path: given a path of 1 steps; allowed: no path"):
+    with pytest.raises(InputError, match="path: you gave a path of 1 steps; gfmd allows no path"):
         load_curve(scene_file() | {"path": [{"reduced_pressure": 0.1}]}, [0.1])
-    with pytest.raises(InputError, match="realisations: given 2; allowed: 1, as no surface of this scene is random"):
+    with pytest.raises(
+        InputError, match="realisations: you gave 2; gfmd allows 1, as no surface of this scene is random"
+    ):
         load_curve(wave(tmp_path, 64), [0.1], 2)
     loaded = {"scene": {"body": {"poissons_ratio": 0.3, "aspect_ratio": 1.0}, "boundary": {"normal_traction": 0.01}}}
-    with pytest.raises(InputError, match="given a loaded body without a punch; allowed: a contact"):
+    with pytest.raises(InputError, match="you gave a loaded body without a punch; gfmd allows a contact"):
         load_curve(loaded | {"points": 16}, [0.1])
 
 
 def test_a_displacement_without_room_names_its_load():
     body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
     with pytest.raises(
-        InputError, match=r"loads\[1\]: given 0.5; allowed: at most .*, as an incompressible body has no room"
+        InputError, match=r"loads\[1\]: you gave 0.5; gfmd allows at most .*, as an incompressible body has no room"
     ):
         load_curve(scene_file(body=body, loading={"displacement": 1e-5}), [1e-5, 0.5])
 

@@ -197,23 +197,27 @@ LAYERED = {"layers": [{"height": 0.1, "youngs_modulus": 1.0, "poissons_ratio": 0
 @pytest.mark.parametrize(
     ("body", "more", "said"),
     [
-        ({"roughness": PSD}, {"points": 64}, "points: given 64; allowed: nothing, as the topography of the body has"),
+        (
+            {"roughness": PSD},
+            {"points": 64},
+            "points: you gave 64; gfmd allows nothing, as the topography of the body has",
+        ),
         (
             {"roughness": PSD | {"rms_gradient": 9.0}},
             {},
-            "scene.body.roughness: given a topography from .*; allowed: one",
+            "scene.body.roughness: you gave a topography from .*; gfmd allows one",
         ),
         ({"roughness": PSD | {"points": None, "cut_on": None, "roll_off": None}}, {}, "discretisation: given"),
         (
             {},
             {"points": 8, "numerics": {"topography_order": 1}},
-            "topography_order: given 1; allowed: nothing where no",
+            "topography_order: you gave 1; gfmd allows nothing where no",
         ),
-        ({}, {"points": 8, "seed": 3}, "seed: given 3; allowed: nothing, as no surface"),
+        ({}, {"points": 8, "seed": 3}, "seed: you gave 3; gfmd allows nothing, as no surface"),
         (
             {"roughness": PSD | {"anisotropy": 2.0}},
             {},
-            "body.roughness.anisotropy: given 2.0; allowed: nothing with dim",
+            "body.roughness.anisotropy: you gave 2.0; gfmd allows nothing with dim",
         ),
     ],
 )
@@ -247,7 +251,7 @@ def test_valleys_through_the_topmost_layer_are_refused_above_order_0():
     deep = {"layers": [thin, *LAYERED["layers"]], "base": "rigid", "roughness": PSD}
     order_1 = {"numerics": {"topography_order": 1}}
     assert int(gfmd_numba.solve(layered | order_1)["status"]) == 0
-    with pytest.raises(InputError, match=r"allowed: valleys above the lower side of the topmost layer"):
+    with pytest.raises(InputError, match=r"gfmd allows valleys above the lower side of the topmost layer"):
         gfmd_numba.solve({"scene": layered["scene"] | {"body": deep}} | order_1)
 
 

@@ -55,14 +55,14 @@ def test_units_of_the_loads_replace_the_loading_of_the_scene(heights):
 @pytest.mark.parametrize(
     ("loads", "said"),
     [
-        (["50 MPa", "2 N"], r"loads\[1\]: given '2 N'; allowed: a pressure in Pa, kPa, MPa, GPa or the like"),
-        (["50 kg"], r"loads\[0\]: given '50 kg'"),
-        (["50 MPA"], r"loads\[0\]: given '50 MPA'; allowed: .*; did you mean 'MPa'\?"),
-        (["5 MPa", "50 MPA"], r"loads\[1\]: given '50 MPA'; allowed: .*; did you mean 'MPa'\?"),
-        (["1.0D6 Pa"], r"loads\[0\]: given '1.0D6 Pa'; allowed: .*; exponents have an e: 1.0e6"),
-        (["a lot"], r"loads\[0\]: given 'a lot'"),
-        ("50 MPa", r"loads: given '50 MPa'"),
-        ([10, "50 MPa"], r"loads: given \[10, '50 MPa'\]; allowed: loads that all have a unit, or none"),
+        (["50 MPa", "2 N"], r"loads\[1\]: you gave '2 N'; gfmd allows a pressure in Pa, kPa, MPa, GPa or the like"),
+        (["50 kg"], r"loads\[0\]: you gave '50 kg'"),
+        (["50 MPA"], r"loads\[0\]: you gave '50 MPA'; gfmd allows .*; did you mean 'MPa'\?"),
+        (["5 MPa", "50 MPA"], r"loads\[1\]: you gave '50 MPA'; gfmd allows .*; did you mean 'MPa'\?"),
+        (["1.0D6 Pa"], r"loads\[0\]: you gave '1.0D6 Pa'; gfmd allows .*; exponents have an e: 1.0e6"),
+        (["a lot"], r"loads\[0\]: you gave 'a lot'"),
+        ("50 MPa", r"loads: you gave '50 MPa'"),
+        ([10, "50 MPa"], r"loads: you gave \[10, '50 MPa'\]; gfmd allows loads that all have a unit, or none"),
     ],
 )
 def test_loads_of_no_kind_are_refused(heights, loads, said):
@@ -75,13 +75,13 @@ def test_loads_of_no_kind_are_refused(heights, loads, said):
 )
 def test_a_unit_is_guessed_beside_a_reduced_pressure_too(load, hint):
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
-    with pytest.raises(InputError, match=rf"loads\[0\]: given '{load}'; allowed: .*; {hint}"):
+    with pytest.raises(InputError, match=rf"loads\[0\]: you gave '{load}'; gfmd allows .*; {hint}"):
         gfmd_numba.load_curve(scene, [load], heights=1e-3 * np.sin(np.arange(16) * np.pi / 8))
 
 
 def test_loads_in_pascal_need_moduli():
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
-    with pytest.raises(InputError, match="allowed: pressure beside a youngs_modulus of every elastic body"):
+    with pytest.raises(InputError, match="gfmd allows pressure beside a youngs_modulus of every elastic body"):
         gfmd_numba.load_curve(scene, ["50 MPa"], heights=1e-3 * np.sin(np.arange(16) * np.pi / 8))
 
 

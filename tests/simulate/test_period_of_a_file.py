@@ -98,7 +98,8 @@ def test_a_second_surface_without_positions_has_the_period_of_the_first(profile,
     np.savetxt(tmp_path / "r.csv", np.column_stack([1.1e3 * X, HEIGHTS]), delimiter=",", header="x [mm], z [m]")
     given = scene(profile, body=BODY | {"roughness": {"method": "measured", "file": str(tmp_path / "r.csv")}})
     said = (
-        r"body\.roughness\.file: given r\.csv \(positions over a period of 0\.00044 m, not 0\.0004 m as in roughness\)"
+        r"body\.roughness\.file: you gave r\.csv \(positions over a period of 0\.00044 m, not 0\.0004 m as in "
+        r"roughness\)"
     )
     with pytest.raises(InputError, match=said):
         gfmd_numba.solve(given)
@@ -108,12 +109,13 @@ FAULTS = {
     "displacement": (
         {},
         {},
-        "loading.displacement: given '0.1 um'; allowed: a number without a unit, as there is no length",
+        "loading.displacement: you gave '0.1 um'; gfmd allows a number without a unit, as there is no length",
     ),
     "line load": (
         {"loading": {"line_load": 50.0}},
         {},
-        "loading.line_load: given 50.0; allowed: line_load beside the length of the period, or a reduced_pressure",
+        "loading.line_load: you gave 50.0; gfmd allows line_load beside the length of the period, or a "
+        "reduced_pressure",
     ),
     "cutoff": (
         {"loading": {"reduced_pressure": 0.1}},
@@ -123,7 +125,7 @@ FAULTS = {
     "path": (
         {"loading": {"displacement": 1e-4}, "path": [{"displacement": "0.2 um"}]},
         {},
-        "path[0].displacement: given '0.2 um'; allowed: a number without a unit, as there is no length",
+        "path[0].displacement: you gave '0.2 um'; gfmd allows a number without a unit, as there is no length",
     ),
 }
 
@@ -167,7 +169,7 @@ def test_loads_with_units_need_a_scale():
     rough = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01, "points": 64, "cut_on": 0.1, "roll_off": 0.5}
     bare = scene(rough, body={"poissons_ratio": 0.3, "aspect_ratio": 0.5}, loading={"displacement": 1e-4})
     with pytest.raises(
-        InputError, match=r"loads\[0\]: given '0.1 um'; allowed: a number without a unit, as there is no"
+        InputError, match=r"loads\[0\]: you gave '0.1 um'; gfmd allows a number without a unit, as there is no"
     ):
         gfmd_numba.load_curve(bare, ["0.1 um", "0.2 um"])
 

@@ -34,6 +34,6 @@ def test_a_scene_has_the_surface_of_its_file_times_a_factor(asked):
 
 def test_another_scaling_is_refused():
     with pytest.raises(
-        InputError, match=r"scene\.roughness\.scaling: given 'theory'; allowed: one of 'each', 'ensemble'"
+        InputError, match=r"scene\.roughness\.scaling: you gave 'theory'; gfmd allows one of 'each', 'ensemble'"
     ):
         gfmd_numba.solve(scene(rms_height=0.001, scaling="theory"))

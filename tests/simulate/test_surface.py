@@ -141,32 +141,47 @@ length: 1e-4
             SURFACE,
             "correlation_length: 4e-6",
             "correlation_length: 4e-5",
-            "correlation_length: given 4e-05; allowed: at most mound_separation = 9e-06",
+            "correlation_length: you gave 4e-05; gfmd allows at most mound_separation = 9e-06",
         ),
         (
             SURFACE,
             "hurst: 0.8",
             "hurst: 1.2",
-            "surface.hurst: given 1.2; allowed: a number from 0.01 to 1",
+            "surface.hurst: you gave 1.2; gfmd allows a number from 0.01 to 1",
         ),
-        (SURFACE, "hurst: 0.8", "hurst: 0", "4:10: surface.hurst: given 0; allowed"),
+        (SURFACE, "hurst: 0.8", "hurst: 0", "4:10: surface.hurst: you gave 0; gfmd allows"),
         (
             SURFACE,
             "cut_on: 1e-6",
             "cut_on: 1e-7",
-            "cut_on: given 1e-07; allowed: at least 3.92157e-07, the shortest wave",
+            "cut_on: you gave 1e-07; gfmd allows at least 3.92157e-07, the shortest wave",
         ),
-        (SURFACE, "  rms_height: 3e-7\n", "", "2:3: surface: given {'correlation_length': 4e-06"),
-        (SURFACE, "points: 512", "points: 3", "9:11: surface.points: given 3; allowed: a whole number from 4"),
-        (SURFACE, "  points: 512\n", "", "surface.points: given nothing; allowed: the number of grid points over L_x"),
+        (SURFACE, "  rms_height: 3e-7\n", "", "2:3: surface: you gave {'correlation_length': 4e-06"),
+        (SURFACE, "points: 512", "points: 3", "9:11: surface.points: you gave 3; gfmd allows a whole number from 4"),
+        (
+            SURFACE,
+            "  points: 512\n",
+            "",
+            "surface.points: you gave nothing; gfmd needs the number of grid points over L_x",
+        ),
         (SURFACE, "points: 512", "points: 100000000000", "a grid that fits in"),
         (SURFACE, "points: 512", "points: 512\nhurst_range: {shortest: 2, longest: 1}", "10:25: hurst_range.shortest"),
         (SURFACE, "model: exponential", "model: exponentail", "did you mean 'exponential'?"),
         (SURFACE, "method: psd", "method: psdm", "did you mean 'psd'?"),
-        (RANDOM, "hurst: 0.8", "hurst: -0.1", "1:49: surface.hurst: given -0.1; allowed: a number from 0 to 1"),
-        (RANDOM, "cut_on: 1e-6", "cut_on: 1.5e-5", "surface.cut_on: given 1.5e-05; allowed: at most half of roll_off"),
-        (RANDOM, "roll_off: 2e-5", "roll_off: 2e-4", "surface.roll_off: given 0.0002; allowed: at most the period"),
-        (RANDOM, "cut_on: 1e-6", "cut_on: 1e-7", "surface.cut_on: given 1e-07; allowed: at least 3.92157e-07"),
+        (RANDOM, "hurst: 0.8", "hurst: -0.1", "1:49: surface.hurst: you gave -0.1; gfmd allows a number from 0 to 1"),
+        (
+            RANDOM,
+            "cut_on: 1e-6",
+            "cut_on: 1.5e-5",
+            "surface.cut_on: you gave 1.5e-05; gfmd allows at most half of roll_off",
+        ),
+        (
+            RANDOM,
+            "roll_off: 2e-5",
+            "roll_off: 2e-4",
+            "surface.roll_off: you gave 0.0002; gfmd allows at most the period",
+        ),
+        (RANDOM, "cut_on: 1e-6", "cut_on: 1e-7", "surface.cut_on: you gave 1e-07; gfmd allows at least 3.92157e-07"),
     ],
 )
 def test_a_surface_that_makes_no_sense_is_refused_where_it_stands(tmp_path, text, old, new, said):
@@ -176,14 +191,14 @@ def test_a_surface_that_makes_no_sense_is_refused_where_it_stands(tmp_path, text
 
 def test_a_range_of_the_hurst_exponent_without_waves_is_refused(tmp_path):
     text = SURFACE + "hurst_range: {shortest: 2.1e-6, longest: 2.11e-6}\n"
-    assert "bad.yaml:11:14: hurst_range: given {" in complaint(tmp_path, make_surface, text)
+    assert "bad.yaml:11:14: hurst_range: you gave {" in complaint(tmp_path, make_surface, text)
 
 
 def test_models_that_need_a_map_are_refused_on_a_profile(tmp_path):
     surface = {"method": "psd", **ANISOTROPIC, "rms_height": 3e-7, "points": 64}
     file = {"surface": surface, "length": 1e-4}
     message = complaint(tmp_path, load_surface, yaml.safe_dump(file))
-    assert "dimension: given nothing; allowed: 2, which model length_anisotropy needs" in message
+    assert "dimension: you gave nothing; gfmd needs 2, which model length_anisotropy needs" in message
 
 
 def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
@@ -213,7 +228,7 @@ def test_an_unusable_measurement_is_refused_with_its_reason(tmp_path, name, cont
     (tmp_path / name).write_text(content)
     text = f"surface: {{method: measured, file: {name}}}\n"
     message = complaint(tmp_path, make_surface, text)
-    assert message.startswith(f"bad.yaml:1:35: surface.file: given {name} (")
+    assert message.startswith(f"bad.yaml:1:35: surface.file: you gave {name} (")
     assert said in message
 
 
@@ -232,4 +247,4 @@ def test_a_file_that_is_not_there_and_a_length_too_many_are_told(tmp_path):
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\nlength: 1e-3\n")
     assert "positions over a period of 4 m, one spacing for each of the 4 points, not length = 0.001 m" in message
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\ndimension: 1\n")
-    assert "dimension: given 1; allowed: nothing" in message
+    assert "dimension: you gave 1; gfmd allows nothing" in message

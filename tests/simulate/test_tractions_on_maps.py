@@ -121,17 +121,21 @@ def test_a_traction_that_drags_the_body_is_a_path_of_the_punch_the_other_way(tmp
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"dimension": 1}, "scene.boundary.tangential_traction_y: given 0.1; allowed: nothing with dimension 1"),
-        ({"body": {"poissons_ratio": 0.3}}, "tangential_traction_y: given a mean of 0.1; allowed: a mean of 0"),
-        ({"boundary": {"normal_traction": "odd"}}, "given odd.npy (32 x 31 values); allowed: one value for each of"),
-        ({"boundary": {"normal_traction": "row"}}, "not rows of numbers); allowed: rows of numbers, one for each y"),
-        ({"boundary": {"normal_traction": "endless"}}, "endless.npy (inf at index 2, 3); allowed: finite numbers"),
+        ({"dimension": 1}, "scene.boundary.tangential_traction_y: you gave 0.1; gfmd allows nothing with dimension 1"),
+        ({"body": {"poissons_ratio": 0.3}}, "tangential_traction_y: you gave a mean of 0.1; gfmd allows a mean of 0"),
+        (
+            {"boundary": {"normal_traction": "odd"}},
+            "you gave odd.npy (32 x 31 values); gfmd allows one value for each of",
+        ),
+        ({"boundary": {"normal_traction": "row"}}, "not rows of numbers); gfmd allows rows of numbers, one for each y"),
+        ({"boundary": {"normal_traction": "endless"}}, "endless.npy (inf at index 2, 3); gfmd allows finite numbers"),
         (
             {"boundary": {"tangential_traction_y": 0.1, "tangential_displacement_y": "held"}},
-            "given 0.1 at node 0, 1; allowed: a file with not-a-number at the nodes whose tangential_displacement_y",
+            "you gave 0.1 at node 0, 1; gfmd allows a file with not-a-number at the nodes whose "
+            "tangential_displacement_y",
         ),
         ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5, "state": "plane_stress"}}, "'plane_strain'"),
-        ({"points": 2**20}, "points: given 1048576; allowed: a grid that fits in"),
+        ({"points": 2**20}, "points: you gave 1048576; gfmd allows a grid that fits in"),
     ],
 )
 def test_what_a_map_cannot_bear_is_refused_where_it_stands(tmp_path, changes, said):
@@ -152,7 +156,9 @@ def test_what_a_map_cannot_bear_is_refused_where_it_stands(tmp_path, changes, sa
 
 
 def test_a_boundary_of_another_grid_than_the_punch_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"given normal_traction\.npy \(8 x 8 values\); allowed: .* 32 x 32 nodes"):
+    with pytest.raises(
+        InputError, match=r"you gave normal_traction\.npy \(8 x 8 values\); gfmd allows .* 32 x 32 nodes"
+    ):
         gfmd_numba.solve(beside(tmp_path, {}, {"reduced_pressure": 0.1}, normal_traction=np.zeros((8, 8))))
 
 
@@ -166,5 +172,7 @@ def test_a_displacement_along_y_beside_a_punch_is_refused(tmp_path):
 @pytest.mark.parametrize("name", ["tangential_traction", "tangential_traction_y"])
 def test_nothing_holds_a_half_space_beside_a_punch_along_either_axis(tmp_path, name):
     file = beside(tmp_path, {}, {"reduced_pressure": 0.1}, aspect_ratio=np.inf, **{name: 1e-3 + 0.0 * X})
-    with pytest.raises(InputError, match=rf"boundary\.{name}: given a mean of 0\.001; .* nothing holds a half-space"):
+    with pytest.raises(
+        InputError, match=rf"boundary\.{name}: you gave a mean of 0\.001; .* nothing holds a half-space"
+    ):
         gfmd_numba.solve(file)

@@ -147,7 +147,7 @@ def test_layers_of_either_body_tell_what_their_modulus_is():
 def test_a_topography_deeper_than_all_layers_is_refused():
     thin = LAYERED | {"layers": [LAYERED["layers"][0] | {"height": 1e-4}], "roughness": ROUGH}
     with pytest.raises(
-        InputError, match=r"body.roughness: given a topography .* within the height of the body, 0.0001"
+        InputError, match=r"body.roughness: you gave a topography .* within the height of the body, 0.0001"
     ):
         solved(body=thin)
 

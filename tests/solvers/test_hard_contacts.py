@@ -90,10 +90,10 @@ def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
 def test_an_incompressible_body_needs_room(displacement):
     """Pushed further than volume is left below the punch, it was said to be in full contact under any pressure."""
     body = {"poissons_ratio": 0.5, "aspect_ratio": 0.3}
-    with pytest.raises(InputError, match=r"scene.loading.displacement: given .*at most .*no room for more"):
+    with pytest.raises(InputError, match=r"scene.loading.displacement: you gave .*at most .*no room for more"):
         gfmd_numba.solve(scene_file(body=body, loading={"displacement": displacement}))
     steps = {"path": [{"displacement": displacement}]}
-    with pytest.raises(InputError, match=r"path\[0\].displacement: given .*at most .*no room for more"):
+    with pytest.raises(InputError, match=r"path\[0\].displacement: you gave .*at most .*no room for more"):
         gfmd_numba.solve(scene_file(body=body, loading={"displacement": 1e-4}) | steps)
 
 
@@ -125,7 +125,7 @@ def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
 
 def test_a_slab_without_a_height_is_refused():
     """Stiffnesses beyond the range of numbers used to be left out: full contact, and certified."""
-    with pytest.raises(InputError, match="aspect_ratio: given 1e-300; allowed: from 1e-12 to 1e30"):
+    with pytest.raises(InputError, match="aspect_ratio: you gave 1e-300; gfmd allows from 1e-12 to 1e30"):
         gfmd_numba.solve(scene_file(body={"poissons_ratio": 0.5, "aspect_ratio": 1e-300}))
 
 
@@ -166,7 +166,7 @@ def test_a_shorter_range_of_the_same_work_pulls_in_more():
     assert area[0] < 0.2 < area[-1]
     for each in found:
         assert float(each["mean_pressure"]) == pytest.approx(0.05 * 0.02, rel=1e-6)
-    with pytest.raises(InputError, match=r"range: given .*at least"):
+    with pytest.raises(InputError, match=r"range: you gave .*at least"):
         gfmd_numba.solve(adhesive(1e-4, 2e-4))
 
 

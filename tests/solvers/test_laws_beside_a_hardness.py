@@ -216,10 +216,12 @@ def test_campaigns_beside_a_law_record_what_one_contact_does(tmp_path):
 def test_a_load_beyond_what_hardness_and_law_bear_is_an_error_with_its_place():
     """That of a wholly plastic contact is (0.006 - 4e-4) / 0.02, and the strongest law of the grid pulls 2e-3."""
     scene = FILE["scene"] | {"loading": {"reduced_pressure": 0.29}}
-    said = r"reduced_pressure: given 0\.29; allowed: below 0\.28, .* less what the exponential law pulls at no gap"
+    said = (
+        r"reduced_pressure: you gave 0\.29; gfmd allows below 0\.28, .* less what the exponential law pulls at no gap"
+    )
     with pytest.raises(InputError, match=said):
         gfmd_numba.solve({"scene": scene, "discretisation": EPS})
     kept = {"name": "sticky", "seed": 1, "realisations": 1, "reference": EPS}
     kept["scene"] = scene | {"loading": {"reduced_pressure": 0.1}}
-    with pytest.raises(InputError, match=r"grid\.reduced_pressure\[1\]: given 0\.21; allowed: below 0\.2,"):
+    with pytest.raises(InputError, match=r"grid\.reduced_pressure\[1\]: you gave 0\.21; gfmd allows below 0\.2,"):
         gfmd_numba.run(kept | {"grid": {"reduced_pressure": [0.1, 0.21], "work_of_adhesion": [1e-7, 1e-6]}})

@@ -154,7 +154,7 @@ def test_a_body_displaced_without_a_punch_bears_the_tractions_of_double_precisio
 
 def test_tractions_alone_on_a_body_need_no_precision():
     scene = {"body": SLAB, "boundary": {"tangential_traction": 1e-3}}
-    with pytest.raises(InputError, match=r"numerics.precision: given '?single'?; allowed: nothing where tr"):
+    with pytest.raises(InputError, match=r"numerics.precision: you gave '?single'?; gfmd allows nothing where tr"):
         gfmd_numba.solve({"scene": scene, "points": 8, "numerics": {"precision": "single", "residual": 1e-3}})
 
 

@@ -64,7 +64,9 @@ def test_what_is_no_regular_file_is_neither_read_nor_replaced(tmp_path):
         assert opened(path) is None
         assert json_file.read(path) == {}
         for write in (lambda path=path: replace(path, b"", anything), lambda path=path: atomic_file.open_own(path)):
-            with pytest.raises(InputError, match=r"given a path which is (a link|not a regular file); allowed: no"):
+            with pytest.raises(
+                InputError, match=r"you gave a path which is (a link|not a regular file); gfmd allows no"
+            ):
                 write()
         atomic_file.remove(path, anything)
         assert os.path.lexists(path)
@@ -75,5 +77,5 @@ def test_what_is_no_regular_file_is_neither_read_nor_replaced(tmp_path):
 def test_a_link_to_a_folder_is_none_of_ours(tmp_path):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "shards").symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(InputError, match="given a link or a file; allowed: a folder of that name"):
+    with pytest.raises(InputError, match="you gave a link or a file; gfmd allows a folder of that name"):
         atomic_file.make_folder(tmp_path / "shards")

@@ -120,7 +120,7 @@ def small_disk(tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="no disk to mount")
 def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp_path):
     path, out, filler = campaign(tmp_path), small_disk / "out", small_disk / "filler"
-    command = [sys.executable, "-m", "gfmd_numba.cli", "run", str(path), "-o", str(out), "--workers=0"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=0"]
     for left in (0, 20_000, 100_000):  # no room for the claim, for the shards, for the results
         filler.unlink(missing_ok=True)
         room = os.statvfs(small_disk)

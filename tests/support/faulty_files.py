@@ -51,7 +51,7 @@ def complaint(folder, load, text, name="bad.yaml"):
         load(path)
     message = str(caught.value).replace(f"{folder}/", "")
     for line in message.splitlines():
-        assert re.match(rf"{name}:\d+:\d+: .*given .*; allowed: .", line), line
+        assert re.match(rf"{name}:\d+:\d+: .*you gave .*; gfmd (allows|needs) .", line), line
     return message
 
 

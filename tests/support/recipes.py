@@ -43,7 +43,7 @@ def command_after(recipes, files, tmp_path):
 
     def command(*arguments):
         environment = os.environ | {"PYTHONPATH": str(package.parent)}  # its kernels are those of this package
-        line = [sys.executable, "-m", "gfmd_numba.cli", *arguments]
+        line = [sys.executable, "-m", "gfmd_numba", *arguments]
         done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
         assert done.returncode == 0, done.stderr
         return done.stdout

@@ -44,7 +44,7 @@ def plot_accuracy(dataset: xr.Dataset) -> Figure:
     Settings with failed surfaces are left out. Raises UnusableDataError for a dataset without studies.
     """
     if not {"study", "curve", "setting", "error", "seconds", "failed"} <= dataset.variables.keys():
-        raise UnusableDataError("given no studies of accuracy; allowed: what `gfmd accuracy` leaves")
+        raise UnusableDataError("you gave no studies of accuracy; gfmd allows what `gfmd accuracy` leaves")
     good = dataset.isel(point=dataset["failed"].values == 0)
     studies = {name: _drawn(good.isel(point=good["study"].values == name), name) for name in TITLES}
     shown = {name: study for name, study in studies.items() if study.sizes["point"]}

@@ -24,7 +24,7 @@ def plot_contact(dataset: xr.Dataset) -> Figure:
     without these fields.
     """
     if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
-        raise UnusableDataError("given no results of a contact; allowed: what `gfmd solve` leaves of one")
+        raise UnusableDataError("you gave no results of a contact; gfmd allows what `gfmd solve` leaves of one")
     step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     figure = plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)

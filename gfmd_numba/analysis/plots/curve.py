@@ -25,10 +25,10 @@ def plot_curve(dataset: xr.Dataset) -> Figure:
     dataset that is no load curve, or has no load with a result.
     """
     if not {"prescribed_load", "n_realisations", *(name for name, *_ in _PANELS)} <= dataset.variables.keys():
-        raise UnusableDataError("given no load curve; allowed: what `gfmd curve` leaves")
+        raise UnusableDataError("you gave no load curve; gfmd allows what `gfmd curve` leaves")
     dataset = dataset.isel(prescribed_load=dataset["n_realisations"].values > 0)
     if not dataset.sizes["prescribed_load"]:
-        raise UnusableDataError("given no load with a result; allowed: a load curve with runs that are ok")
+        raise UnusableDataError("you gave no load with a result; gfmd allows a load curve with runs that are ok")
     by_pressure = dataset.attrs.get("prescribed") != "displacement"
     over, label, natural = (
         (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")

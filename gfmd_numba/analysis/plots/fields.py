@@ -18,11 +18,13 @@ _DEEPEST = 0.5  # of L_x: below, the waves have died out
 def plot_body(dataset: xr.Dataset) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     if not {"x", "z", "von_mises", "pressure"} <= dataset.variables.keys():
-        raise UnusableDataError("given no fields inside a body; allowed: what `gfmd fields` leaves")
+        raise UnusableDataError("you gave no fields inside a body; gfmd allows what `gfmd fields` leaves")
     step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     if not np.isfinite(dataset["von_mises"]).all():
-        raise UnusableDataError("given fields of a run that is not ok; allowed: those of one that is, see `status`")
+        raise UnusableDataError(
+            "you gave fields of a run that is not ok; gfmd allows those of one that is, see `status`"
+        )
     figure = plot_planes(dataset) if dataset["von_mises"].ndim == 3 else _plot_section(dataset)
     of_other = "Counter body" if dataset.attrs.get("body") == "counter_body" else ""
     if step or of_other:

@@ -19,10 +19,10 @@ def plot_fit(fit: xr.Dataset) -> Figure:
     """
     variable = str(fit.attrs.get("variable"))
     if not {f"{variable}_tfc", f"{variable}_tfc_error", "fit_status"} <= set(fit.variables) or not axes(fit):
-        raise UnusableDataError("given no fit; allowed: what `gfmd fit -o` leaves")
+        raise UnusableDataError("you gave no fit; gfmd allows what `gfmd fit -o` leaves")
     accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
     if not accepted.sizes["group"]:
-        raise UnusableDataError("given a fit that was refused in every group; allowed: one with a limit")
+        raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
     label = with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
     return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label)
 

@@ -31,8 +31,8 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
     """
     if most_varied(dataset) is None:
         raise UnusableDataError(
-            "given results in which no discretisation is varied, and no other parameter; "
-            "allowed: results of a campaign with limits or a grid"
+            "you gave results in which no discretisation is varied, and no other parameter; "
+            "gfmd allows results of a campaign with limits or a grid"
         )
     return over_parameter(dataset, lambda cases: ensemble_mean(cases, variable), of_variable(dataset, variable))
 

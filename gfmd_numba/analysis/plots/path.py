@@ -46,9 +46,9 @@ def plot_path(dataset: xr.Dataset) -> Figure:
     if "case" not in dataset.dims and "step" in dataset.dims and set(_LOADS) & set(map(str, dataset.coords)):
         dataset = _as_campaign(dataset)
     if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
-        raise UnusableDataError("given no loading path; allowed: what `gfmd solve` or `gfmd run` leaves of one")
+        raise UnusableDataError("you gave no loading path; gfmd allows what `gfmd solve` or `gfmd run` leaves of one")
     if not (dataset["status"] == 0).any():
-        raise UnusableDataError("given no path that is ok; allowed: one with runs that are ok")
+        raise UnusableDataError("you gave no path that is ok; gfmd allows one with runs that are ok")
     dataset = _finest(dataset)
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)

@@ -38,7 +38,9 @@ def plot_rounds(dataset: xr.Dataset) -> Figure:
     tenth of the last error. UnusableDataError for results without a round that has an error.
     """
     if "round" not in dataset.dims or not (dataset["round_error"] > 0).any():
-        raise UnusableDataError("given results without a round that has an error; allowed: those of `gfmd run --until`")
+        raise UnusableDataError(
+            "you gave results without a round that has an error; gfmd allows those of `gfmd run --until`"
+        )
     known = dataset.isel(round=np.flatnonzero((dataset["round_error"] > 0).values))
     seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
     target = float(dataset.attrs["target"])

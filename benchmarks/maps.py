@@ -1,8 +1,7 @@
-"""Maps: kappa beside the literature, time, memory and transforms up to 4096^2, and Tamaas beside it at 1024^2.
+"""Maps: kappa beside the literature, and time, memory and transforms up to 4096^2. `peers.py` has other codes.
 
-`python benchmarks/maps.py` prints kappa and the ratio to Tamaas (pip install tamaas; skipped without it);
-`python benchmarks/maps.py 2048 0.8 0.007` solves one map of that size, H and p*, for its time and memory, and
-`python benchmarks/maps.py tamaas 0.2 3` three maps at that p* with Tamaas beside it. One thread each.
+`python benchmarks/maps.py` prints everything, and `python benchmarks/maps.py 2048 0.8 0.007` solves one map of that
+size, H and p*, for its time and memory. One thread each.
 """
 
 import resource
@@ -21,7 +20,6 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.fourier.in_place import InPlaceTransform, storage
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import self_affine
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -156,46 +154,13 @@ def one_map(nx, hurst, load):
     )
 
 
-def beside_tamaas(nx=1024, load=0.007, repetitions=3):
-    try:
-        import tamaas
-    except ImportError as missing:
-        print(f"Tamaas: skipped, {missing}")
-        return
-    tamaas.set_log_level(tamaas.LogLevel.error)
-    body = stiffness.half_space(grid.magnitudes((nx, nx)))
-    numerics = Options("active_set_newton", residual=RESIDUAL)
-    equilibrate(self_affine.maps(0.8, 2, 8, 64, 2018, range(1)), body[:64, :33], load, numerics)  # compiles kernels
-    for hurst in (0.8, 0.3):
-        ratios, different = [], 0
-        for surface in range(repetitions):
-            heights = self_affine.maps(hurst, 2, nx // 4, nx, 2018, range(surface, surface + 1))
-            punch = heights.max() - heights
-            here, found = seconds(equilibrate, punch, body, load, numerics)
-            model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [nx, nx])
-            model.E, model.nu = 1.0, 0.0
-            peer = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-punch[0]), 1e-8)
-            there, _ = seconds(peer.solve, load)
-            ratios.append(there / here)
-            different += np.count_nonzero((np.asarray(model.traction).reshape(nx, nx) > 0.0) != found.touching[0])
-        print(
-            f"{nx}^2, H = {hurst}, p* = {load}: Tamaas takes {np.median(ratios):.0f} times as long "
-            f"({min(ratios):.0f} to {max(ratios):.0f}, {repetitions} surfaces; the last {there:.1f} and {here:.2f} s), "
-            f"{different} nodes differ",
-            flush=True,
-        )
-
-
 def main():
     if len(sys.argv) > 1:
-        if sys.argv[1] == "tamaas":
-            return beside_tamaas(load=float(sys.argv[2]), repetitions=int(sys.argv[3]))
         return one_map(int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]))
     for load in ("0.007", "0.2"):
         for hurst in ("0.8", "0.3"):
             for size in ("512", "1024", "2048", "4096"):
                 subprocess.run([sys.executable, __file__, size, hurst, load], check=True)
-        beside_tamaas(load=float(load))
     kappa_beside_the_literature()
     kappa_over_nayaks_parameter()
     kappa_over_anisotropy()

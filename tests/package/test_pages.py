@@ -3,6 +3,7 @@
 import ast
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,6 +102,8 @@ class Reader:
         program, *arguments = words(line)
         if program == "python":
             assert compile((self.folder / arguments[0]).read_text(), arguments[0], "exec")
+            results = [Path(word) for word in arguments if word.endswith(".nc")]
+            assert all((self.folder / "campaigns" / f"{path.parent}.yaml").exists() for path in results)
         elif program == "gfmd":
             self._gfmd(line, [PLACEHOLDERS.get(word, word) for word in arguments], item.inline)
 
@@ -173,6 +176,19 @@ def test_every_block_and_command_of_a_page_does_what_it_says(page, desk, tmp_pat
         except (Exception, SystemExit) as error:
             failed.append(f"{item}\n    {error!r}")
     assert not failed, f"{len(failed)} of {len(printed(page))} fail:\n" + "\n".join(failed)
+
+
+TERMS = re.compile(r"ε_[cft]\b|\beps_[cft]\b|\bcondensed\b|\brigid mean\b|κ_r\b|`kappa_r`|`cut_on`")
+
+
+@pytest.mark.parametrize("page", DOCS, ids=lambda path: path.name)
+def test_a_page_says_where_its_terms_are_explained_before_it_uses_one(page):
+    text = page.read_text(encoding="utf-8")
+    link = re.search(r"\(#?(?:docs/)?terms\.md", text)
+    used = TERMS.search(text)
+    if used and page.name not in ("terms.md", "errata.md", "combinations.md"):  # eps is a strain there
+        assert link
+        assert link.start() < used.start() or page.name == "limit.md"  # where they are defined
 
 
 def test_pages_print_blocks_and_commands():

@@ -14,7 +14,10 @@ from gfmd_numba.solvers.table import SOLVERS
 
 _PACKAGE = Path(__file__).parent.parent
 _MAKE_NO_NUMBERS = {"analysis", "campaign", "cli", "scene", "simulate", "storage", "text"}  # of what a shard holds
-_PROSE = re.compile(rb'^[ \t]*(#.*|[rR]?"""(?s:.*?)""")?[ \t]*\n', re.MULTILINE)  # comments, docstrings, empty lines
+_TEXT = rb'"""(?s:.*?)"""'
+_PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text that is no docstring stays
+    rb"^[ \t]*(?P<prose>#.*|[rR]?" + _TEXT + rb")?[ \t]*\n|(?P<kept>" + _TEXT + rb")", re.MULTILINE
+)
 
 
 @lru_cache(maxsize=1)
@@ -41,7 +44,7 @@ def code_digest(package: Path) -> str:
     for file in sorted(package.rglob("*.py")):
         module = file.relative_to(package).as_posix()
         if module.partition("/")[0] not in _MAKE_NO_NUMBERS:
-            code = _PROSE.sub(b"", file.read_bytes().replace(b"\r\n", b"\n"))
+            code = _PROSE.sub(rb"\g<kept>", file.read_bytes().replace(b"\r\n", b"\n"))
             digest.update(f"{module} {len(code)}\n".encode() + code)
     return digest.hexdigest()
 

@@ -106,10 +106,13 @@ def state(top):
     return found
 
 
+_OF_SHARDS = (b"\x89gfmd shard 1\n", b"\x89gfmd bundle 1\n")
+
+
 def is_ours(entry):
     """Whether something in an output directory may be written again: it proves to be of gfmd, or is a damaged shard."""
     kind, _, content = entry
     if not stat.S_ISREG(kind):
         return False
-    shard = any(content[: len(magic)] == magic[: len(content)] for magic in (b"\x89gfmd shard 1\n", b"\x89gfmd bundle 1\n"))
+    shard = any(content[: len(magic)] == magic[: len(content)] for magic in _OF_SHARDS)
     return not content or is_product(content) or is_note(content) or shard

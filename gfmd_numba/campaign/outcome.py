@@ -10,13 +10,16 @@ class Outcome(IntEnum):
     """How a simulation ended; only `ok` results are used."""
 
     ok = Status.ok.value
-    not_converged = Status.not_converged.value
+    steps_used_up = Status.steps_used_up.value
+    stagnated = Status.stagnated.value
+    too_steep = Status.too_steep.value
+    no_equilibrium = Status.no_equilibrium.value
     unstable = Status.unstable.value
     nonfinite = Status.nonfinite.value
-    timeout = 4
-    crashed = 5
-    unfinished = 6
-    not_asked = 7
+    timeout = 7
+    crashed = 8
+    unfinished = 9
+    not_asked = 10
 
 
 SENTENCES: dict[IntEnum, str] = {

@@ -199,7 +199,7 @@ def _show_endings(dataset: xr.Dataset) -> None:
         ended = dataset["n_iterations"].where(status == meanings.index(ending))
         if ended.max() > 0:  # what has not run has no iterations
             first = f"the first after {int(ended.min())} iterations"
-            say("gfmd:", f"{int(ended.count())} are {ending}, {first}. {sentence}", width=6, err=True)
+            say("gfmd:", f"{int(ended.count())} ended as {ending}, {first}. {sentence}", width=6, err=True)
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:

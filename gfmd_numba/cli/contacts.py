@@ -58,7 +58,7 @@ def solve(file: Path, output: Path) -> None:
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        say("gfmd:", f"the run is {_ending(last)}{where}: do not use its numbers", width=6, err=True)
+        say("gfmd:", f"the run ended as {_ending(last)}{where}: do not use its numbers", width=6, err=True)
         for _, sentence in endings(steps["status"]):
             say("gfmd:", sentence, width=6, err=True)
         sys.exit(SOME_FAILED)
@@ -119,7 +119,7 @@ def _ending(step: xr.Dataset) -> str:
     """How a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
-    if meaning == "not_converged":
+    if meaning in ("steps_used_up", "stagnated"):
         return f"{ending} at a residual of {float(step['residual']):.1e}"
     return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 

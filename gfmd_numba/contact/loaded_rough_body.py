@@ -45,7 +45,7 @@ def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
         if is_still or flat.status != Status.ok:
             break
         added = new
-    status = flat.status if is_still else max(flat.status, Status.not_converged)
+    status = flat.status if is_still or flat.status != Status.ok else Status.too_steep
     iterations, transforms, seconds = (sum(of_rounds) for of_rounds in zip(*spent, strict=True))
     deformed = replace(
         flat,

@@ -12,10 +12,10 @@ _DEPTH = 5  # differences of rounds that are kept
 
 
 class Rounds:
-    """Rounds that each take a state of two arrays to another one, until both are the same.
+    """Rounds that each take a state of some arrays to another one, until both are the same.
 
-    Rounds that come nearer by less than a quarter in two are not extrapolated: where a topography is too steep for its
-    order, a solution far from all of them would mean nothing.
+    Rounds that move apart on one side are not extrapolated: where a topography is too steep for its order, a solution
+    that all of them leave behind would mean nothing. Those that jump to and fro have it between them.
     """
 
     def __init__(self) -> None:
@@ -23,17 +23,18 @@ class Rounds:
         self._found: list[Reals] = []
         self._change: list[Reals] = []
 
-    def following(self, given: tuple[Reals, Reals], found: tuple[Reals, Reals]) -> tuple[Reals, Reals]:
+    def following(self, given: tuple[Reals, ...], found: tuple[Reals, ...]) -> tuple[Reals, ...]:
         """State that the next round begins with, from what the last one was given and has found."""
         before, after = (np.concatenate([part.ravel() for part in state]) for state in (given, found))
         self._count += 1
         self._found = [*self._found[-_DEPTH:], after]
         self._change = [*self._change[-_DEPTH:], after - before]
         if self._count == _PLAIN:
-            self._approaches = bool(abs(self._change[-1]).max() < 0.75 * abs(self._change[-3]).max())
+            back = float(self._change[-1] @ self._change[-2]) < 0.0
+            self._approaches = back or bool(abs(self._change[-1]).max() < abs(self._change[-3]).max())
         if self._count <= _PLAIN or not self._approaches:
             return found
         changes, moves = (np.diff(np.array(each), axis=0).T for each in (self._change, self._found))
         weights = np.linalg.lstsq(changes, self._change[-1], rcond=1e-12)[0]
-        first, second = np.split(after - moves @ weights, [found[0].size])
-        return first.reshape(found[0].shape), second.reshape(found[1].shape)
+        parts = np.split(after - moves @ weights, np.cumsum([part.size for part in found])[:-1])
+        return tuple(part.reshape(each.shape) for part, each in zip(parts, found, strict=True))

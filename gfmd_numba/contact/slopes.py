@@ -34,6 +34,22 @@ class Added:
     lifted: float = 0.0
     meeting: Meeting | None = None
 
+    def state(self, gradient: float) -> tuple[Reals, ...]:
+        """What the next round begins with, as displacements (g L_x)."""
+        level = self.raised, self.shifted
+        if self.meeting is None:
+            return level
+        spacing = 1.0 / self.raised.shape[-1]
+        return *level, self.meeting.way / gradient, self.meeting.slope * (spacing / gradient)
+
+    def of_state(self, state: tuple[Reals, ...], gradient: float) -> "Added":
+        """The same with another state."""
+        raised, shifted, *met = state
+        if self.meeting is None:
+            return replace(self, raised=raised, shifted=shifted)
+        way, slope = met[0] * gradient, met[1] * (gradient * self.raised.shape[-1])
+        return replace(self, raised=raised, shifted=shifted, meeting=replace(self.meeting, way=way, slope=slope))
+
     def difference(self, other: "Added", gradient: float, contact: Contact) -> float:
         """Largest change of a displacement from one to the other (g L_x); a part of the load counts as one of these."""
         found = contact.equilibrium

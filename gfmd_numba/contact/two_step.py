@@ -19,6 +19,7 @@ from gfmd_numba.solvers.status import Status
 
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
+_HALF = 0.5  # of the largest displacement, which the next order may add
 _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; rounds that may come no closer
 
 
@@ -65,7 +66,7 @@ def solve(
     `punch` are the heights `[(y,) x]` of a rough rigid one (L_x).
 
     Flat bodies are pressed against walls moved by what their slopes add, until that stands still to the residual of the
-    problem; where it does not, the run is not converged. With friction or a cohesive law each round begins where the
+    problem; where it does not, they are too steep. With friction or a cohesive law each round begins where the
     last step ended, and slopes carry the nodes along the surface, too. Nodes may then be held elsewhere in each round,
     as they stick in one and not in the next: where rounds come no closer, nodes stay where the last one has held them.
     """
@@ -100,17 +101,24 @@ def solve(
             since, again = added, found
         if round_ == most - 1:
             continue
-        if problem.interface.friction is None and not is_inclined:  # else they depend on how they were reached
-            extrapolated = rounds.following((added.raised, added.shifted), (new.raised, new.shifted))
-            new = replace(new, raised=extrapolated[0], shifted=extrapolated[1])
+        if problem.interface.friction is None:  # else they depend on how they were reached
+            new = new.of_state(rounds.following(added.state(gradient), new.state(gradient)), gradient)
         added = new
     else:
-        failed = np.full_like(found.status, Status.not_converged)
-        solved = replace(solved, equilibrium=replace(found, status=failed))
+        solved = _failed(solved)
     iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
-    return Pressed(solved, responses, slopes.expected_error(solved, responses, added.meeting), added)
+    error = slopes.expected_error(solved, responses, added.meeting)
+    if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(found.displacement).max()):
+        solved = _failed(solved)
+    return Pressed(solved, responses, error, added)
+
+
+def _failed(contact: Contact) -> Contact:
+    """The same as a contact of bodies that are too steep."""
+    failed = np.full_like(contact.equilibrium.status, Status.too_steep)
+    return replace(contact, equilibrium=replace(contact.equilibrium, status=failed))
 
 
 def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Pressed]:

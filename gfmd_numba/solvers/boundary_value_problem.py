@@ -56,7 +56,8 @@ def deform(stiffness: Coupled, traction: Reals, displacement: Reals, options: Op
         iterations += steps
         residual = problem.residual()
         stands = is_single and bool(stagnation.look(np.array([residual]), np.zeros(1, dtype=np.int64))[0])
-    status = Status.ok if residual <= options.residual else Status.not_converged
+    status = Status.stagnated if stands else Status.steps_used_up
+    status = Status.ok if residual <= options.residual else status
     field, n = problem.field, problem.field.n
     return Deformed(
         displacement=problem.displacement[:, :n].reshape(displacement.shape).copy(),

@@ -139,7 +139,7 @@ def equilibrate(
         pressure=np.empty_like(punch),
         touching=np.empty(punch.shape, dtype=np.bool_),
         tangential=Tangential.zero(punch, sliding) if interface.couples else None,
-        status=np.full(realisations, Status.not_converged, dtype=np.int8),
+        status=np.full(realisations, Status.steps_used_up, dtype=np.int8),
         residual=np.full(realisations, np.nan),
         n_iterations=np.zeros(realisations, dtype=np.int64),
         n_transforms=np.zeros(realisations, dtype=np.int64),
@@ -178,6 +178,8 @@ def equilibrate(
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
         _add_tractions_of_laws(result, interface, punch, sliding)
     unstable = result.status == Status.unstable
+    if load is None and np.isinf(condensed.flat[0]) and "time_step" not in SOLVERS[options.solver].options:
+        result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
     if not unstable.any():
         return result
     sideways = None if result.tangential is None else result.tangential.displacement[unstable]
@@ -274,11 +276,12 @@ def _iterate(
             solver.advance(active)
         iterations += steps
         residual = solver.residual(active)
-        status = np.full(active.size, Status.not_converged, dtype=np.int8)
+        stays = stagnation.look(residual, active)
+        status = np.where(stays, Status.stagnated, Status.steps_used_up).astype(np.int8)
         status[residual <= options.residual] = Status.ok
         status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
-        ended = (status != Status.not_converged) | stagnation.look(residual, active) | (iterations >= limit)
+        ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more

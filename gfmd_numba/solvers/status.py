@@ -11,23 +11,34 @@ class Status(IntEnum):
     """How a run ended; only `ok` results are used."""
 
     ok = 0
-    not_converged = 1
-    unstable = 2
-    nonfinite = 3
+    steps_used_up = 1
+    stagnated = 2
+    too_steep = 3
+    no_equilibrium = 4
+    unstable = 5
+    nonfinite = 6
 
 
 SENTENCES: dict[IntEnum, str] = {
     Status.ok: "The contact conditions hold to the residual that was asked for.",
-    Status.not_converged: (
-        "The residual that was asked for was not reached. If it took fewer than max_iterations iterations, the "
-        "residual has stopped falling, mostly because rounding hides the pressure: ask for a numerics.residual above "
-        "the one that was found. Otherwise raise numerics.max_iterations or numerics.residual, or choose another "
-        "numerics.solver. Where an elastic body is rough and steep, lower numerics.topography_order."
+    Status.steps_used_up: (
+        "The solver took all the iterations that it may before the residual that was asked for was reached: raise "
+        "numerics.max_iterations or numerics.residual, or choose another numerics.solver."
     ),
-    Status.unstable: (
-        "Tractions grew without bound: lower numerics.time_step, or press an incompressible slab no deeper than its "
-        "volume allows."
+    Status.stagnated: (
+        "The residual has stopped falling before it reached the one that was asked for, mostly because rounding hides "
+        "the pressure: ask for a numerics.residual above the one that was found."
     ),
+    Status.too_steep: (
+        "The surface of an elastic body is too steep for its order in the slope: the rounds in which it follows the "
+        "contact came to no rest, or the next order would add more than half of the largest displacement. Lower "
+        "numerics.topography_order, leave out short waves of the surface, or press less."
+    ),
+    Status.no_equilibrium: (
+        "There is no equilibrium: an incompressible slab keeps its volume and has no room for so deep a punch. Lower "
+        "the displacement."
+    ),
+    Status.unstable: "Tractions grew without bound: lower numerics.time_step.",
     Status.nonfinite: (
         "A traction was no finite number: look for heights, loads or stiffnesses beyond the range of numbers."
     ),

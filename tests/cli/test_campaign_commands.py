@@ -73,7 +73,7 @@ def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
     assert done.exit_code == 3
     least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())
     assert (
-        f"60 are unstable, the first after {least} iterations. Tractions grew without bound: lower numerics"
+        f"60 ended as unstable, the first after {least} iterations. Tractions grew without bound: lower numerics"
         in unfolded(done.stderr)
     )
 

@@ -93,7 +93,7 @@ def test_loads_that_fail_are_marked_and_exit_with_3(scene, tmp_path, monkeypatch
     few.write_text(SCENE + "numerics: {max_iterations: 1}\n")
     done = gfmd("curve", few, "--loads=0.05,0.1", "-o", tmp_path / "c.nc")
     assert done.exit_code == 3
-    assert done.stdout.count("not_converged") == 2
+    assert done.stdout.count("steps_used_up") == 2
     assert "not ok at load 0.05, 0.1: they are left out" in unfolded(done.stderr)
     assert "raise numerics.max_iterations" in unfolded(done.stderr)
     assert not (tmp_path / "c.png").exists()

@@ -87,7 +87,7 @@ def test_solve_follows_a_path(tmp_path):
     assert done.exit_code == 3
     said = unfolded(done.stderr)
     residual = f"{float(xr.load_dataset(tmp_path / 'out.nc')['residual'].item()):.1e}"
-    ending = f"the run is not_converged after 1 iterations at a residual of {residual} in step 0 of 1"
+    ending = f"the run ended as steps_used_up after 1 iterations at a residual of {residual} in step 0 of 1"
     assert f"{ending}, which ends the path: do not use its" in said
     assert "raise numerics.max_iterations" in said
 
@@ -110,7 +110,7 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     assert "at a residual" not in said
 
 
-@pytest.mark.parametrize("status", [Status.not_converged, Status.nonfinite])
+@pytest.mark.parametrize("status", [Status.steps_used_up, Status.nonfinite])
 def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_path, monkeypatch, status):
     scene = tmp_path / "scene.yaml"
     scene.write_text(SCENE)
@@ -121,5 +121,5 @@ def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_pat
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
     said = unfolded(done.stderr)
-    assert f"the run is {status.name} after {int(ended['n_iterations'])} iterations" in said
-    assert ("iterations at a residual of 3.2e-07: " in said) == (status == Status.not_converged)
+    assert f"the run ended as {status.name} after {int(ended['n_iterations'])} iterations" in said
+    assert ("iterations at a residual of 3.2e-07: " in said) == (status == Status.steps_used_up)

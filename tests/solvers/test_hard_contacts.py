@@ -104,12 +104,13 @@ def test_a_member_without_room_does_not_take_the_others_along():
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
     body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
     result = equilibrate(punch, body, None, Options("conjugate_gradients"))
-    assert result.status.tolist() == [Status.unstable, Status.ok, Status.unstable, Status.ok]
+    assert result.status.tolist() == [Status.no_equilibrium, Status.ok, Status.no_equilibrium, Status.ok]
     volume = result.displacement[1::2].mean(axis=1)
     np.testing.assert_allclose(volume, 0.0, atol=1e-9 * np.ptp(punch))
 
 
 @pytest.mark.filterwarnings("ignore:the mean pressure is 2 E")
+@pytest.mark.filterwarnings("ignore:contacts are 1 nodes wide")
 @pytest.mark.parametrize("nu", [-0.99, 0.0, 0.499999, 0.5])
 @pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e4, 1e30])
 def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
@@ -175,7 +176,7 @@ def test_a_shorter_range_of_the_same_work_pulls_in_more():
 def test_a_badly_damped_run_is_right_or_says_that_it_is_not(damping, solver):
     numerics = {"solver": solver, "damping": damping, "time_step": 1.0, "max_iterations": 20_000}
     result = gfmd_numba.solve(scene_file() | {"numerics": numerics})
-    assert int(result["status"]) in (Status.ok, Status.not_converged)
+    assert int(result["status"]) in (Status.ok, Status.steps_used_up, Status.stagnated)
     if int(result["status"]) == Status.ok:
         assert float(result["kappa"]) == pytest.approx(float(gfmd_numba.solve(scene_file())["kappa"]), rel=1e-9)
     else:
@@ -245,6 +246,6 @@ def test_a_huge_uniform_pressure_does_not_hide_that_the_volume_changes():
     numerics = {"solver": "conjugate_gradients", "max_iterations": 3000}
     for nodes in (8, 9, 13):
         found, room = incompressible(nodes, 1e-4, numerics=numerics)
-        assert int(found["status"]) in (Status.ok, Status.not_converged)
+        assert int(found["status"]) in (Status.ok, Status.steps_used_up, Status.stagnated)
         if found["status"] == Status.ok:
             assert float(found["gap"].mean()) == pytest.approx(room, abs=1e-9)

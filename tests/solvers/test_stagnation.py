@@ -72,7 +72,7 @@ def test_what_rounding_leaves_ends_the_run_long_before_the_iterations_allowed():
         (0.05, Options("verlet", 1e-16), laws),
     ):
         found = equilibrate(punch, body, load, replace(options, max_iterations=most), acting)
-        assert (found.status == Status.not_converged).all()
+        assert (found.status == Status.stagnated).all()
         assert (found.residual > options.residual).all()
         assert (found.n_iterations < most / 4).all()
 
@@ -89,7 +89,7 @@ def test_the_message_names_the_residual_that_rounding_left_and_what_to_do(tmp_pa
     done = gfmd("solve", path, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3
     said = unfolded(done.stderr)
-    assert re.search(r"not_converged after \d{2,4} iterations at a residual of \d\.\de-0[5-7]", said)
+    assert re.search(r"stagnated after \d{2,4} iterations at a residual of \d\.\de-0[5-7]", said)
     assert "ask for a numerics.residual above the one that was found" in said
 
 

@@ -1,8 +1,8 @@
 """The form of a measured field: which share of its heights a tilt and a curvature make up, and which radius they have.
 
-The share alone tells no form from roughness, as the long waves of a rough surface carry most of its heights. What tells
-it is that no longer the waves of all lengths follow one another: the coefficients of a rough surface in orthogonal
-polynomials fall with their power, of self-affine ones at most as those of a Hurst exponent of 1 do.
+The share alone tells no form from roughness, as the long waves of a rough surface carry most of its heights. A form
+stands out, as the coefficients of a rough surface in orthogonal polynomials follow a power law: those of a self-affine
+surface fall with the power at most as with a Hurst exponent of 1. Waves are compared with the law of the shorter ones.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.processing import orthogonal, polynomial
 
-HIGHEST = 24  # power
+HIGHEST = {1: 64, 2: 24}  # power by dimension, unless there are too few points
+FEWEST = 24  # points in each direction
 WAVY = 8  # power, up to which polynomials follow waves of two and a half periods
 _FLAT = 0.1  # of the larger curvature of a map, below which the other one is none
 
@@ -32,34 +33,43 @@ class Part:
 class Form:
     """Parts of the heights: a tilt, and of what is left without it a curvature, and long waves together with that.
 
-    `rest` is the mean square height that is left at last, and `short` what no power up to the highest follows of it.
+    `rest` is the mean square height that is left at last.
     """
 
     tilt: Part
     curvature: Part
     waves: Part
     rest: float
-    short: float
 
 
 def form(heights: Reals) -> Form:
-    """Form of a field `[nx]` or `[ny, nx]` of more than `HIGHEST` points in each direction."""
-    squares = orthogonal(heights, HIGHEST)[0] ** 2
-    power = np.add.reduce(np.indices(squares.shape))
-    of = np.array([squares[power == k].sum() for k in range(HIGHEST + 1)])
-    terms = np.ones(HIGHEST + 1) if squares.ndim == 1 else 1.0 + np.arange(HIGHEST + 1)
+    """Form of a field `[nx]` or `[ny, nx]` of at least 24 points in each direction."""
+    highest = min(HIGHEST[heights.ndim], min(heights.shape) // 2)
+    squares = orthogonal(heights, highest)[0] ** 2
+    power = np.arange(highest + 1)
+    total = np.add.reduce(np.indices(squares.shape))
+    of = np.array([squares[total == k].sum() for k in power])
+    mean = of if squares.ndim == 1 else of / (1.0 + power)  # of the terms of each power
     # mean squares of self-affine surfaces fall no faster than with H = 1
-    level = of / terms * np.arange(HIGHEST + 1) ** (2.0 + squares.ndim)
+    level = mean * power ** (2.0 + squares.ndim)
     short = float(level[3 : WAVY + 1].mean())
     levelled = float(((heights - heights.mean()) ** 2).sum()) - of[1]
     waves = float(of[2 : WAVY + 1].sum())
     return Form(
         Part(_ratio(of[1], levelled + of[1]), _ratio(level[1], short)),
         Part(_ratio(of[2], levelled), _ratio(level[2], short)),
-        Part(_ratio(waves, levelled), _ratio(level[2 : WAVY + 1].mean(), level[WAVY + 1 :].mean())),
+        Part(_ratio(waves, levelled), _ratio(mean[2 : WAVY + 1].mean(), _expected(mean))),
         max(levelled - waves, 0.0) / heights.size,
-        max(levelled - float(of[2:].sum()), 0.0) / heights.size,
     )
+
+
+def _expected(mean: Reals) -> float:
+    """Mean square of the coefficients up to `WAVY` that the power law of those above it leads one to expect."""
+    middle = round(np.sqrt((WAVY + 1) * len(mean)))
+    near, far = mean[WAVY + 1 : middle].mean(), mean[middle:].mean()
+    ends = np.sqrt((WAVY + 1) * (middle - 1)), np.sqrt(middle * (len(mean) - 1))
+    exponent = max(np.log(near / far) / np.log(ends[1] / ends[0]), 0.0) if far > 0.0 else np.inf
+    return float(near * np.mean((np.arange(2, WAVY + 1) / ends[0]) ** -exponent)) if near > 0.0 else np.inf
 
 
 def radii(heights: Reals, lengths: tuple[float, ...]) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.form import HIGHEST, WAVY, Form, form, radii
+from gfmd_numba.roughness.form import FEWEST, WAVY, form, radii
 from gfmd_numba.roughness.gaps import MOST, fill_gaps
 from gfmd_numba.roughness.offsets import offsets
 from gfmd_numba.roughness.processing import polynomial
@@ -24,8 +24,6 @@ SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have
 TILT = 0.9  # of the mean square height: a sine over the whole period has 6/pi^2 = 0.61, a sawtooth 1
 FORM = 0.5  # of the mean square height: less of it changes the contact less than another piece of the surface would
 WAVES = 0.9  # of the mean square height without a tilt
-WAVES_STAND_OUT = 10.0  # times the square that higher powers lead one to expect: waves are more terms than a tilt
-SHORT = 0.2  # of the rest, that no polynomial follows: a surface of few long waves is one, not wavy
 STANDS_OUT = {1: 20.0, 2: 8.0}  # by dimension, times the square that higher powers lead one to expect
 LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
 GRADIENT = 0.3  # sin(x), tan(x) and x differ by 3 to 5 per cent: the elasticity is linear in slopes
@@ -133,7 +131,7 @@ def _without(heights: Reals, marked: list[Flags]) -> Reals:
 
 def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
     """Sentences about the form of heights, and the order of the polynomial that follows it."""
-    if min(heights.shape) <= HIGHEST or is_design(heights):
+    if min(heights.shape) < FEWEST or is_design(heights):
         variance = float(heights.var())
         share = float(polynomial(heights, 1).var()) / variance if variance > 0.0 else 0.0
         return [_tilted(share)] if share > TILT else [], 2
@@ -150,7 +148,7 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
             f"a curvature of radius {shown} makes up {_percent(found.curvature.share)} % of the mean square height: "
             "detrend: curvature subtracts it; leave it only if the form is to be pressed too"
         )
-    elif _is_wavy(found) and found.rest > quantum(heights) ** 2:
+    elif found.waves.share > WAVES and found.waves.over_expected > stands_out and found.rest > quantum(heights) ** 2:
         order = WAVY
         sentences.append(
             f"waves longer than two fifths of the field make up {_percent(found.waves.share)} % of the mean square "
@@ -162,11 +160,6 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
 def _percent(share: float) -> str:
     """Share in per cent, which never rounds up to all."""
     return f"{np.floor(1e4 * share) / 1e2:.4g}"
-
-
-def _is_wavy(found: Form) -> bool:
-    stands_out = found.waves.share > WAVES and found.waves.over_expected > WAVES_STAND_OUT
-    return stands_out and found.short > SHORT * found.rest
 
 
 def _tilted(share: float) -> str:

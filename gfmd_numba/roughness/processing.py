@@ -115,7 +115,7 @@ def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
     Those of a total power above the order are zero. Their squares add up to the squares of the heights that the
     polynomials of each power make up.
     """
-    powers = [np.vander(np.linspace(-1.0, 1.0, n), order + 1, increasing=True) for n in heights.shape]
+    powers = [np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, n), order) for n in heights.shape]
     bases = [np.linalg.qr(each)[0] for each in powers]
     coefficients = _along_axes(heights, bases)
     total = np.add.reduce(np.indices(coefficients.shape))

@@ -15,7 +15,7 @@ LEVELS = 12  # different heights: with fewer, the surface is a grating, or count
 BEYOND = 0.1  # of the range of all other heights, by which a mark of missing heights lies outside
 _NEXT = 8  # heights above and below, with which one is compared
 _RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
-_DESIGN = 0.02  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
+_DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
 
 Cause = Literal["top", "bottom", "mark", "stuck"]
 

@@ -134,3 +134,10 @@ def test_few_digits_and_bits_are_no_sign():
         for quanta in (200, 2000):
             quantum = np.ptp(z) / quanta
             assert read(np.round(z / quantum) * quantum).doubts == ()
+
+
+@pytest.mark.parametrize("shape", [(N,), (128, 128)])
+def test_waviness_is_told_and_a_pure_wave_is_not(shape):
+    wave = np.cos(2 * np.pi * (1.7 * np.arange(shape[-1]) / shape[-1] + 0.1)) * np.ones(shape)
+    assert "waves longer than two fifths of the field make up 99" in told(rough(shape) + 20 * rough(shape).std() * wave)
+    assert "waves longer" not in told(20 * rough(shape).std() * wave)

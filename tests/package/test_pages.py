@@ -1,8 +1,12 @@
 """Pages that people read: nothing is too wide, and whatever a page prints to be typed does what the page says."""
 
 import ast
+import os
 import re
 import shutil
+import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +15,7 @@ import yaml
 from click.testing import CliRunner
 
 from gfmd_numba.cli import main
+from support.fake_slurm import fake_slurm
 from support.pages import FILES, PAGES, ROOT, files_of, options, printed, profile, smaller, words
 
 DOCS = [page for page in PAGES if page.name != "CONTRIBUTING.md"]
@@ -115,7 +120,7 @@ class Reader:
             return  # it names a command
         if {"--cluster", "--scheduler"} & set(arguments):
             with command.make_context(arguments[0], arguments[1:]):
-                return  # a test of its own has the workers
+                return  # `needs_workers` below
         if arguments[0] == "run":
             arguments = [*_without(arguments, "--workers"), "--workers", "0"]
             arguments = [re.sub(r"=\d+%$", "=30%", word) for word in arguments]  # the price of the target is no matter
@@ -123,7 +128,7 @@ class Reader:
 
     def _python(self, text):
         if "workers=" in text:
-            ast.parse(text)  # a test of its own has the workers
+            ast.parse(text)  # `needs_workers` below
         else:
             exec(compile(text, "block", "exec"), self.python)
 
@@ -176,6 +181,64 @@ def test_every_block_and_command_of_a_page_does_what_it_says(page, desk, tmp_pat
         except (Exception, SystemExit) as error:
             failed.append(f"{item}\n    {error!r}")
     assert not failed, f"{len(failed)} of {len(printed(page))} fail:\n" + "\n".join(failed)
+
+
+CLUSTERS = next(page for page in PAGES if page.name == "clusters.md")
+
+
+def needs_workers(kind, beginning=""):
+    """Printed items of the page of clusters that its test above does not run."""
+    return [item.text for item in printed(CLUSTERS) if item.kind == kind and beginning in item.text]
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")
+def test_the_commands_of_a_cluster_with_slurm_run(desk, tmp_path, monkeypatch):
+    pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
+    shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "slurm").mkdir()
+    fake_slurm(tmp_path / "slurm", monkeypatch)
+    whole = next(yaml.safe_load(text) for text in needs_workers("yaml") if text.startswith("# cluster.yaml"))
+    small = whole | {"cores": 1, "memory": "2 GB", "jobs": {"max": 1}}
+    (tmp_path / "cluster.yaml").write_text(yaml.safe_dump(small))
+    (command,) = needs_workers("command", "--cluster cluster.yaml")
+    shutil.rmtree(tmp_path / "campaign")
+    typed(words(command)[1:])
+    shutil.rmtree(tmp_path / "campaign")
+    (block,) = needs_workers("python", 'workers="cluster.yaml"')
+    made = {"__name__": "__main__"}
+    exec(compile(block, "block", "exec"), made)
+    assert (made["dataset"]["status"] == 0).all()
+
+
+@pytest.mark.long
+def test_the_commands_of_a_cluster_of_ones_own_run(desk, tmp_path):
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl is not installed")
+    shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
+    shutil.rmtree(tmp_path / "campaign")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    commands = [item.text for item in printed(CLUSTERS) if item.kind == "command" and not item.inline]
+    first = next(rank for rank, command in enumerate(commands) if command.startswith("openssl"))
+    last = next(rank for rank, command in enumerate(commands) if "--scheduler" in command)
+    (block,) = needs_workers("python", "Client(")
+    script = "\n".join(commands[first : last + 1]) + f"\nrm -r campaign\npython <<'END'\n{block}END\n"
+    script = script.replace("SCHEDULER", "127.0.0.1").replace("8786", port).replace("--nworkers 8", "--nworkers 1")
+    script = re.sub(r"^(dask .*)$", r"\1 &", script, flags=re.MULTILINE)  # on machines of their own
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euc", f"trap 'kill $(jobs -p)' EXIT\n{script}"],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=500,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert (tmp_path / "campaign/campaign.nc").exists()
 
 
 TERMS = re.compile(r"ε_[cft]\b|\beps_[cft]\b|\bcondensed\b|\brigid mean\b|κ_r\b|`kappa_r`|`cut_on`")

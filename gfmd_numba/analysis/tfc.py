@@ -4,6 +4,7 @@ All parameters of the laws of the three limits count by how well they fit, and s
 possible: the limit is the mean over them, and its error holds the scatter between them beside that of the surfaces.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -31,7 +32,7 @@ from gfmd_numba.analysis.fit_warnings import (
 from gfmd_numba.analysis.goodness_of_fit import excess_misfit
 from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
-from gfmd_numba.analysis.linear_fit import Linear, Means
+from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
 from gfmd_numba.analysis.steps_of_paths import joined, steps_of
@@ -95,21 +96,43 @@ def fit_tfc(
     )
 
 
-def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[GroupFit]:
-    """Return the fit of each of the groups that share the parameters of their laws."""
-    lacking = [inseparable(group) for group in groups]
-    if any(lacking):
-        able = [group for group, reason in zip(groups, lacking, strict=True) if not reason]
-        rest = iter(_fit_family(able, variable, given))
-        return [_refused(group, why) if why else next(rest) for group, why in zip(groups, lacking, strict=True)]
-    if not groups:
-        return []
+def refusals(
+    dataset: xr.Dataset,
+    variable: str = "kappa",
+    exponents: Literal["shared", "free"] = "shared",
+    fixed: Mapping[str, float | Sequence[float]] | None = None,
+) -> dict[str, int]:
+    """Return why a fit of these cases is refused whatever their values are, and of how many groups that is true."""
+    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
+    members = groups_to_fit(dataset, variable, omit_nyquist=True)
+    families = [members] if exponents == "shared" else [[member] for member in members]
+    return dict(Counter(lack for family in families for lack in _lacks(family, variable, given) if lack))
+
+
+def _choices(groups: Sequence[Group], variable: str, given: Given) -> list[Laws]:
     hursts = [group.parameters.get("hurst", np.nan) for group in groups]
     varied = [limit for limit in LIMITS if any(limit in group.levels for group in groups)]
-    laws = choices(varied, variable, hursts, given)
-    lack = shortage(groups, laws)
-    if lack:
-        return [_refused(group, lack) for group in groups]
+    return choices(varied, variable, hursts, given)
+
+
+def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
+    """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
+    lacks = [inseparable(group) for group in groups]
+    able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
+    short = shortage(able, _choices(able, variable, given)) if able else ""
+    return [lack or short for lack in lacks]
+
+
+def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[GroupFit]:
+    """Return the fit of each of the groups that share the parameters of their laws."""
+    lacks = _lacks(groups, variable, given)
+    if any(lacks):
+        able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
+        rest = iter(_fit_family(able, variable, given))
+        return [_refused(group, lack) if lack else next(rest) for group, lack in zip(groups, lacks, strict=True)]
+    if not groups:
+        return []
+    laws = _choices(groups, variable, given)
     means = [means_of(group, group.values[group.complete]) for group in groups]
     found = [weighed(means, choice) for choice in laws]
     excess = excess_misfit(groups, means, found)

@@ -12,6 +12,9 @@ from gfmd_numba.scene.validation import validate
 
 _LONGEST_WALLTIME = 365 * 86_400.0  # s
 _LONGEST_MARGIN = 120.0  # s
+NO_JOBQUEUE = (
+    "dask-jobqueue, which submits the jobs, is not installed; install it by `pip install 'gfmd-numba[cluster]'`"
+)
 _MOST_CORES, _MOST_JOBS = 4096, 100_000
 
 

@@ -12,7 +12,7 @@ from uuid import uuid4
 import psutil
 
 from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
-from gfmd_numba.campaign.cluster_file import Cluster
+from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster
 from gfmd_numba.campaign.job_supply import JobSupply
 from gfmd_numba.campaign.queue_state import QueueTold
 from gfmd_numba.scene import InputError
@@ -37,10 +37,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
     try:
         from dask_jobqueue.slurm import SLURMJob
     except ImportError:
-        raise InputError(
-            "--cluster: dask-jobqueue, which submits the jobs, is not installed; install it by "
-            "`pip install 'gfmd-numba[cluster]'`"
-        ) from None
+        raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
     for command in _COMMANDS:
         if shutil.which(command) is None:
             raise InputError(

@@ -18,6 +18,7 @@ from gfmd_numba.cli.sentences import say
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
+    from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import Document
 
 
@@ -59,25 +60,43 @@ def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import load_campaign
     from gfmd_numba.scene import Measured
 
-    campaign, validity = load_campaign(document)[0], ""
-    scene = campaign.scene
+    campaign, doubts = load_campaign(document)[0], []
+    scene, few = campaign.scene, _has_few_levels(campaign)
     is_measured = isinstance(scene.roughness, Measured)
-    if scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
+    if few or scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
         from gfmd_numba.campaign.plan import plan
 
         planned = plan(document)
-        campaign, validity = planned.campaign, planned.validity
+        campaign, doubts = planned.campaign, planned.validity.splitlines()
+        if few:
+            from gfmd_numba.campaign.limits_beforehand import refused_limits
+
+            doubts += refused_limits(planned)
     kind = f"a campaign of {campaign.n_cases} cases"
     kind += "" if campaign.seed is None else f" x {campaign.realisations.reference} realisations"
     kind += f" along a path of {len(campaign.path)} steps" if campaign.path else ""
-    return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), validity
+    return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), "\n".join(doubts)
+
+
+def _has_few_levels(campaign: Campaign) -> bool:
+    """Whether the fit has to be asked if it takes the levels: it is, without its imports, sure of three of each."""
+    known = {name for name, exponent in campaign.fit.fixed if exponent is not None}
+    placed = [each.discretisation for each in campaign.discretisations() if each.discretisation is not None]
+    for axis in campaign.limits.varied:
+        levels = {getattr(eps, axis) for eps in placed} - ({1.0} if axis == "eps_c" else set())
+        if getattr(campaign.limits, axis) is None or len(levels) < (2 if axis in known else 3):
+            return True
+    return False
 
 
 def _check_cluster(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.cluster_file import load_cluster
+    from importlib.util import find_spec
+
+    from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, load_cluster
 
     cluster = load_cluster(document)
-    return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", ""
+    lacking = "" if find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
+    return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", lacking
 
 
 def _check_surface(document: Document) -> tuple[str, str]:

@@ -7,8 +7,6 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gfmd_numba.cli.readable import readable
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
@@ -52,7 +50,7 @@ def largest_stress(dataset: xr.Dataset) -> str:
     """Return the largest von Mises stress below a map and its place, of a path that of the last step."""
     last, when = (dataset.isel(step=-1), ", in the last step,") if "step" in dataset.dims else (dataset, "")
     peaks = last["peak_von_mises"].values
-    if not np.isfinite(peaks).all():
+    if not all(map(isfinite, peaks.ravel().tolist())):
         return "unknown, as the run is not ok"
     level = last.isel(z=int(peaks.argmax()))
     stress = " ".join(readable(float(peaks.max()), _unit(level["peak_von_mises"], "E*")))

@@ -47,6 +47,7 @@ def plan(
     Without --target and --budget, the command plans for the realisations in FILE. With one of them, it chooses the
     numbers of realisations that reach the error, or that make the best of the time.
     """
+    from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
 
     planned = plan_campaign(file)
@@ -61,7 +62,7 @@ def plan(
         say("scene", told, width=14)
     if planned.campaign.path:
         click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
-    for doubt in planned.validity.splitlines():
+    for doubt in (*planned.validity.splitlines(), *refused_limits(planned)):
         say("gfmd:", doubt, width=6, err=True)
     if target or budget:
         _check_target(planned, target[0] if target else "")

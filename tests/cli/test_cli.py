@@ -56,7 +56,7 @@ def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):
     assert "a campaign of 16 cases x 60 realisations" in gfmd("check", "campaign.yaml").output
     again = gfmd("init")
     assert again.exit_code == 2
-    assert "you gave a file that exists; gfmd allows a new name" in again.output
+    assert "campaign.yaml: this file exists, and gfmd overwrites nothing; choose a new name" in again.output
 
 
 @pytest.mark.parametrize("kind", ["campaign", "scene", "boundary", "surface"])

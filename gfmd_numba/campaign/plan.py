@@ -19,6 +19,7 @@ from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
 from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies, measured_bodies, said_of_bodies
 from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches, measured_punches, said_of
+from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
 from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
@@ -74,9 +75,10 @@ class Plan:
 
     @property
     def validity(self) -> str:
-        """Reasons to doubt the results: an implausible surface, or laws that a grid does not resolve."""
+        """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
         implausible = (*said_of(self.punches, "doubts"), *said_of_bodies(self.measured, "doubts"))
-        return "\n".join(filter(None, (*implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
+        numbers = doubt_of_numbers(self.campaign, self.cases[0].scene.length)
+        return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:

@@ -58,9 +58,11 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
     from gfmd_numba.scene import Measured
 
-    campaign, doubts = load_campaign(document)[0], []
+    campaign = load_campaign(document)[0]
+    doubts = doubt_of_numbers(campaign, campaign.scene.length).splitlines()
     scene, few = campaign.scene, _has_few_levels(campaign)
     is_measured = isinstance(scene.roughness, Measured)
     if few or scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
@@ -100,43 +102,45 @@ def _check_cluster(document: Document) -> tuple[str, str]:
 
 
 def _check_surface(document: Document) -> tuple[str, str]:
+    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.scene import Measured
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import made_surface
 
     file = load_surface(document)[0]
-    if isinstance(file.surface, Measured):
-        return "a surface", "\n".join(made_surface(file, document).doubts)
-    return "a surface", ""
+    doubts = made_surface(file, document).doubts if isinstance(file.surface, Measured) else ()
+    return "a surface", "\n".join((*implausible(file), *doubts))
 
 
 def _check_scene(document: Document) -> tuple[str, str]:
+    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.contact.refusal import check_combination
     from gfmd_numba.scene import BoundaryFile, Measured, load_scene
 
     file, document = load_scene(document)
-    implausible: list[str] = []
+    doubts: list[str] = []
     if isinstance(file, BoundaryFile):
         if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
             from gfmd_numba.contact.contact_input import with_measured
 
             scene, measured = with_measured(file.scene, document)
             file = file.model_copy(update={"scene": scene})
-            implausible += (sentence for surface in measured.values() for sentence in surface.doubts)
+            doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
         check_combination(document, file.scene, file.numerics)
-        return "a loaded body", "\n".join(implausible)
+        return "a loaded body", "\n".join((*implausible(file.scene), *doubts))
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
         from gfmd_numba.contact.contact_input import with_measured_surfaces
 
         file, measured = with_measured_surfaces(file, document)
-        implausible += (sentence for surface in measured.values() for sentence in surface.doubts)
+        doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
     check_combination(document, file.scene, file.numerics, file.path)
     kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
-    if not file.scene.interface.reaches_across:
-        return kind, "\n".join(implausible)
-    from gfmd_numba.simulate.contact import doubt
+    doubts = [*implausible(file.scene, file.path), *doubts]
+    if file.scene.interface.reaches_across:
+        from gfmd_numba.simulate.contact import doubt
 
-    return kind, "\n".join((*implausible, doubt(file, document)))
+        doubts.append(doubt(file, document))
+    return kind, "\n".join(doubts)
 
 
 @main.command()

@@ -14,7 +14,6 @@ from gfmd_numba.cli.arguments import check_output, file_argument, json_option, o
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.fits import draw, naming
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.places import in_words_of_options
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.readable import readable
 from gfmd_numba.cli.sentences import say
@@ -103,6 +102,7 @@ def _measure(
 ) -> None:
     """Compute something of the contact in a file, write and draw it where an output is given, and print its numbers."""
     from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.cli.places import in_words_of_options
     from gfmd_numba.storage.atomic_file import write_dataset
 
     picture = None if output is None else picture_beside(output)

@@ -15,6 +15,7 @@ from gfmd_numba.contact.dataset import (
 )
 from gfmd_numba.contact.loaded_body import BoundaryValueProblem, LoadedBodyInput
 from gfmd_numba.contact.loaded_rough_body import Loaded
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_bodies_dataset import doubt, forming_tractions
 from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.scene import COMPONENTS
@@ -23,7 +24,7 @@ from gfmd_numba.scene import COMPONENTS
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
-    Of a rough body also its topography, and what forms that; the attribute `validity` holds reasons to doubt it.
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
     """
     file, deformed = given.file, loaded.deformed
     scene = file.scene
@@ -67,9 +68,10 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
         "solver": problem.options.solver,
         **modulus_attributes(scene),
     }
+    sentences = implausible(scene)
     if given.rough is not None:
-        doubtful = doubt((given.rough,), problem.order, dataset, "normal_displacement")
-        implausible = (sentence for surface in given.measured for sentence in surface.doubts)
-        dataset.attrs["validity"] = "\n".join(filter(None, (*implausible, doubtful)))
+        sentences += [sentence for surface in given.measured for sentence in surface.doubts]
+        sentences.append(doubt((given.rough,), problem.order, dataset, "normal_displacement"))
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+    dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -23,12 +23,18 @@ from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.path_observables import recorded_along
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import Contact, Followed, condensed_stiffness
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.text.si_prefix import si_prefix
+
+# of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
+LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
+FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 _UNKNOWN_EDGES = 0.05  # of the contact area
 
@@ -62,7 +68,7 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
         "solver": path.problems[-1].numerics.solver,
         "dropped_effects": dropped_effects(path.effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": doubts(given, path, dataset),
+        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, path, dataset)))),
     }
     return dataset
 
@@ -112,9 +118,10 @@ def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
     coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
-    implausible = (sentence for surface in given.measured for sentence in surface.doubts)
-    own = (doubt(given, dataset) for doubt in (_beyond_elasticity, _overlap, _rounded_heights))
-    return "\n".join([*implausible, *filter(None, (rough, coarse, *own, _short_stretches(path.problems[0], dataset)))])
+    of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
+    own = (doubt(given, dataset) for doubt in (_beyond_small_strains, _past_asperities, _overlap, _rounded_heights))
+    short = _short_stretches(path.problems[0], dataset)
+    return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
 
 
 def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
@@ -132,12 +139,67 @@ def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
     )
 
 
-def _beyond_elasticity(given: ContactInput, dataset: xr.Dataset) -> str:
-    """Return a warning about a mean pressure above E*, nothing for a smaller one."""
-    ratio = float(dataset["mean_pressure"].max()) / contact_modulus(given.file.scene)
-    if not ratio > 1.0:
+def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning where the pressure or the slope of much of the contact is beyond the theory of small strains.
+
+    Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
+    """
+    scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
+    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
+    touching = dataset["gap"] <= 0.0
+    steep = _slopes(dataset, nodes).where(touching, 0.0)
+    beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
+    shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
+    share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
+    has_scale = scene.length is not None or scene.has_moduli
+    if not (float(ratios.mean(nodes).max()) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
         return ""
-    return f"the mean pressure is {ratio:.3g} E*, where elasticity is not linear: check the units of load and moduli"
+    return (
+        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
+        f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
+        "linear elasticity is off by as much: check load, moduli and heights"
+    )
+
+
+def _slopes(dataset: xr.Dataset, nodes: list[str]) -> xr.DataArray:
+    """Size of the gradient of the heights between the neighbours of each node."""
+    squares = [
+        ((dataset["height"].roll({dim: -1}) - dataset["height"].roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
+        for dim in nodes
+    ]
+    found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
+    return found
+
+
+def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about sliding so far that asperities would meet others, nothing for less.
+
+    Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
+    """
+    if "sliding" not in dataset or "tangential_displacement" not in dataset:
+        return ""
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    ends = ("", "_y")[: len(nodes)]
+    ways = [abs(dataset[f"sliding{end}"] - dataset[f"tangential_displacement{end}"]) for end in ends]
+    touching = dataset["gap"] <= 0.0
+    apart = sum(way**2 for way in ways) ** 0.5
+    slid = float(apart.where(touching | ~touching.any(nodes)).max())
+    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
+    distance = 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    if not slid > FARTHEST * distance:
+        return ""
+    unit = "m" if given.file.scene.length else "L_x"
+    way, peaks = (_with_prefix(value, unit) for value in (slid, distance))
+    return (
+        f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
+        f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
+        "real surfaces meet at other places"
+    )
+
+
+def _with_prefix(value: float, unit: str) -> str:
+    factor, name = si_prefix(value, unit)
+    return f"{factor * value:.3g} {name}"
 
 
 def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:

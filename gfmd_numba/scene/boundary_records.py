@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple, Self
 
-from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import BaseModel, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.quantities import LARGEST, RECORD, broken_rule
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
@@ -52,8 +52,9 @@ def _schema(quantity: Quantity) -> WithJsonSchema:
     return WithJsonSchema({"allowed": _allowed(quantity), "unit": quantity.si})
 
 
-Traction = Annotated[float | str, PlainValidator(_number_or_file(PRESSURE)), _schema(PRESSURE)]
-Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _schema(LENGTH)]
+_PLAIN = PlainSerializer(lambda value: value if isinstance(value, str) else float(value), when_used="json")
+Traction = Annotated[float | str, PlainValidator(_number_or_file(PRESSURE)), _schema(PRESSURE), _PLAIN]
+Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _schema(LENGTH), _PLAIN]
 
 
 class Boundary(BaseModel):

@@ -194,7 +194,7 @@ def _position_after(text: str) -> tuple[int, int]:
     return text.count("\n") + 1, len(text) - text.rfind("\n")
 
 
-def _dotted(location: Location) -> str:
+def dotted(location: Location) -> str:
     """Location as text, `grid.hurst[1]`; keys that are no short word stand in brackets."""
     words = (isinstance(part, str) and re.fullmatch(r"[\w-]{1,60}", part) for part in location)
     parts = (f".{part}" if word else f"[{brief(part)}]" for part, word in zip(location, words, strict=True))
@@ -210,6 +210,6 @@ def _line(
     suggestion: str = "",
 ) -> str:
     file = "" if path is None else ":".join(map(str, (path, *(position or ())))) + ": "
-    key = _dotted(location) + ": " if location else ""
+    key = dotted(location) + ": " if location else ""
     may = "needs" if given == brief(ABSENT) else "allows"
     return f"{file}{key}you gave {given}; gfmd {may} {allowed}" + (f"; {suggestion}" if suggestion else "")

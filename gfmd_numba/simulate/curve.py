@@ -13,6 +13,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength, check_scales
@@ -145,6 +146,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     Each load is approached over a short step. `contact_stiffness` is the rise of the mean pressure over the fall of the
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
+    numbers = implausible(curve.given.file.scene)
     for i in range(curve.realisations):
         given = _given(curve, i)
         path = load_path(given)
@@ -155,7 +157,8 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
             for name in ("n_iterations", "wall_time"):
                 scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
             scalars["contact_stiffness"] = _stiffness(short, step)
-            yield scalars.assign_attrs(solver=problem.numerics.solver, validity=doubts(given, path, step))
+            sentences = (*numbers, doubts(given, path, step))
+            yield scalars.assign_attrs(solver=problem.numerics.solver, validity="\n".join(filter(None, sentences)))
 
 
 def _given(curve: LoadCurve, i: int) -> ContactInput:
@@ -191,4 +194,5 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
         values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
-    return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=counted[-1].attrs)
+    worst = max(counted, key=lambda step: float(step["peak_pressure"]))  # whose validity speaks for all
+    return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=worst.attrs)

@@ -18,6 +18,6 @@ def solve_loaded_body(file: BoundaryFile, document: Document) -> xr.Dataset:
     given = read_loaded_body(file, document)
     problem = reduce_loaded_body(given)
     dataset = loaded_body_dataset(given, problem, solve_boundary_value_problem(problem))
-    for sentence in filter(None, dataset.attrs.get("validity", "").split("\n")):
+    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=3)
     return dataset

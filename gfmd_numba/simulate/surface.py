@@ -9,6 +9,7 @@ from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import Document, InputError
@@ -36,8 +37,10 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
         except ValueError as error:
             allowed = f"a range that holds waves, not {error}"
             raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed) from None
-    for sentence in made.doubts:
+    sentences = [*implausible(file), *made.doubts]
+    for sentence in sentences:
         warnings.warn(sentence, stacklevel=2)
+    dataset.attrs["validity"] = "\n".join(sentences)
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
 
@@ -63,7 +66,6 @@ def _described(made: Made) -> xr.Dataset:
         dataset.coords[dim] = (dim, np.arange(n) / n * length, {"long_name": f"position along {dim}", "units": unit})
     dataset["height"] = (dims, heights, {"long_name": "height, peaks towards the body", "units": unit})
     dataset.attrs["processing"] = "\n".join(made.done)
-    dataset.attrs["validity"] = "\n".join(made.doubts)
     _add_scalars(dataset, made, unit)
     _add_spectrum(dataset, made, unit)
     _add_correlation(dataset, made, unit)

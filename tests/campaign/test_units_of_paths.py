@@ -27,6 +27,9 @@ WRITTEN_IN = {"length": ("um", 1e-6), "pressure": ("MPa", 1e6), "energy": ("mJ/m
 EPS = {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1}
 RESOLVED, UNRESOLVED, HOPELESS = 0.02, 0.012, 0.002  # ranges in g L_x
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*A number without a unit")  # those of metres and pascals are large
+UNCOMMON = re.compile(r"gfmd: \S+ is (?:(?!gfmd:).)*A number without a unit(?:(?!gfmd:).)*")
+
 
 def number(system, kind, value):
     """A value in g L_x, g E* or g^2 E* L_x, as a system of units writes it."""
@@ -84,7 +87,8 @@ def digest(folder):
 
 
 def without_numbers(said):
-    """What is said, without numbers, their units and quotes."""
+    """What is said of all systems, without numbers, their units and quotes."""
+    said = UNCOMMON.sub("", said)
     return re.sub(r"'?-?\d[\d.e+-]*( [µumn]?m\b| [MGk]?Pa\b| m?J/m\^2)?'?", "0", said)
 
 
@@ -145,7 +149,7 @@ def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
     for system in SYSTEMS:
         with pytest.warns(UserWarning, match="does not resolve"):
             results = gfmd_numba.run(campaign(system, "adhesion", UNRESOLVED) | {"realisations": 1}, tmp_path / system)
-        said.add(results.attrs["validity"])
+        said.add(results.attrs["validity"].splitlines()[-1])
     assert len(said) == 1
     assert "does not resolve the interaction law" in said.pop()
 

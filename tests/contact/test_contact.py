@@ -156,6 +156,7 @@ def test_solve_returns_fields_in_equilibrium():
     assert float(result["kappa"]) == pytest.approx(kappa, rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:.*A number without a unit")
 @pytest.mark.parametrize("length", [1e-9, 1.0, 1e3])
 @pytest.mark.parametrize("modulus", [1e-3, 70e9, 1e15])
 def test_units_do_not_matter(length, modulus):

@@ -1,0 +1,173 @@
+"""Numbers of a scene that are implausible for what they are: as a rule a unit was left out, or mistaken."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel
+
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene.boundary_records import Boundary
+from gfmd_numba.scene.document import Location, dotted
+from gfmd_numba.scene.loading import Step
+from gfmd_numba.scene.reduced_units import quantities
+from gfmd_numba.scene.surface_file import SurfaceFile
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
+from gfmd_numba.text.si_prefix import si_prefix
+
+
+class Common(NamedTuple):
+    """Values of a quantity that are common, in SI units, what others are, and the likely units of others."""
+
+    low: float
+    high: float
+    below: str
+    above: str
+    units: tuple[str, ...]
+
+
+class Scales(NamedTuple):
+    """What numbers of a file are compared with: its period and a Young's modulus, if it has them, and E* (or 1)."""
+
+    length: float | None
+    youngs_modulus: float | None
+    modulus: float
+
+    def in_si(self, quantity: Quantity) -> bool:
+        """Whether numbers of a quantity are in SI units, not in L_x or E*."""
+        return bool((self.length or not quantity.length) and (self.youngs_modulus or not quantity.modulus))
+
+
+_OF_WAVES = Common(1e-10, 0.1, "shorter than an atom", "longer than 10 cm", ("um", "mm", "nm"))
+_OF_LAWS = Common(1e-10, 1e-5, "shorter than an atom", "longer than forces between surfaces reach", ("nm", "um"))
+_OF_PUNCHES = Common(1e-13, 1e-2, "less than a thousandth of an atom", "more than 1 cm", ("um", "nm"))
+Given = tuple[Location, float, Quantity]
+COMMON = {
+    "youngs_modulus": Common(1e5, 2e12, "softer than rubber", "stiffer than diamond", ("GPa", "MPa", "kPa")),
+    "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
+    "work_of_adhesion": Common(1e-4, 10.0, "weaker than van der Waals forces", "stronger than a glue", ("mJ/m^2",)),
+    "range": _OF_LAWS,
+    "normal_length": _OF_LAWS,
+    "tangential_length": _OF_LAWS,
+    "length": Common(1e-8, 0.1, "shorter than 10 nm", "longer than 10 cm", ("um", "mm", "nm")),
+    "height": Common(1e-10, 0.1, "thinner than an atom", "thicker than 10 cm", ("um", "mm", "nm")),
+    "rms_height": Common(1e-11, 1e-3, "less than a tenth of an atom", "more than 1 mm", ("um", "nm")),
+    **dict.fromkeys(("cut_on", "roll_off", "cutoff", "correlation_length", "mound_separation"), _OF_WAVES),
+    **dict.fromkeys(("correlation_length_x", "correlation_length_y"), _OF_WAVES),
+    **dict.fromkeys(("displacement", "sliding", "sliding_y"), _OF_PUNCHES),
+}
+LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
+_OF_BOUNDARIES = {
+    component.key(name): quantity
+    for component in COMPONENTS[2]
+    for name, quantity in (("traction", PRESSURE), ("displacement", LENGTH))
+}
+_UP_TO_MODULUS = {*LOADS, "hardness", *(name for name, quantity in _OF_BOUNDARIES.items() if quantity is PRESSURE)}
+_WITHIN_PERIOD = {"range", "normal_length", "tangential_length", "rms_height", "displacement"}
+_WITHIN_PERIOD |= {name for name, quantity in _OF_BOUNDARIES.items() if quantity is LENGTH}
+_LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
+_LIKELY_LOADS = (1e-6, 0.3)  # E*
+
+
+def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:
+    """Sentences about numbers of a scene and its path, or of a surface, that are implausible for what they are.
+
+    Numbers without units beside no length, or a length of 1, are in units of their own: they only have to fit together.
+    """
+    given = [*_numbers(file), *_numbers(path, ("path",))]
+    scales = _scales(file)
+    bare = not any(isinstance(value, WithUnit) for _, value, _ in given)
+    of_its_own = bare and file.length in (None, 1.0)
+    uncommon = {} if of_its_own else dict(_uncommon(scales, given))
+    sentences = []
+    if uncommon:
+        free = "; to calculate in units of L_x and E*, leave out length and youngs_modulus" if bare else ""
+        told = "; ".join(uncommon.values())
+        sentences.append(f"{told}. A number without a unit is in SI units: write the unit you mean{free}")
+    if any(place[-1] == "youngs_modulus" for place in uncommon):
+        return sentences  # whatever is compared with it is in doubt already
+    others = [(place, value, quantity) for place, value, quantity in given if place not in uncommon]
+    loads = dict(_beside_modulus(scales, others, of_its_own))
+    lengths = dict(_beside_period(scales, others))
+    return [*sentences, *loads.values(), *lengths.values()]
+
+
+def _scales(file: Scene | LoadedBody | SurfaceFile) -> Scales:
+    if isinstance(file, SurfaceFile):
+        return Scales(file.length, None, 1.0)
+    # as contact_modulus has it but for plane stress: checking a file loads no numpy
+    softness = sum((1.0 - body.surface_poissons_ratio**2) / (body.surface_modulus or 1.0) for body in file.deformable)
+    return Scales(file.length, file.body.surface_modulus, 1.0 / softness)
+
+
+def _numbers(record: Any, at: Location = ()) -> Iterator[Given]:
+    """Numbers of a record that are quantities, and their places in it."""
+    if isinstance(record, BaseModel):
+        of_record = quantities(type(record)) | (_OF_BOUNDARIES if isinstance(record, Boundary) else {})
+        for name, value in record:
+            if name in of_record and isinstance(value, float):
+                yield (*at, name), value, of_record[name]
+            else:
+                yield from _numbers(value, (*at, name))
+    elif isinstance(record, tuple):
+        for i, value in enumerate(record):
+            yield from _numbers(value, (*at, i))
+
+
+def _uncommon(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:
+    """Places of numbers without a unit that are not common in SI units, and what they are."""
+    for place, value, quantity in given:
+        common, size = COMMON.get(str(place[-1])), abs(value)
+        if isinstance(value, WithUnit) or common is None or not scales.in_si(quantity) or size == 0.0:
+            continue
+        if not common.low <= size <= common.high:
+            what = common.below if size < common.low else common.above
+            meant = _meant(value, quantity, common.units, common.low, common.high)
+            yield place, f"{_told(place, value, quantity, scales)}, {what}{meant}"
+
+
+def _beside_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
+    """Names of loads, tractions and hardnesses far from what the contact modulus bears, and a sentence about each."""
+    whole = f" (E* = {_readable(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
+    for place, value, quantity in given:
+        name, one = str(place[-1]), quantity.scale(scales.length or 1.0, scales.modulus)
+        if name not in _UP_TO_MODULUS or (of_its_own and name == "hardness"):  # a large one may stand for none
+            continue
+        ratio, told = abs(value) / one, _told(place, value, quantity, scales)
+        if ratio > 1.0:
+            yield name, f"{told}, which makes {ratio:.3g} E*{whole}: check the units of both"
+        elif name in LOADS and 0.0 < ratio < _LIGHTEST and not (of_its_own or isinstance(value, WithUnit)):
+            low, high = (limit * one for limit in _LIKELY_LOADS)
+            meant = _meant(value, quantity, LOADS[name], low, high)
+            yield name, f"{told}, which makes {ratio:.2g} E*{whole}{meant}: write the unit you mean"
+
+
+def _beside_period(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[str, str]]:
+    """Names of lengths beyond the period that should be far below it, and a sentence about each."""
+    for place, value, quantity in given:
+        name, periods = str(place[-1]), abs(value) / (scales.length or 1.0)
+        if name in _WITHIN_PERIOD and periods > 1.0:
+            yield name, f"{_told(place, value, quantity, scales)}, {periods:.3g} periods L_x: check the units of both"
+
+
+def _told(place: Location, value: float, quantity: Quantity, scales: Scales) -> str:
+    """Say what a number is: in SI units, if it has any."""
+    if not scales.in_si(quantity):
+        return f"{dotted(place)} is {value:.6g}"
+    write = _readable if isinstance(value, WithUnit) else _plain
+    return f"{dotted(place)} is {write(value, quantity.si)}"
+
+
+def _plain(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}"
+
+
+def _readable(value: float, unit: str) -> str:
+    factor, name = si_prefix(abs(value), unit)
+    return _plain(factor * value, name)
+
+
+def _meant(value: float, quantity: Quantity, units: Iterable[str], low: float, high: float) -> str:
+    """Return the question which unit is meant: one or two with which the number lies between two others."""
+    sizes = {unit: abs(value) * (quantity.si_value(f"1 {unit}") or 0.0) for unit in units}
+    likely = [_plain(value, unit) for unit, size in sizes.items() if low <= size <= high]
+    return f" ({' or '.join(likely[:2])}?)" if likely else ""

@@ -34,6 +34,7 @@ def shares(found):
     return (beyond & touching).sum() / touching.sum(), pressure.max(), slopes[touching].max()
 
 
+@pytest.mark.filterwarnings("ignore:waves longer than")
 @pytest.mark.parametrize(
     ("heights", "pressure"),
     [
@@ -47,7 +48,7 @@ def test_the_share_of_the_contact_beyond_small_strains_is_told(heights, pressure
         found = solve(heights, pressure)
     share, peak, slope = shares(found)
     assert share > 0.01
-    assert str(told[0].message) in found.validity.splitlines()
+    assert {str(each.message) for each in told} == set(found.validity.splitlines())
     assert f"small on {100.0 * share:.3g} % of the contact" in found.validity
     assert f"the largest are {peak:.3g} E* and {slope:.2g})" in found.validity
 

@@ -72,8 +72,13 @@ def of_field(field: Field) -> Signs:
     sentences = tuple(filter(None, found))
     for axis, i, step in steps:
         level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
-    calm = level if sentences else field.heights
-    return Signs(sentences, _gradient_between_neighbours(calm, field.lengths), float(np.ptp(calm)))
+    if not sentences:
+        level = field.heights
+    # the median is no matter of single heights that are left, but in a field of few digits it may be 0
+    slopes = _slopes(level, field.lengths)
+    rms = float(np.sqrt(sum((each**2).mean() for each in slopes)))
+    usual = 1.4826 * float(np.sqrt(sum(np.median(abs(each)) ** 2 for each in slopes)))
+    return Signs(sentences, min(rms, usual) if sentences and usual > 0.0 else rms, float(np.ptp(level)))
 
 
 def of_surface(heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None) -> tuple[str, ...]:
@@ -185,10 +190,10 @@ def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
 
 
-def _gradient_between_neighbours(heights: Reals, lengths: tuple[float, ...]) -> float:
+def _slopes(heights: Reals, lengths: tuple[float, ...]) -> list[Reals]:
+    """Slopes between neighbours along each axis."""
     spacings = [length / n for n, length in zip(heights.shape, lengths, strict=True)]
-    steps = (np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings))
-    return float(np.sqrt(sum((each**2).mean() for each in steps)))
+    return [np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
 
 
 def _seams(heights: Reals) -> Iterable[str]:

@@ -141,3 +141,11 @@ def test_waviness_is_told_and_a_pure_wave_is_not(shape):
     wave = np.cos(2 * np.pi * (1.7 * np.arange(shape[-1]) / shape[-1] + 0.1)) * np.ones(shape)
     assert "waves longer than two fifths of the field make up 99" in told(rough(shape) + 20 * rough(shape).std() * wave)
     assert "waves longer" not in told(20 * rough(shape).std() * wave)
+
+
+def test_spikes_that_stand_together_are_not_taken_for_a_wrong_unit():
+    z = rough((N,))
+    z[[40, 300, 301, 302, 303, 304, 305, 900]] += 40 * z.std()
+    sentences = told(z)
+    assert "2 heights in spikes" in sentences
+    assert "units" not in sentences

@@ -16,6 +16,7 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file, json_file
 from gfmd_numba.storage.mark import Content, is_note
 from gfmd_numba.text.input_error import brief
+from gfmd_numba.text.shell import word
 
 LABEL = "campaign.yaml"  # copy of the campaign file
 MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, digests of the labels put there, and
@@ -88,7 +89,7 @@ def check_label(directory: Path) -> None:
     if present is None or _digest(present) not in _labels(directory):
         raise AlteredError(
             f"{label}: you gave a copy of the campaign file that somebody has changed since; gfmd allows the copy that "
-            f"`gfmd run` left (`gfmd run {label} --output {directory}` runs the changed one)"
+            f"`gfmd run` left (`gfmd run {word(label)} --output {word(directory)}` runs the changed one)"
         )
 
 
@@ -97,7 +98,7 @@ def _check_mark(directory: Path) -> None:
     if clause := atomic_file.foreign(directory / MARK, is_note):
         raise AlteredError(
             f"{directory / MARK}: you gave a path {clause}; gfmd allows the mark that `gfmd run` left (move it away: "
-            f"`gfmd run {directory / LABEL} --output {directory}` makes it again)"
+            f"`gfmd run {word(directory / LABEL)} --output {word(directory)}` makes it again)"
         )
 
 
@@ -172,8 +173,8 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     if not equal and atomic_file.foreign(label, ours):
         raise InputError(
             f"{label}: you gave a copy of the campaign file that somebody has changed, and that differs from the "
-            f"file to run; gfmd allows the copy that `gfmd run` left (`gfmd run {label} --output {directory}` runs the "
-            "changed one; or move it away)"
+            f"file to run; gfmd allows the copy that `gfmd run` left (`gfmd run {word(label)} --output "
+            f"{word(directory)}` runs the changed one; or move it away)"
         )
     known = {_digest(text) for text in (present, content) if text is not None}  # a kill leaves either
     mark = {"campaign": name, "labels": sorted(known), _HOME: os.path.abspath(folder)}

@@ -14,6 +14,7 @@ from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
+from gfmd_numba.text.shell import word
 
 
 @dataclass(frozen=True)
@@ -128,9 +129,9 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
             found[note] = f"{_OTHERS}: it is not used, move it away"
     results = results_path(planned, directory)
     if foreign_file(results):
-        found[results] = f"{_OTHERS}: move it away, and `gfmd collect {directory}` writes it again"
+        found[results] = f"{_OTHERS}: move it away, and `gfmd collect {word(directory)}` writes it again"
     elif results.exists() and is_altered(results, planned):
-        found[results] = f"differs from its digest: `gfmd collect {directory}` writes it again"
+        found[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
     return found
 
 
@@ -141,6 +142,6 @@ def _work(block: Block) -> float:
 
 def _retry(directory: Path, block: Block) -> str:
     return (
-        f"gfmd run {directory / LABEL} --output {directory} --only case_id={block.problem.identity} "
+        f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={block.problem.identity} "
         "--retry-failed --workers 0"
     )

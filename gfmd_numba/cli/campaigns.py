@@ -25,6 +25,7 @@ from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import endings, show_fit, show_means
 from gfmd_numba.text.printable import printable
+from gfmd_numba.text.shell import word
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -148,7 +149,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
         say(
             "gfmd:",
             f"{numbers.not_ok} of {numbers.asked} simulations are not ok, see `status` in the file; "
-            f"`gfmd status {results.parent}` says how to run crashed ones again",
+            f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
             width=6,
             err=True,
         )
@@ -217,6 +218,7 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
             else:
                 drawing(path)
     except OSError as error:
-        click.echo(f"gfmd: {error}; the results are complete, and `gfmd plot {picture.parent}` draws them", err=True)
+        draws = f"`gfmd plot {word(picture.parent)}` draws them"
+        click.echo(f"gfmd: {printable(error)}; the results are complete, and {draws}", err=True)
         return False
     return True

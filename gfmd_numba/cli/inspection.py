@@ -16,6 +16,7 @@ from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.readable import dimensions
 from gfmd_numba.cli.sentences import say
 from gfmd_numba.text.printable import printable
+from gfmd_numba.text.shell import word
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.file import Campaign
@@ -202,7 +203,7 @@ def init(file: Path) -> None:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
     except FileExistsError:
         raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name") from None
-    say("campaign", f"{file}: `gfmd plan {file}` says what it costs, `gfmd run {file}` runs it")
+    say("campaign", f"{file}: `gfmd plan {word(file)}` says what it costs, `gfmd run {word(file)}` runs it")
 
 
 @main.command()

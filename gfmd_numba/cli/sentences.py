@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from textwrap import wrap
 
 import click
@@ -9,11 +10,14 @@ import click
 from gfmd_numba.text.printable import printable
 
 COLUMNS = 80
+_SPACE = "\0"  # within a command, where no line may end: printable text has none
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
-    """Print a text beside its label, made harmless; only a word longer than a line, like a path, goes beyond."""
-    lines = wrap(printable(text), COLUMNS - width, break_long_words=False, break_on_hyphens=False) or [""]
+    """Print a text beside its label, made harmless; only what cannot be folded, a path or command, goes beyond."""
+    whole = re.sub(r"`[^`]*`", lambda command: command[0].replace(" ", _SPACE), printable(text))
+    folded = wrap(whole, COLUMNS - width, break_long_words=False, break_on_hyphens=False)
+    lines = [line.replace(_SPACE, " ") for line in folded] or [""]
     click.echo(f"{label:<{width}}{lines[0]}".rstrip(), err=err)
     for line in lines[1:]:
         click.echo(f"{'':{width}}{line}", err=err)
@@ -21,5 +25,7 @@ def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
 
 def say_command(command: str, *, width: int) -> None:
     """Print a command of the shell, folded so that it can be copied."""
-    lines = wrap(printable(command), COLUMNS - width - 2, break_long_words=False, break_on_hyphens=False)
-    click.echo(" \\\n".join(" " * width + line for line in lines))
+    words = re.findall(r"""(?:\$'(?:\\.|[^'\\])*'|'[^']*'|"[^"]*"|\S)+""", printable(command))
+    whole = " ".join(each.replace(" ", _SPACE) for each in words)
+    lines = wrap(whole, COLUMNS - width - 2, break_long_words=False, break_on_hyphens=False)
+    click.echo(" \\\n".join(" " * width + line.replace(_SPACE, " ") for line in lines))

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 
 import pytest
@@ -68,7 +69,7 @@ def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
 
 
 def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tmp_path, monkeypatch):
-    path, out = campaign(tmp_path), tmp_path / "out"
+    path, out = campaign(tmp_path), tmp_path / "it's p_a;touch X"
     bad = next(plan(path).blocks)
     solve, calls = block_work.measured, []
 
@@ -88,7 +89,9 @@ def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tm
     state = gfmd("status", out).output.replace("\\\n", "")  # a long command is folded
     assert "9 of 10 blocks done, 1 failed" in state
     monkeypatch.undo()
-    command = next(line for line in state.splitlines() if "--retry-failed" in line).split()
+    command = next(line for line in state.splitlines() if "--retry-failed" in line)
+    assert "'" in command
+    command = shlex.split(command)
     assert command[0] == "gfmd"
     assert gfmd(*command[1:]).exit_code == 0
     assert failures.of(out, bad.name) is None

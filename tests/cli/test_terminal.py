@@ -10,6 +10,7 @@ from click import unstyle
 from gfmd_numba.cli import main, progress
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.sentences import say, say_command
+from gfmd_numba.text.shell import word
 from support.campaigns import campaign
 from support.command_line import gfmd
 from support.scenes import SCENE
@@ -132,6 +133,15 @@ def test_a_folded_command_is_one_to_the_shell(capsys):
     said = capsys.readouterr().out
     assert max(map(len, said.splitlines())) <= 80
     assert said.replace("\\\n", "").split() == command.split()
+
+
+@pytest.mark.parametrize("name", ["two words " * 12, "it's; touch X", "a\nb 'c' \\d", '"'])
+def test_a_quoted_path_is_not_folded(capsys, name):
+    command = f"gfmd run {word(name)} --output {word(name)} --only case_id=0123456789abcdef --retry-failed --workers 0"
+    say_command(command, width=10)
+    assert " ".join(capsys.readouterr().out.replace("\\\n", "").split(" ")).split() == command.split()
+    say("note", f"the results are complete, and `gfmd plot {word(name)}` draws them, wherever you want to have them")
+    assert f"`gfmd plot {word(name)}`" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

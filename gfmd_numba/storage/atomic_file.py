@@ -162,7 +162,7 @@ def sync(folder: Path) -> None:
         os.fsync(found)
     except OSError as error:
         if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # a file system that has no such thing
-            raise
+            raise OSError(error.errno, error.strerror, str(folder)) from error
     finally:
         os.close(found)
 

@@ -91,3 +91,4 @@ def test_a_run_on_a_disk_that_fails_at_any_call_resumes(begun, tmp_path, start, 
         at += every
     assert at > (20 if start == "half" else 40)
     assert all("finished work is kept, the same command resumes" in sentence for sentence in said)
+    assert all(str(tmp_path) in sentence for sentence in said)  # which file it was

@@ -27,7 +27,7 @@ class FailingDisk:
             if number == self.at or (self.full and self.refused and grows):
                 self.refused = self.refused or f"{name} {given[0]}"
                 code = errno.ENOSPC if self.full or grows else errno.EIO
-                raise OSError(code, os.strerror(code), given[0] if isinstance(given[0], str) else None)
+                raise OSError(code, os.strerror(code), *([] if isinstance(given[0], int) else [os.fspath(given[0])]))
         return real(*given, **options)
 
     @contextmanager

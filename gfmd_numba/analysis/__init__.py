@@ -3,6 +3,7 @@
 from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.gap_percolation import gap_percolation
 from gfmd_numba.analysis.leakage import leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
@@ -16,7 +17,7 @@ from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 from gfmd_numba.analysis.prediction import Prediction, predictions
-from gfmd_numba.analysis.selection import UnusableDataError, ensemble_mean, select_limit
+from gfmd_numba.analysis.selection import ensemble_mean, select_limit
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [

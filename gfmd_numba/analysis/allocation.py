@@ -2,13 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.arguments import Budget, Fixed, Seconds, Target, Variable, checked
 from gfmd_numba.analysis.ensembles import FEWEST, Ensemble, Level, ensembles, level_of_case, levels_of, relative_errors
-from gfmd_numba.analysis.selection import CROSS, LIMITS, UnusableDataError
+from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
+from gfmd_numba.analysis.selection import CROSS, LIMITS
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.input_error import InputError
 
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
@@ -45,12 +49,13 @@ class _Choice:
         return max(relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
 
 
+@checked
 def cheapest_design(
-    pilot: xr.Dataset,
-    seconds: Sequence[float],
-    target: float,
-    variable: str = "kappa",
-    fixed: Mapping[str, float | Sequence[float]] | None = None,
+    pilot: Annotated[xr.Dataset, CAMPAIGN],
+    seconds: Seconds,
+    target: Target,
+    variable: Variable = "kappa",
+    fixed: Fixed | None = None,
 ) -> Design:
     """Return the cheapest realisations by which every group's relative error of the TFC limit is below a target.
 
@@ -81,12 +86,13 @@ def cheapest_design(
     return _described(choice, counts)
 
 
+@checked
 def best_design(
-    pilot: xr.Dataset,
-    seconds: Sequence[float],
-    budget: float,
-    variable: str = "kappa",
-    fixed: Mapping[str, float | Sequence[float]] | None = None,
+    pilot: Annotated[xr.Dataset, CAMPAIGN],
+    seconds: Seconds,
+    budget: Budget,
+    variable: Variable = "kappa",
+    fixed: Fixed | None = None,
 ) -> Design:
     """Return the realisations with the least error that cost no more than `budget` seconds of processor time.
 
@@ -110,6 +116,8 @@ def _choice(
 ) -> _Choice:
     found = ensembles(pilot, variable, fixed or {})
     number = level_of_case(pilot)
+    if len(seconds) != len(number):
+        raise InputError(f"seconds: you gave {len(seconds)} numbers; gfmd allows one for each of {len(number)} cases")
     price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
     fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
     price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1

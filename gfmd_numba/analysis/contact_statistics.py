@@ -1,12 +1,15 @@
 """Distributions of pressure and gap, sizes of contacts and Persson's theory beside them, of solved contacts."""
 
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.connected_regions import regions, sizes
+from gfmd_numba.analysis.forms import CONTACT
 from gfmd_numba.analysis.solved_fields import check_fields
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.theory import persson
@@ -14,7 +17,8 @@ from gfmd_numba.theory import persson
 _BINS = 60
 
 
-def contact_statistics(dataset: xr.Dataset) -> xr.Dataset:
+@checked
+def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Return distributions over the nodes of solved contacts, `[..., pressure | gap | length or area]`.
 
     The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2

@@ -2,18 +2,22 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.selection import UnusableDataError, axes, good, table
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import CAMPAIGN, LOADS, UnusableDataError
+from gfmd_numba.analysis.selection import axes, good, table
 
 _NEEDED = {"mean_pressure", "mean_gap", "status"}
 _LOAD = "reduced_pressure"
 _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows from
 
 
-def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
+@checked
+def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     """Return the stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces.
 
     Takes a campaign of several `reduced_pressure`, whose cases are equal except for the load, or the `step` of load
@@ -28,6 +32,8 @@ def contact_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     along = "case" if "case" in dataset.dims else "step"
     if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:
         raise UnusableDataError("you gave no results of several loads; gfmd allows a campaign's, or those of a path")
+    if along == "case":
+        dataset = CAMPAIGN.checked(dataset, "dataset")
     pairs = list(_cases(dataset) if along == "case" else _steps(dataset))
     if not pairs:
         raise UnusableDataError("you gave one load of each surface; gfmd allows several reduced_pressure, or a path")

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from gfmd_numba.analysis.fit_warnings import inseparable
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom, pooled_covariance
 from gfmd_numba.analysis.posterior import linearised, weighed
-from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, UnusableDataError, groups_to_fit
+from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit
 from gfmd_numba.analysis.steps_of_paths import steps_of
 from gfmd_numba.arrays import Reals
 
@@ -66,7 +67,7 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
     if len(steps) > 1:
         return [each for step, one in enumerate(steps) for each in _at_step(step, one, variable, fixed)]
     (pilot,) = steps
-    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in fixed.items()}
+    given = {limit: exponent_range(value) for limit, value in fixed.items()}
     found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]

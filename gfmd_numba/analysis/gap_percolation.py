@@ -1,11 +1,14 @@
 """Percolation of the gap of a map: whether a channel leads from one side to the other, and how narrow it gets."""
 
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.connected_regions import connects, regions, sizes
+from gfmd_numba.analysis.forms import CONTACT
 from gfmd_numba.analysis.solved_fields import check_fields
 from gfmd_numba.arrays import Flags, Reals
 
@@ -20,7 +23,8 @@ _LONG_NAMES = {
 }
 
 
-def gap_percolation(dataset: xr.Dataset) -> xr.Dataset:
+@checked
+def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Percolation of the gap on maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     `gap_connects` and `contact_connects` are 1 where open nodes, or touching ones, lead from one side of the period to

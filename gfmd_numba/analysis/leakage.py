@@ -1,14 +1,16 @@
 """Leakage through the gap of a map by the Reynolds equation of a thin film, on the grid of the contact."""
 
 from collections.abc import Iterator
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
+from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.connected_regions import regions
-from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.analysis.forms import CONTACT, UnusableDataError
 from gfmd_numba.analysis.solved_fields import check_fields
 from gfmd_numba.arrays import Flags, Indices, Reals
 
@@ -18,7 +20,8 @@ _ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many ch
 _DIRECTIONS = {"x": 1, "y": 0}  # to the axis of [y, x] that the pressure falls along
 
 
-def leakage(dataset: xr.Dataset) -> xr.Dataset:
+@checked
+def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Leakage through the gap of maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across

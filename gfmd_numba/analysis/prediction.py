@@ -1,13 +1,16 @@
 """The error that numbers of realisations are going to give, predicted from the results so far."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 from scipy.special import chdtri
 
+from gfmd_numba.analysis.arguments import Counts, Fixed, Variable, checked
 from gfmd_numba.analysis.ensembles import Ensemble, ensembles, level_of_case, relative_errors
+from gfmd_numba.analysis.forms import CAMPAIGN
+from gfmd_numba.text.input_error import InputError
 
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
 _CONFIDENCE = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
@@ -29,17 +32,20 @@ class Prediction:
     caution: float
 
 
+@checked
 def predictions(
-    results: xr.Dataset,
-    counts: Sequence[int],
-    variable: str = "kappa",
-    fixed: Mapping[str, float | Sequence[float]] | None = None,
+    results: Annotated[xr.Dataset, CAMPAIGN],
+    counts: Counts,
+    variable: Variable = "kappa",
+    fixed: Fixed | None = None,
 ) -> list[Prediction]:
     """Predict the error of each group for `counts` (case) of realisations from the results of as many or fewer.
 
     UnusableDataError for results that do not tell.
     """
     number = level_of_case(results)
+    if len(counts) != len(number):
+        raise InputError(f"counts: you gave {len(counts)} numbers; gfmd allows one for each of {len(number)} cases")
     of_level = np.zeros(number.max() + 1)
     np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
     found = []

@@ -4,15 +4,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isnan, nan
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.arguments import Limit, Variable, checked
 from gfmd_numba.analysis.facts_of_cases import dimension_of, nodes_per_segment, residual_error
+from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.si_prefix import si_prefix
 from gfmd_numba.text.uncertain import with_error
 
@@ -33,10 +34,6 @@ _READ = (
     "nx",
     "dimension",
 )
-
-
-class UnusableDataError(InputError):
-    """What a dataset lacks for the analysis asked of it."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,8 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
 
 
-def ensemble_mean(cases: xr.Dataset, variable: str) -> tuple[Reals, Reals]:
+@checked
+def ensemble_mean(cases: Annotated[xr.Dataset, CAMPAIGN], variable: Variable) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
     usable = good(cases, variable).values
     values = cases[variable].transpose("case", "realisation").values.astype(float)
@@ -143,7 +141,8 @@ def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]
 
 def table(dataset: xr.Dataset, names: Sequence[str]) -> Reals:
     """Return the values (case, name) of parameters."""
-    return np.stack([dataset[name].values.astype(float) for name in names], axis=-1)
+    columns = [dataset[name].values.astype(float) for name in names]
+    return np.stack(columns, axis=-1) if columns else np.empty((dataset.sizes["case"], 0))
 
 
 def key(parameters: dict[str, float]) -> tuple[float, ...]:
@@ -283,10 +282,9 @@ def _at(group: xr.Dataset, levels: dict[str, float], variable: str) -> tuple[flo
     return float(mean[0]), float(error[0])
 
 
-def select_limit(dataset: xr.Dataset, limit: str) -> xr.Dataset:
-    """Return one limit's cases with the reference, coarse to fine; ValueError for an unknown limit."""
-    if limit not in LIMITS:
-        raise ValueError(f"unknown limit {limit!r}; choose one of {', '.join(LIMITS)}")
+@checked
+def select_limit(dataset: Annotated[xr.Dataset, CAMPAIGN], limit: Limit) -> xr.Dataset:
+    """Return one limit's cases with the reference, coarse to fine; InputError for an unknown limit."""
     others = [name for name in LIMITS if name != limit]
     kept: list[str] = []
     for _, group in groups(dataset):

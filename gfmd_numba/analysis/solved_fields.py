@@ -5,7 +5,7 @@ from collections.abc import Collection
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.analysis.forms import UnusableDataError
 
 _FIELDS = ("height", "pressure", "gap")
 _POINTS = "points_per_period"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.selection import UnusableDataError
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.text.input_error import brief
 
 _PATH_STEP = {

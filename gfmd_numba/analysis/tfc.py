@@ -7,13 +7,14 @@ possible: the limit is the mean over them, and its error holds the scatter betwe
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
 from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
 from gfmd_numba.analysis.facts_of_cases import processor_time
@@ -29,6 +30,7 @@ from gfmd_numba.analysis.fit_warnings import (
     realisations,
     shortage,
 )
+from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.goodness_of_fit import excess_misfit
 from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
@@ -47,12 +49,13 @@ _TAIL = 0.05  # beyond each end of an interval
 _WORTH_A_NOTE = 1.01  # factor on errors
 
 
+@checked
 def fit_tfc(
-    dataset: xr.Dataset,
-    variable: str = "kappa",
-    exponents: Literal["shared", "free"] = "shared",
-    fixed: Mapping[str, float | Sequence[float]] | None = None,
-    omit_nyquist: bool = True,
+    dataset: Annotated[xr.Dataset, CAMPAIGN],
+    variable: Variable = "kappa",
+    exponents: Exponents = "shared",
+    fixed: Fixed | None = None,
+    omit_nyquist: Flag = True,
     step: int | None = None,
 ) -> xr.Dataset:
     """Fit thesis (4.3), with interactions of the limits, to each group's case means.
@@ -73,11 +76,7 @@ def fit_tfc(
     Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
     in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
     """
-    if exponents not in ("shared", "free"):
-        raise ValueError(f"exponents is 'shared' or 'free', not {exponents!r}")
-    if not isinstance(fixed, Mapping | None):
-        raise ValueError(f"fixed is a mapping like {{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}}, not {fixed!r}")
-    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
+    given = {limit: exponent_range(value) for limit, value in (fixed or {}).items()}
     if step is not None or {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
@@ -97,13 +96,10 @@ def fit_tfc(
 
 
 def refusals(
-    dataset: xr.Dataset,
-    variable: str = "kappa",
-    exponents: Literal["shared", "free"] = "shared",
-    fixed: Mapping[str, float | Sequence[float]] | None = None,
+    dataset: xr.Dataset, variable: str = "kappa", exponents: Exponents = "shared", fixed: Fixed | None = None
 ) -> dict[str, int]:
     """Return why a fit of these cases is refused whatever their values are, and of how many groups that is true."""
-    given = {limit: exponent_range(limit, value, LIMITS) for limit, value in (fixed or {}).items()}
+    given = {limit: exponent_range(value) for limit, value in (fixed or {}).items()}
     members = groups_to_fit(dataset, variable, omit_nyquist=True)
     families = [members] if exponents == "shared" else [[member] for member in members]
     return dict(Counter(lack for family in families for lack in _lacks(family, variable, given) if lack))

@@ -24,10 +24,14 @@ def _text(pattern: str, most: int, allowed: str) -> Any:
 
 
 Word = Annotated[
-    str, _text(r"^[A-Za-z0-9._:@,+-]+$", 100, "up to 100 letters, digits and '.', '_', ':', '@', ',', '+', '-'")
+    str,
+    _text(
+        r"^[A-Za-z0-9._][A-Za-z0-9._:@,+-]*$", 100, "up to 100 letters, digits and '.', '_', ':', '@', ',', '+', '-'"
+    ),
 ]
-Directive = Annotated[str, _text(r"^-[^\r\n]+$", 1000, "an option of sbatch, like --constraint=skylake")]
-Line = Annotated[str, _text(r"^[^\r\n]+$", 1000, "one line of shell, like module load python")]
+_OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
+Directive = Annotated[str, _text(rf"^-{_OF_A_LINE}+$", 1000, "an option of sbatch, like --constraint=skylake")]
+Line = Annotated[str, _text(rf"^{_OF_A_LINE}+$", 1000, "one line of shell, like module load python")]
 
 
 class Jobs(BaseModel):

@@ -1,11 +1,14 @@
 """Workers in jobs of a queueing system: submitted as long as there are blocks, and again when a job has ended."""
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from typing import Any
 from uuid import uuid4
 
@@ -135,12 +138,16 @@ def _security(folder: Path) -> Iterator[Any]:
         of_role = Security.temporary().get_tls_config_for_role("worker")
         files = {name: private / f"{name}.pem" for name in ("ca_file", "cert", "key")}
         for name, file in files.items():
-            file.touch(mode=0o600)
-            file.write_text(of_role[name])
+            with open(file, "x", opener=_for_this_user) as new:  # what is there already may be read by others
+                new.write(of_role[name])
         of_all = {f"tls_{role}_{name}": str(files[name]) for role in _ROLES for name in ("cert", "key")}
         yield Security(require_encryption=True, tls_ca_file=str(files["ca_file"]), **of_all)
     finally:
         shutil.rmtree(private, ignore_errors=True)
+
+
+def _for_this_user(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_EXCL, 0o600)
 
 
 def _options(cluster: Cluster, name: str) -> dict[str, Any]:
@@ -154,7 +161,7 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
         "account": cluster.account,
         "job_extra_directives": list(cluster.directives),
         "job_script_prologue": [*(f"export {key}={value}" for key, value in ONE_THREAD.items()), *cluster.setup],
-        "python": cluster.python,
+        "python": cluster.python or quote(sys.executable),
         "interface": cluster.interface,
         "job_name": name,
         "worker_extra_args": ["--no-dashboard", "--lifetime", f"{cluster.lifetime}s"],

@@ -107,7 +107,7 @@ def _check_content(directory: Path, text: bytes) -> None:
 
     One that has lost its mark is ours if it holds this text as its label, and finished work.
     """
-    if not directory.exists():
+    if not os.path.exists(directory):  # also for a path that no file can have
         return
     if directory.is_dir():
         _check_mark(directory)

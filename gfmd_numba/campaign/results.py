@@ -1,5 +1,6 @@
 """The netCDF files of campaigns and contacts: which one a path means, and whether it can be read."""
 
+import os
 from pathlib import Path
 
 import xarray as xr
@@ -15,7 +16,7 @@ _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
 
 def results_file(path: Path) -> Path:
     """The file of results that a path means, itself or the one a run left in it; raises InputError."""
-    if not path.is_dir():
+    if not os.path.isdir(path):  # also of a path that no file can have
         return path
     named = path / f"{campaign_name(path / 'campaign.yaml')}.nc"
     if named.is_file():

@@ -67,7 +67,7 @@ class Document:
         for part in self.elsewhere.get(location, location):
             try:
                 value = value[part]
-            except (KeyError, IndexError, TypeError):
+            except (KeyError, IndexError, TypeError, ValueError):
                 return ABSENT
         return value
 

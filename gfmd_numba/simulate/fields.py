@@ -58,7 +58,7 @@ def body_fields(
     if len(nodes_of(scene)) == 2:
         wanted = map_fields.Wanted(heights, x, y, planes is not None)
         steps = map_fields.of_steps(whole, asked, body, elastic, length, order, wanted)
-    elif (x, y, planes) == (None, None, None):
+    elif x is None and y is None and planes is None:
         every = (whole.isel(step=i) for i in range(whole.sizes["step"]))
         steps = [_one(asked, elastic, length, order, step, heights, body) for step in every]
     else:

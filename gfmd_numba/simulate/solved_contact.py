@@ -8,6 +8,7 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import POINTS
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.text.input_error import brief
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
@@ -37,8 +38,8 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
     names = ["body", "counter_body"][: len(scene.deformable)]
-    if body not in names:
-        raise InputError(f"body: you gave {body!r}; gfmd allows {' or '.join(map(repr, names))}")
+    if not isinstance(body, str) or body not in names:
+        raise InputError(f"body: you gave {brief(body)}; gfmd allows {' or '.join(map(repr, names))}")
     nodes = nodes_of(scene)
     if not _is_whole(contact, nodes) or not found >= _needed(scene, order):
         raise InputError(_ALTERED)

@@ -26,6 +26,7 @@ def directory() -> Path:
     try:
         folder = Path(asked) if asked else platformdirs.user_cache_path("gfmd-numba")
         make(folder)
+        folder = folder.resolve()  # a link may lead elsewhere once it was looked at
         with tempfile.TemporaryFile(dir=folder):
             pass
         if _is_safe(folder):
@@ -60,7 +61,15 @@ def is_private(state: os.stat_result) -> bool:
 
 def _is_safe(folder: Path) -> bool:
     """Whether nobody else can have put code into a cache, nor put another in its place."""
-    above = [level.stat().st_mode for level in folder.resolve().parents]
+    above = [level.stat() for level in folder.parents]
     inside = [Path(level, name) for level, names, _ in os.walk(folder / KERNELS) for name in names]
     own = [folder.stat(), *(level.lstat() for level in (folder / KERNELS, *inside) if os.path.lexists(level))]
-    return all(map(is_private, own)) and not any(mode & stat.S_IWOTH and not mode & stat.S_ISVTX for mode in above)
+    return all(map(is_private, own)) and all(map(_keeps, above))
+
+
+def _keeps(state: os.stat_result) -> bool:
+    """Whether a folder of this state, above a private one, lets nobody else put another in its place."""
+    if sys.platform == "win32":
+        return True
+    for_all = state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX
+    return state.st_uid in (0, os.geteuid()) and not for_all

@@ -85,7 +85,7 @@ def test_a_single_realisation_has_no_sampling_error():
 def test_a_dataset_that_is_no_campaign_is_named(lacking):
     with pytest.raises(ValueError, match="you gave no results of a campaign"):
         fit_tfc(campaign().drop_vars(lacking))
-    with pytest.raises(ValueError, match="you gave no results of a campaign"):
+    with pytest.raises(ValueError, match=r"you gave a dataset in which .* is over .*, not over \(case"):
         fit_tfc(campaign().isel(case=0))
 
 
@@ -93,15 +93,15 @@ def test_a_dataset_that_is_no_campaign_is_named(lacking):
     ("options", "match"),
     [
         ({"variable": "kapa"}, "no variable 'kapa'"),
-        ({"exponents": "both"}, "'shared' or 'free'"),
-        ({"fixed": {"eps_x": 1.0}}, "eps_x"),
-        ({"fixed": {"eps_c": -1.0}}, "positive"),
-        ({"fixed": {"eps_c": np.nan}}, "positive"),
-        ({"fixed": {"eps_c": (0.0, 1.0)}}, "positive"),
-        ({"fixed": {"eps_c": (1.0, 0.5)}}, r"not 'eps_c': \(1.0, 0.5\)"),
-        ({"fixed": {"eps_c": (1.0, np.inf)}}, "positive"),
+        ({"exponents": "both"}, "exponents: you gave 'both'; gfmd allows 'shared' or 'free'"),
+        ({"fixed": {"eps_x": 1.0}}, "fixed: you gave {'eps_x': 1.0}; gfmd allows a mapping of 'eps_c'"),
+        ({"fixed": {"eps_c": -1.0}}, "exponents above 0 and up to 100"),
+        ({"fixed": {"eps_c": np.nan}}, "exponents above 0 and up to 100"),
+        ({"fixed": {"eps_c": (0.0, 1.0)}}, "exponents above 0 and up to 100"),
+        ({"fixed": {"eps_c": (1.0, 0.5)}}, r"you gave {'eps_c': \(1.0, 0.5\)}; gfmd allows"),
+        ({"fixed": {"eps_c": (1.0, np.inf)}}, "exponents above 0 and up to 100"),
         ({"fixed": {"eps_c": (0.5, 0.7, 1.0)}}, r"\(low, high\)"),
-        ({"fixed": {"eps_c": "1.0"}}, "not 'eps_c': '1.0'"),
+        ({"fixed": {"eps_c": "1.0"}}, "you gave {'eps_c': '1.0'}; gfmd allows"),
     ],
 )
 def test_wrong_options_are_named(options, match):

@@ -237,5 +237,5 @@ def test_select_limit_orders_from_coarse_to_fine_and_includes_the_reference():
     assert chosen["eps_t"].values.tolist() == [1, 1 / 2, 1 / 4, 1 / 8]
     assert chosen["is_reference"].values.tolist() == [False, True, False, False]
     assert set(chosen["eps_c"].values) == {1 / 2}
-    with pytest.raises(ValueError, match="unknown limit 'eps_x'"):
+    with pytest.raises(ValueError, match="limit: you gave 'eps_x'; gfmd allows 'eps_c', 'eps_f' or 'eps_t'"):
         select_limit(campaign(), "eps_x")

@@ -40,6 +40,16 @@ def test_workers_leave_before_their_walltime_ends(seconds, spelt, lifetime):
         ),
         ("cores: 4", "cores: 4\nsystem: pbs", "2:9: system: you gave 'pbs'; gfmd allows 'slurm'"),
         ("cores: 4", "cores: 4\npartition: a b", "2:12: partition: you gave 'a b'; gfmd allows up to 100 letters"),
+        ("cores: 4", "cores: 4\naccount: --wrap", "2:10: account: you gave '--wrap'; gfmd allows up to 100 letters"),
+        ("cores: 4", "cores: 4\naccount: $(id)", "2:10: account: you gave '$(id)'; gfmd allows up to 100 letters"),
+        ("cores: 4", 'cores: 4\npartition: "a\\nb"', "partition: you gave 'a\\nb'; gfmd allows up to 100 letters"),
+        (
+            "cores: 4",
+            'cores: 4\ndirectives: ["-x\\n id"]',
+            "directives[0]: you gave '-x\\n id'; gfmd allows an option of",
+        ),
+        ("cores: 4", 'cores: 4\nsetup: ["a\\0b"]', "setup[0]: you gave 'a\\x00b'; gfmd allows one line of shell"),
+        ("cores: 4", 'cores: 4\nsetup: ["a\\x85b"]', "setup[0]: you gave 'a\\x85b'; gfmd allows one line of shell"),
         (
             "cores: 4",
             "cores: 4\ndirectives: [exclusive]",

@@ -1,7 +1,9 @@
 """A run in jobs of a queueing system, which here are processes of this machine."""
 
+import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 import xarray as xr
@@ -143,6 +145,36 @@ def test_an_output_that_a_script_cannot_name_is_refused(tmp_path, slurm):
         InputError, match=r"--output: you gave '.*my results' with --cluster; gfmd allows a path of letters"
     ):
         check(workers_of(CLUSTER), tmp_path / "my results")
+
+
+def test_a_script_of_a_job_runs_nothing_that_the_path_of_python_holds(tmp_path, monkeypatch):
+    odd = tmp_path / "my envs; touch stolen $(touch stolen)" / "python"
+    odd.parent.mkdir()
+    odd.symlink_to(sys.executable)
+    monkeypatch.setattr(sys, "executable", str(odd))
+    job = slurm_jobs.SLURMJob(
+        "tls://192.0.2.1:8786", name="test", **job_queue._options(workers_of(CLUSTER).cluster, "test")
+    )
+    (tmp_path / "job.sh").write_text(job.job_script().replace("-m distributed.cli.dask_worker", "-c 'print(1)' --"))
+    done = subprocess.run(["sh", "job.sh"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.stdout, done.returncode) == ("1\n", 0), done.stderr
+    assert not list(tmp_path.rglob("stolen"))
+
+
+def test_keys_are_written_to_no_file_that_is_there_already(tmp_path, monkeypatch):
+    """Its owner could read them."""
+    make = Path.mkdir
+
+    def made_and_filled(folder, **options):
+        make(folder, **options)
+        for name in ("ca_file", "cert", "key"):
+            (folder / f"{name}.pem").touch(mode=0o666)
+
+    monkeypatch.setattr(Path, "mkdir", made_and_filled)
+    monkeypatch.setattr(job_queue.shutil, "rmtree", lambda *_, **__: None)
+    with pytest.raises(FileExistsError), job_queue._security(tmp_path):
+        pass
+    assert [file.read_text() for file in tmp_path.rglob("*.pem")] == ["", "", ""]
 
 
 def test_jobs_with_too_little_memory_are_refused(tmp_path, slurm):

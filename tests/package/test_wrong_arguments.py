@@ -6,8 +6,6 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness, plot_curve, plot_fit
-from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.run import run
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign
 
@@ -72,21 +70,6 @@ def test_results_with_another_scene_are_told(scene):
     contact = gfmd_numba.solve(SCENE).assign_attrs(scene=scene)
     with pytest.raises(InputError, match="contact: you gave a contact whose scene is unreadable"):
         gfmd_numba.body_fields(contact)
-
-
-def test_options_of_a_fit_are_checked(tmp_path):
-    dataset = gfmd_numba.open_campaign(run(campaign(tmp_path), tmp_path / "out", Workers(0))[0])
-    for options in (
-        {"variable": ["kappa"]},
-        {"variable": None},
-        {"exponents": 3},
-        {"exponents": ["shared"]},
-        {"fixed": 1.0},
-        {"fixed": {"eps_c": None}},
-        {"fixed": {1: 1.0}},
-    ):
-        with pytest.raises(ValueError, match=r"not |it has "):
-            gfmd_numba.fit_tfc(dataset, **options)
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,7 @@ DANGERS = {
     "cache that a group may write": lambda cache, file: cache.chmod(0o770),
     "folder inside that others may write": lambda cache, file: file.parent.chmod(0o777),
     "cache in a folder that others may write": lambda cache, file: cache.parent.chmod(0o777),
+    "cache in a folder of another": lambda cache, file: given_away(cache.parent),
     "nothing": lambda cache, file: None,
 }
 
@@ -120,6 +121,18 @@ def test_nothing_is_run_that_somebody_else_may_have_put_there(tmp_path, danger):
     assert hits == 0
     whole = "cache" in danger or "inside" in danger
     assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole
+
+
+def test_a_link_to_a_cache_is_followed_once(tmp_path):
+    """Who owns the link may lead it elsewhere after the look at what it led to."""
+    own, link = tmp_path / "own", tmp_path / "link"
+    own.mkdir(mode=0o700)
+    link.symlink_to(own)
+    script = "from gfmd_numba.storage import cache; print(cache.directory())"
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=os.environ | {"GFMD_CACHE_DIR": str(link)}, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == str(own.resolve())
 
 
 def test_no_cache_is_no_failure(tmp_path):

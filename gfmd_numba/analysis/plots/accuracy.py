@@ -1,6 +1,7 @@
 """Work-precision diagrams: what accuracy costs in time."""
 
 from itertools import cycle
+from typing import Annotated
 
 import matplotlib as mpl
 import numpy as np
@@ -8,8 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import ACCURACY, UnusableDataError
 from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
-from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
 TITLES = {
@@ -38,7 +40,8 @@ _YLABELS = {
 _COLUMNS = 3
 
 
-def plot_accuracy(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY]) -> Figure:
     """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand beside the points.
 
     Settings with failed surfaces are left out. Raises UnusableDataError for a dataset without studies.
@@ -91,7 +94,8 @@ def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:
 def _symbol(study: xr.Dataset) -> str:
     """What the errors of a study are about."""
     known = study["variable"].values.tolist() if "variable" in study else []
-    return _SYMBOLS[known[0] if known else "kappa"]
+    about = str(known[0]) if known else "kappa"
+    return _SYMBOLS.get(about, about)
 
 
 def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:

@@ -1,6 +1,7 @@
 """Figure of a campaign, drawn without pyplot so that no state is shared."""
 
 from itertools import pairwise
+from typing import Annotated
 
 import matplotlib as mpl
 import numpy as np
@@ -12,7 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
+from gfmd_numba.analysis.arguments import Variable, checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
+from gfmd_numba.analysis.forms import CAMPAIGN, FIT
 from gfmd_numba.analysis.plots.looks import Key, Look, Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.parameter import plot_parameter
@@ -27,7 +30,9 @@ from gfmd_numba.analysis.selection import (
     select_limit,
 )
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.input_error import InputError
 
+_OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
     "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
@@ -35,7 +40,12 @@ _PANELS = {
 }
 
 
-def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: str = "kappa") -> Figure:
+@checked
+def plot_campaign(
+    dataset: Annotated[xr.Dataset, CAMPAIGN],
+    fit: Annotated[xr.Dataset, FIT] | None = None,
+    variable: Variable = "kappa",
+) -> Figure:
     """Draw case means with standard errors against 1/eps, one panel per varied limit, with a fit.
 
     The fit is the output of fit_tfc; open markers are kappa from counted contact nodes. Without limits the means are
@@ -49,7 +59,9 @@ def plot_campaign(dataset: xr.Dataset, fit: xr.Dataset | None = None, variable: 
     if not present:
         return plot_parameter(_without_cross_levels(dataset), variable)
     if fit is not None and fit.attrs["variable"] != variable:
-        raise ValueError(f"the fit is of {fit.attrs['variable']!r}, the figure of {variable!r}")
+        raise InputError(
+            f"fit: you gave one of {fit.attrs['variable']!r}; gfmd allows one of {variable!r}, as is drawn"
+        )
     looks = looks_of(dataset)
     fitted = {} if fit is None else _fitted(fit, looks)
     widths = [3.0] * len(present) + [1.3] * bool(fitted)
@@ -89,10 +101,15 @@ def _without_cross_levels(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:
-    """Fit of each group that has one, by its parameters."""
+    """Fit of each group that has one, by its parameters; raises InputError for a fit of other groups."""
+    if not {*looks.names, *_OF_FIT} <= fit.variables.keys():
+        raise InputError("fit: you gave a fit of other parameters; gfmd allows that of the same dataset")
     accepted = fit.isel(group=np.flatnonzero(fit["fit_status"].values == "ok"))
     single = [accepted.isel(group=index) for index in range(accepted.sizes["group"])]
-    return {key({name: float(group[name]) for name in looks.names}): group for group in single}
+    found = {key({name: float(group[name]) for name in looks.names}): group for group in single}
+    if not found.keys() <= looks.of.keys():
+        raise InputError("fit: you gave a fit of other groups; gfmd allows that of the same dataset")
+    return found
 
 
 def _omits_nyquist(fit: xr.Dataset) -> bool:

@@ -1,14 +1,17 @@
 """Figure of a single contact, drawn without pyplot so that no state is shared."""
 
+from typing import Annotated
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import DRAWN_CONTACT, UnusableDataError
 from gfmd_numba.analysis.plots.contact_map import plot_map
 from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
-from gfmd_numba.analysis.selection import UnusableDataError
 
 _BESIDE = {  # tractions beside the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
@@ -17,7 +20,8 @@ _BESIDE = {  # tractions beside the pressure: label, colour, dashes
 }
 
 
-def plot_contact(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
     """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps with their statistics.
 
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset

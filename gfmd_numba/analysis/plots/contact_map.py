@@ -8,12 +8,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.contact_statistics import contact_statistics
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.plots.cohesion_map import draw_cohesion
 from gfmd_numba.analysis.plots.friction_map import draw_friction
 from gfmd_numba.analysis.plots.map_image import draw_image, draw_pressure, most
 from gfmd_numba.analysis.plots.statistics import draw_statistics
 from gfmd_numba.analysis.plots.style import STYLE, scaled
-from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Flags
 
 _CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue

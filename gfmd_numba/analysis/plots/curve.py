@@ -1,13 +1,16 @@
 """Figure of a load curve: area, mean gap, stiffness and peak pressure over the load."""
 
+from typing import Annotated
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import CURVE, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix
-from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
 _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
@@ -18,7 +21,8 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
 )
 
 
-def plot_curve(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_curve(dataset: Annotated[xr.Dataset, CURVE]) -> Figure:
     """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
 
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a

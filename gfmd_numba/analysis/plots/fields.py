@@ -1,21 +1,25 @@
 """Picture of the body under a contact: pressure, von Mises's stress, and a close-up of its largest value."""
 
+from typing import Annotated
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import FIELDS, UnusableDataError
 from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.planes import plot_planes
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled, told
-from gfmd_numba.analysis.selection import UnusableDataError
 from gfmd_numba.arrays import Reals
 
 _DEEPEST = 0.5  # of L_x: below, the waves have died out
 
 
-def plot_body(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_body(dataset: Annotated[xr.Dataset, FIELDS]) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     if not {"x", "z", "von_mises", "pressure"} <= dataset.variables.keys():
         raise UnusableDataError("you gave no fields inside a body; gfmd allows what `gfmd fields` leaves")
@@ -36,6 +40,8 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
     dim = str(dataset["von_mises"].dims[1])
     period = float(dataset[dim][-1] + dataset[dim][1])
     dataset = dataset.isel(z=dataset["z"].values >= -_DEEPEST * period)
+    if dataset.sizes["z"] < 2:
+        raise UnusableDataError("you gave fields at fewer than two depths of a section; gfmd allows two or more")
     x, x_label = scaled(dataset[dim], f"Position ${dim}$", "L_x")
     unit = x[-1] / float(dataset[dim][-1])
     z = dataset["z"].values * unit

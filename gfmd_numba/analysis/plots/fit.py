@@ -1,18 +1,23 @@
 """Figure of a fit: its variable in the limit against a parameter, drawn without pyplot so that no state is shared."""
 
+from typing import Annotated
+
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
+from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.plots.parameter import over_parameter
 from gfmd_numba.analysis.plots.style import with_unit
-from gfmd_numba.analysis.selection import UnusableDataError, axes
+from gfmd_numba.analysis.selection import axes
 from gfmd_numba.arrays import Reals
 
 _SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 
 
-def plot_fit(fit: xr.Dataset) -> Figure:
+@checked
+def plot_fit(fit: Annotated[xr.Dataset, FIT]) -> Figure:
     """Draw the limits that `fit_tfc` found, with standard errors, against the parameter that has most values.
 
     Groups whose fit is refused are left out. UnusableDataError for anything but a fit, or one without a limit.

@@ -1,11 +1,13 @@
 """Picture of a body that is loaded without a punch: displacements above, tractions below; a rough profile on top."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import LOADED_BODY
 from gfmd_numba.analysis.plots.map_image import draw_image
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 
@@ -16,7 +18,8 @@ _QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units with
 _ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
-def plot_loaded_body(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY]) -> Figure:
     """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
     return _plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
 

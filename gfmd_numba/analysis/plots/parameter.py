@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, log_ticks, of_variable, scaled, with_unit
-from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, groups, key
+from gfmd_numba.analysis.selection import axes, ensemble_mean, groups, key
 from gfmd_numba.arrays import Reals
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic

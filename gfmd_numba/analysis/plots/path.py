@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.plots.looks import Looks
 from gfmd_numba.analysis.plots.looks import looks as looks_of
 from gfmd_numba.analysis.plots.parameter import draw_values, most_varied
 from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, prefix
-from gfmd_numba.analysis.selection import UnusableDataError, axes, ensemble_mean, good, groups, key
+from gfmd_numba.analysis.selection import axes, ensemble_mean, good, groups, key
 from gfmd_numba.arrays import Reals
 
 _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
@@ -45,6 +46,8 @@ def plot_path(dataset: xr.Dataset) -> Figure:
     """
     if "case" not in dataset.dims and "step" in dataset.dims and set(_LOADS) & set(map(str, dataset.coords)):
         dataset = _as_campaign(dataset)
+    else:
+        dataset = CAMPAIGN.checked(dataset, "dataset")
     if not {"step_load", "mean_pressure", "contact_area_fraction"} <= dataset.variables.keys():
         raise UnusableDataError("you gave no loading path; gfmd allows what `gfmd solve` or `gfmd run` leaves of one")
     if not (dataset["status"] == 0).any():

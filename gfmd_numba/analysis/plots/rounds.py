@@ -1,6 +1,6 @@
 """Figure of a run until an error is reached: the error against the processor time spent."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from gfmd_numba.analysis.arguments import TARGET, checked
+from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE
-from gfmd_numba.analysis.selection import UnusableDataError
 
 _RESULT, _PRICE, _TARGET = COLOURS[0], COLOURS[1], COLOURS[2]
 _ROUNDS: dict[str, Any] = {"fmt": "o-", "color": _RESULT, "ms": 5.5, "capsize": 3, "lw": 1.3}
@@ -31,7 +32,8 @@ _TIMES = {  # ticks of an axis of time, in s
 }
 
 
-def plot_rounds(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
     """Draw the error of the worst group after each round against processor time, its target, and what a digit costs.
 
     Bars go to the error that is not exceeded with 90 % probability. The dashed line goes on as error ~ time^-1/2, to a
@@ -43,7 +45,7 @@ def plot_rounds(dataset: xr.Dataset) -> Figure:
         )
     known = dataset.isel(round=np.flatnonzero((dataset["round_error"] > 0).values))
     seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
-    target = float(dataset.attrs["target"])
+    target = TARGET.checked(dataset.attrs.get("target"), "the attribute target")
     with mpl.rc_context(STYLE):
         figure = Figure((7.2, 4.8), dpi=150, layout="constrained")
         axis = figure.subplots()

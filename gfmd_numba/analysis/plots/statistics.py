@@ -1,6 +1,7 @@
 """Picture of the statistics of contacts: pressures, gaps and sizes of contacts."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import matplotlib as mpl
 import numpy as np
@@ -8,12 +9,17 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import STATISTICS, UnusableDataError
 from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
 from gfmd_numba.arrays import Reals
 
 
-def plot_statistics(statistics: xr.Dataset) -> Figure:
+@checked
+def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS]) -> Figure:
     """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
+    if not any({counted, size} <= statistics.variables.keys() for counted, size, _ in _CONTACTS.values()):
+        raise UnusableDataError("you gave no sizes of contacts; gfmd allows what `gfmd statistics` leaves")
     with mpl.rc_context(STYLE):
         figure = Figure((12.0, 4.0), dpi=150, layout="constrained")
         panels = figure.subplots(1, 3)
@@ -28,12 +34,17 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     """Draw pressures, gaps and sizes of contacts, a panel each; the legend is in the first."""
     pressure, gap, contacts = panels
     others = set(map(str, statistics.dims)) & set(_DENSITY_DIMS)
-    mean = statistics[[name for name in map(str, statistics.data_vars) if set(statistics[name].dims) & others]]
+    drawn = [name for name, each in statistics.variables.items() if name not in others and set(each.dims) & others]
+    mean = statistics.reset_coords([name for name in drawn if name in statistics.coords])[drawn]
     mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
     counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
     colours = ordered_colours(len(steps))
-    loads = [f"{float(step.reduced_pressure):.4g}" for step in steps if "reduced_pressure" in step]
+    loads = [
+        f"{float(step.reduced_pressure):.4g}"
+        for step in steps
+        if "reduced_pressure" in mean.coords and not step.reduced_pressure.ndim
+    ]
     for i, step in enumerate(steps):
         colour = colours[i]
         marker = MARKERS[i % len(MARKERS)]

@@ -1,5 +1,7 @@
 """Picture of one surface: heights, spectrum, autocorrelation and height distribution beside theory."""
 
+from typing import Annotated
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
@@ -7,10 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import gammaincinv
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import SURFACE
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix, scaled
 
 
-def plot_surface(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_surface(dataset: Annotated[xr.Dataset, SURFACE]) -> Figure:
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
     with mpl.rc_context(STYLE):
         figure = Figure((11.0, 7.6), dpi=150, layout="constrained")
@@ -60,7 +65,7 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
         theory = dataset["spectral_density_theory"].values
         drawn = theory > 1e-14 * theory.max()
         axis.plot(q[drawn], theory[drawn], "--", color=COLOURS[1], lw=1.5, label="theory")
-    density_unit = dataset["spectral_density"].attrs["units"]
+    density_unit = dataset["spectral_density"].attrs.get("units", "1")
     density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
     axis.set(xscale="log", yscale="log", xlabel=f"Wave number $q$ (1/{unit})", ylabel="$C(q)$" + density_label)
     for each in (axis.xaxis, axis.yaxis):

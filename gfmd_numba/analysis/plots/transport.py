@@ -1,11 +1,15 @@
 """Pictures of what crosses a contact: the flow through its gap, and the current through its spots."""
 
+from typing import Annotated
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
 from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.map_image import draw_image, most
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
@@ -13,7 +17,8 @@ from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
 _DECADES = 1e-3  # of the flow that colours tell apart
 
 
-def plot_leakage(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE]) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction, of a path that of the last step."""
     last = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     with mpl.rc_context(STYLE):
@@ -29,7 +34,8 @@ def plot_leakage(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def plot_conductance(dataset: xr.Dataset) -> Figure:
+@checked
+def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE]) -> Figure:
     """Draw the current of `contact_conductance` through each node, of a path that of the last step."""
     last = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     label, current = "Current over its mean", last["current_density"].values

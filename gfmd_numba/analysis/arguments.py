@@ -1,0 +1,117 @@
+"""The door of this room: what its public functions are given is checked against the types that they name."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property, wraps
+from typing import Annotated, Any, Literal, ParamSpec, Protocol, TypeVar, get_args, get_type_hints, runtime_checkable
+
+import numpy as np
+import xarray as xr
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
+
+from gfmd_numba.text.input_error import InputError, brief
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
+
+_STEEPEST = 100  # exponent: beyond, powers of eps underflow
+
+
+@runtime_checkable
+class Check(Protocol):
+    """What a type is annotated with so that `checked` looks at its values: a `Kind`, or the `Form` of a dataset."""
+
+    def checked(self, given: Any, argument: str) -> Any:
+        """Return what is given, if it is allowed; raises InputError by the name of the argument."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """What values of an argument are allowed: a strict type, and the same in words."""
+
+    type: Any
+    allowed: str
+
+    @cached_property
+    def _adapter(self) -> TypeAdapter[Any]:
+        return TypeAdapter(self.type, config=ConfigDict(strict=True, allow_inf_nan=False))
+
+    def checked(self, given: object, argument: str) -> Any:
+        """Return a value of this type; InputError for any other."""
+        try:
+            return self._adapter.validate_python(given)
+        except ValidationError:
+            raise InputError(f"{argument}: you gave {brief(given)}; gfmd allows {self.allowed}") from None
+
+
+def _row(value: object) -> object:
+    """Return rows of numbers, NumPy's and xarray's too, as tuples."""
+    if isinstance(value, xr.DataArray):
+        value = value.values
+    if isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value):
+        value = value.tolist()
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _rising(ends: tuple[float, float]) -> tuple[float, float]:
+    if ends[0] > ends[1]:
+        raise ValueError("falls")
+    return ends
+
+
+_Limit = Literal["eps_c", "eps_f", "eps_t"]
+_Exponent = Annotated[float, Field(gt=0, le=_STEEPEST)]
+_Range = Annotated[tuple[_Exponent, _Exponent], BeforeValidator(_row), AfterValidator(_rising)]
+_NAMES = "'eps_c', 'eps_f' or 'eps_t'"
+_FIXED = (
+    f"a mapping of {_NAMES} to exponents above 0 and up to {_STEEPEST}, or to ranges of them as (low, high), like "
+    "{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}"
+)
+
+
+def _each_case(most: float) -> Any:
+    return Annotated[tuple[Annotated[float, Field(ge=0, le=most)], ...], BeforeValidator(_row)]
+
+
+Limit = Annotated[str, Kind(_Limit, _NAMES)]
+Variable = Annotated[str, Kind(str, "the name of a variable of the dataset, like 'kappa'")]
+Exponents = Annotated[Literal["shared", "free"], Kind(Literal["shared", "free"], "'shared' or 'free'")]
+Fixed = Annotated[Mapping[str, float | Sequence[float]], Kind(Mapping[_Limit, _Exponent | _Range], _FIXED)]
+Flag = Annotated[bool, Kind(bool, "True or False")]
+Seconds = Annotated[Sequence[float], Kind(_each_case(1e15), "a time in s for each case")]
+Counts = Annotated[Sequence[float], Kind(_each_case(1e9), "a number of realisations for each case, at most 1e9")]
+Budget = Annotated[float, Kind(Annotated[float, Field(gt=0, le=1e15)], "a time above 0, in s")]
+TARGET = Kind(Annotated[float, Field(gt=0, lt=1)], "a relative error above 0 and below 1, like 0.01 for 1 %")
+Target = Annotated[float, TARGET]
+
+
+def checked(function: Callable[Given, Result]) -> Callable[Given, Result]:
+    """Make a function check what it is given by the annotations of its arguments; they raise InputError."""
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def call(*args: Given.args, **kwargs: Given.kwargs) -> Result:
+        bound = signature.bind(*args, **kwargs)
+        for name, check in _checks(function).items():
+            if name in bound.arguments:
+                bound.arguments[name] = check(bound.arguments[name], name)
+        return function(*bound.args, **bound.kwargs)
+
+    return call
+
+
+@cache
+def _checks(function: Callable[..., object]) -> dict[str, Callable[[object, str], Any]]:
+    """Return the check of each argument that has one."""
+    hints = get_type_hints(function, include_extras=True)
+    return {name: found for name, kind in hints.items() if (found := _check_of(kind)) is not None}
+
+
+def _check_of(kind: Any) -> Callable[[object, str], Any] | None:
+    found: Check | None = next((each for each in getattr(kind, "__metadata__", ()) if isinstance(each, Check)), None)
+    if found is not None:
+        return found.checked
+    if type(None) in get_args(kind) and (check := _check_of(get_args(kind)[0])) is not None:
+        return lambda given, name: None if given is None else check(given, name)
+    return None

@@ -1,0 +1,279 @@
+"""The forms of datasets: what each kind holds, over which dims, in which values; checked before anything is read."""
+
+import json
+from collections.abc import Collection, Hashable, Mapping
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from functools import cache
+
+import numpy as np
+import xarray as xr
+from matplotlib.mathtext import MathTextParser
+
+from gfmd_numba.text.input_error import InputError, brief
+
+_LARGEST = 1e100  # beyond which squares overflow; no quantity of a contact comes near
+_TEXTS = ("units", "long_name", "label", "symbol", "axis")  # attributes of variables
+
+
+class UnusableDataError(InputError):
+    """What a dataset lacks for the analysis asked of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """What the datasets of a kind hold, by name: their dims, and what values they are; `*` stands for any text.
+
+    A dim `[dim]` may be missing, `dim?` is there if the dataset has it, and `...` are any others. What is `needed` has
+    to be there, also `attributes` of the dataset, which are texts; `others` have their form where they are there. Along
+    the dims in `least` there are so many values at least.
+    """
+
+    name: str
+    maker: str
+    needed: Mapping[str, str]
+    others: Mapping[str, str] = field(default_factory=dict)
+    attributes: tuple[str, ...] = ()
+    least: Mapping[str, int] = field(default_factory=dict)
+    axes_over: str = ""  # the dim of the coordinates whose attribute `axis` calls them physics or discretisation
+
+    def checked(self, given: object, argument: str) -> xr.Dataset:
+        """Return a dataset of this form, its dims in order; InputError for anything else."""
+        if not isinstance(given, xr.Dataset):
+            raise InputError(f"{argument}: you gave {brief(given)}; gfmd allows an xarray.Dataset, {self.maker}")
+        if not self.needed.keys() <= given.variables.keys():
+            raise UnusableDataError(f"you gave no {self.name}; gfmd allows {self.maker}")
+        if fault := self._fault(given):
+            raise UnusableDataError(f"you gave a dataset in which {fault}; gfmd allows {self.maker}")
+        order = {
+            name: _dims(form, given[name].dims, given.dims)
+            for name, form in self._forms(given).items()
+            if name in given.data_vars
+        }
+        return given.assign({name: given[name].transpose(*dims) for name, dims in order.items()})
+
+    def _forms(self, dataset: xr.Dataset) -> dict[str, str]:
+        """Return the form of each variable of a dataset that has one."""
+        forms: dict[str, str] = {}
+        for name, variable in dataset.variables.items():
+            told = {**self.others, **self.needed}
+            pattern = next((each for each in told if fnmatchcase(str(name), each)), None)
+            if pattern is not None:
+                forms[str(name)] = told[pattern]
+            elif self.axes_over and "axis" in variable.attrs:
+                forms[str(name)] = f"{self.axes_over} numbers"
+        return forms
+
+    def _fault(self, dataset: xr.Dataset) -> str:
+        """Return what of a dataset has another form, nothing if all is well."""
+        for dim, least in self.least.items():
+            if dataset.sizes.get(dim, least) < least:
+                return f"{dim} has {dataset.sizes[dim]} values"
+        for name, form in self._forms(dataset).items():
+            if fault := _fault_of(dataset[name], form, dataset.dims):
+                return f"{name} {fault}"
+        for name in self.attributes:
+            if not isinstance(text := dataset.attrs.get(name), str):
+                return f"the attribute {name} is {brief(text)}"
+        return next((f"{name} {fault}" for name in dataset.variables if (fault := _attributes(dataset[name]))), "")
+
+
+def _dims(form: str, present: Collection[Hashable], of_dataset: Collection[Hashable]) -> list[str]:
+    """Return the dims that a variable has by its form, in order, of which some are present."""
+    dims: list[str] = []
+    for dim in form.split()[:-1]:
+        name = dim.strip("[]?")
+        if dim == "...":
+            named = {each.strip("[]?") for each in form.split()}
+            dims += [str(other) for other in present if str(other) not in named]
+        elif not ("[" in dim and name not in present) and not ("?" in dim and name not in of_dataset):
+            dims.append(name)
+    return dims
+
+
+def _fault_of(variable: xr.DataArray, form: str, of_dataset: Collection[Hashable]) -> str:
+    dims = _dims(form, variable.dims, of_dataset)
+    if sorted(map(str, variable.dims)) != sorted(dims):
+        return f"is over ({', '.join(map(str, variable.dims))}), not over ({', '.join(dims)})"
+    values, kind = variable.values, form.split()[-1]
+    if kind == "texts":
+        return "" if all(isinstance(each, str) for each in values.ravel()) else "is no text"
+    if kind == "flags":
+        return "" if values.dtype.kind == "b" else "is neither true nor false"
+    if values.dtype.kind not in ("biu" if kind == "whole" else "fbiu"):
+        return "is no whole number" if kind == "whole" else "is no real number"
+    numbers = values[np.isfinite(values)]
+    if numbers.size and max(-float(numbers.min()), float(numbers.max())) > _LARGEST:
+        return f"has a number beyond {_LARGEST:g}"
+    if kind in ("finite", "rising", "positive") and numbers.size < values.size:
+        return "is not finite"
+    if kind == "positive" and not (numbers > 0.0).all():
+        return "is not above 0"
+    rises = kind != "rising" or not values.ndim or (np.diff(values) > 0.0).all()
+    return "" if rises else "does not rise"
+
+
+def _attributes(variable: xr.DataArray) -> str:
+    """Return what is wrong with the attributes that are read of any variable."""
+    given = variable.attrs
+    for name in _TEXTS:
+        if not isinstance(given.get(name, ""), str):
+            return f"has {name} {brief(given[name])}"
+    if not _is_drawn(str(given.get("label", ""))) or not _is_drawn(str(given.get("units", ""))):
+        return f"has a label or a unit that is no formula, {brief(given.get('label', given.get('units')))}"
+    if not str(given.get("rank", 0)).isdecimal():
+        return f"has rank {brief(given['rank'])}"
+    if "names" in given:
+        try:
+            names = json.loads(given["names"])
+            known = isinstance(names, list) and all(isinstance(name, str) for name in names)
+            known = known and all(0 <= int(value) < len(names) for value in variable.values.ravel())
+        except (TypeError, ValueError):
+            known = False
+        return "" if known else "has names that are not those of its values"
+    return ""
+
+
+@cache
+def _is_drawn(text: str) -> bool:
+    """Whether a text is one that figures can draw."""
+    if text.count("$") < 2:
+        return True
+    try:
+        MathTextParser("path").parse(text)
+    except ValueError:
+        return False
+    return True
+
+
+_OF_CASES = {
+    "case_id": "case texts",
+    "is_reference": "case flags",
+}
+_CONTACTS = "case realisation [step] numbers"
+_FIELD = "step? y? x finite"
+_PRESCRIBED = ("reduced_pressure", "punch_displacement", "sliding", "sliding_y")
+
+
+def _all(kind: str, *names: str) -> dict[str, str]:
+    return dict.fromkeys(names, kind)
+
+
+CAMPAIGN = Form(
+    "results of a campaign",
+    "what a finished `gfmd run` leaves",
+    _OF_CASES,
+    {
+        "status": "case realisation [step] whole",
+        "limit": "case texts",
+        "case_seconds": "case numbers",
+        "rms_height": "case realisation numbers",
+        **_all("case whole", "realisations", "nx", "dimension"),
+        **_all("case positive", "eps_c", "eps_f", "eps_t"),
+        **_all(_CONTACTS, "kappa", "kappa_counted", "kappa_r", "kappa_residual_error", "n_segments", "mean_pressure"),
+        **_all(_CONTACTS, "contact_area_fraction", "contact_area_fraction_counted", "mean_gap", "stick_fraction"),
+        **_all(_CONTACTS, "energy_lost", "mean_tangential_traction", "mean_tangential_traction_y"),
+        **_all("case realisation numbers", "hysteresis", "pull_off_pressure"),
+        **_all("case [step] finite", "step_load", "step_sliding", "step_sliding_y"),
+    },
+    least={"case": 1, "realisation": 1, "step": 1},
+    axes_over="case",
+)
+LOADS = Form(
+    "results of several loads",
+    "a campaign's, or those of a path",
+    {**_all("... numbers", "mean_pressure", "mean_gap"), "status": "... whole"},
+    {**_all("... numbers", "reduced_pressure", "rms_height"), "height": "... x finite"},
+)
+CONTACT = Form("results of a contact", "what `gfmd solve` leaves of one", {})
+DRAWN_CONTACT = Form(
+    "results of a contact",
+    "what `gfmd solve` leaves of one",
+    {"x": "x rising", **_all(_FIELD, "displacement", "gap", "pressure")},
+    {
+        "y": "y rising",
+        "status": "[step] whole",
+        **_all("[step] y? x finite", "height", "body_height", "counter_body_height", "plastic_depth", "slip"),
+        **_all(_FIELD, "tangential_traction", "tangential_traction_y", "tangential_displacement"),
+        **_all(_FIELD, "tangential_displacement_y", "prescribed_normal_traction", "prescribed_tangential_traction"),
+        **_all("[step] finite", *_PRESCRIBED),
+    },
+    least={"x": 4, "y": 4, "step": 1},
+)
+LOADED_BODY = Form(
+    "loaded body",
+    "what `gfmd solve` leaves of one",
+    {"x": "x rising", **_all(_FIELD, "normal_displacement", "tangential_displacement")}
+    | _all(_FIELD, "normal_traction", "tangential_traction"),
+    {"y": "y rising", **_all(_FIELD, "tangential_displacement_y", "tangential_traction_y", "body_height")},
+    least={"x": 4, "y": 4},
+)
+FIELDS = Form(
+    "fields inside a body",
+    "what `gfmd fields` leaves",
+    {"x": "[x] rising", "z": "z finite", "von_mises": "step? z [y] [x] numbers", "pressure": "step? [y] [x] numbers"},
+    {"y": "[y] rising", **_all("[step] finite", *_PRESCRIBED)},
+    least={"x": 4, "y": 4, "z": 1, "step": 1},
+)
+LEAKAGE = Form(
+    "leakage of a contact",
+    "what `gfmd leakage` leaves",
+    {"x": "x rising", "y": "y rising", "direction": "direction texts", "local_flow": "[step] direction y x finite"},
+    _all("[step] finite", *_PRESCRIBED),
+    least={"x": 4, "y": 4, "step": 1, "direction": 2},
+)
+CONDUCTANCE = Form(
+    "conductance of a contact",
+    "what `gfmd conductance` leaves",
+    {"x": "x rising", "current_density": "[step] y? x finite"},
+    {"y": "y rising", **_all("[step] finite", *_PRESCRIBED)},
+    least={"x": 4, "y": 4, "step": 1},
+)
+CURVE = Form(
+    "load curve",
+    "what `gfmd curve` leaves",
+    {"prescribed_load": "prescribed_load finite", "n_realisations": "prescribed_load whole"}
+    | _all("prescribed_load numbers", "contact_area_fraction", "mean_gap", "contact_stiffness", "peak_pressure"),
+    {"mean_pressure": "prescribed_load numbers", "*_standard_error": "prescribed_load numbers"},
+    attributes=("prescribed",),
+)
+FIT = Form(
+    "fit",
+    "what `gfmd fit -o` leaves",
+    {"fit_status": "group texts"},
+    {**_all("group numbers", "*_tfc", "*_tfc_error"), "limit": "limit texts", "reference_eps": "group limit numbers"}
+    | _all("group limit step numbers", "curve_eps", "curve"),
+    attributes=("variable", "omit_nyquist"),
+    axes_over="group",
+)
+STATISTICS = Form(
+    "statistics of a contact",
+    "what `gfmd statistics` leaves",
+    {**_all("... pressure finite", "pressure_density", "pressure_density_persson"), "gap_density": "... gap finite"}
+    | {"pressure": "pressure rising", "gap": "gap rising"},
+    {"segments": "... length numbers", "clusters": "... area numbers", "reduced_pressure": "... finite"}
+    | {"length": "length positive", "area": "area positive"},
+    least={"pressure": 2, "gap": 2, "length": 1, "area": 1, "step": 1},
+)
+SURFACE = Form(
+    "surface",
+    "what `gfmd surface` leaves",
+    {"x": "x rising", "height": "y? x finite", "wavenumber": "wavenumber positive", "waves": "wavenumber positive"}
+    | {"spectral_density": "wavenumber finite", "distance": "distance rising", "autocorrelation": "distance finite"}
+    | {"level": "level rising", **_all("level finite", "height_density", "height_density_gaussian")},
+    {"y": "y rising", "spectral_density_theory": "wavenumber finite", "autocorrelation_theory": "distance finite"},
+    least={"x": 2, "y": 2, "level": 2, "distance": 2, "wavenumber": 1},
+)
+ACCURACY = Form(
+    "studies of accuracy",
+    "what `gfmd accuracy` leaves",
+    {**_all("point texts", "study", "curve"), **_all("point numbers", "setting", "error", "seconds", "failed")},
+    {"variable": "point texts"} | _all("point numbers", "hysteresis_error", "pull_off_pressure_error", "next_order"),
+)
+ROUNDS = Form(
+    "rounds until an error is reached",
+    "what `gfmd run --until` leaves",
+    _all("round numbers", "round_error", "round_error_factor", "round_predicted_error", "round_cpu_seconds"),
+    {"round": "round whole"},
+    attributes=("until",),
+)

@@ -241,6 +241,24 @@ def test_the_commands_of_a_cluster_of_ones_own_run(desk, tmp_path):
     assert (tmp_path / "campaign/campaign.nc").exists()
 
 
+SMALLER = {
+    "python benchmarks/friction_and_law.py 2048 30": ("128", "1"),
+    "python benchmarks/law_hunt.py hardness 0 300": ("hardness", "0", "3"),
+    "python benchmarks/hardness.py area": ("area",),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("command", SMALLER)
+def test_a_benchmark_that_a_page_names_runs_on_smaller_grids(command, tmp_path):
+    """Those that end within a minute; the others are compiled by the test of their page."""
+    assert command in [item.text for page in PAGES for item in printed(page)]
+    line = [sys.executable, ROOT / command.split()[1], *SMALLER[command]]
+    done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True, timeout=500)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stdout
+
+
 TERMS = re.compile(r"ε_[cft]\b|\beps_[cft]\b|\bcondensed\b|\brigid mean\b|κ_r\b|`kappa_r`|`cut_on`")
 
 

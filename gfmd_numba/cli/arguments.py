@@ -167,6 +167,8 @@ def beside(output: Path, kind: str, suffix: str) -> Path:
     from gfmd_numba.storage.atomic_file import foreign
     from gfmd_numba.text.input_error import InputError
 
+    if not output.name:
+        raise click.BadParameter("you gave no name; gfmd allows a file, like steel.nc", param_hint="--output")
     file = output.with_suffix(suffix)
     if file == output:
         raise click.BadParameter(

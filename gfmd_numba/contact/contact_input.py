@@ -1,6 +1,6 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -90,10 +90,15 @@ def check_rules(rules: Callable[[], None], document: Document, place: Location) 
 
 
 def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:
-    """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli."""
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
-    for (scene, _), place in zip(steps_of(file.scene, file.path), places, strict=True):
+    scenes = (scene for scene, _ in steps_of(file.scene, file.path))
+    check_loads(zip(places, scenes, strict=True), surfaces, document)
+
+
+def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
+    """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli, or a hardness."""
+    for place, scene in loaded:
         try:
             reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))
         except ValueError as error:

@@ -10,10 +10,11 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.contact_input import ContactInput, check_room, read_contact, with_measured_surfaces
+from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.path_dataset import doubts, step_dataset
 from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.contact.prescribed_load import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import RECORD, Force, LineLoad, Pressure, ReducedPressure, SignedLength, check_scales
@@ -96,7 +97,11 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     given = read_contact(loaded, document)
     if prescribed == "displacement":
         check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
-    return LoadCurve(given, document, prescribed, checked.loads, checked.realisations)
+    curve = LoadCurve(given, document, prescribed, checked.loads, checked.realisations)
+    path = _with_path(given.file, prescribed, _approached(curve))
+    scenes = (scene for scene, _ in steps_of(path.scene, path.path))
+    check_loads(((("loads", i // 2), scene) for i, scene in enumerate(scenes)), given.surfaces, asked)
+    return curve
 
 
 def _control(scene: Scene, loads: object) -> str:

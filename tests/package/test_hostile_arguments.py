@@ -248,6 +248,28 @@ def fuzzed(strategy, check, examples, **chosen):
     fuzz()
 
 
+@pytest.mark.parametrize(
+    ("hardness", "loads", "said"),
+    [
+        (1e8, [0.05, 100.0], r"loads\[1\]: you gave 100.0; gfmd allows below .*hardness"),
+        (1e6, ["0.5 MPa", "5 MPa"], r"loads\[1\]: .*hardness"),
+        (None, [1e-30, 1e30], r"loads\[0\]: you gave 1e-30; gfmd allows a reduced pressure from 1e-30"),
+    ],
+)
+def test_each_load_of_a_curve_and_the_step_to_it_are_checked(hardness, loads, said):
+    wall = {} if hardness is None else {"hardness": hardness}
+    with pytest.raises(InputError, match=said):
+        gfmd_numba.load_curve(SCENE | {"interface": {"hard_wall": wall}}, loads)
+
+
+@pytest.mark.parametrize("command", ["surface", "solve", "curve", "statistics", "accuracy", "fields", "plot", "fit"])
+def test_an_output_without_a_name_is_refused(things, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    line = words(command, COMMANDS[command](things) | {"output": ""})
+    ends_well(line)
+    assert CliRunner().invoke(main, line).exit_code == 2
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_given_anything_returns_or_says_why(things, tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)

@@ -192,5 +192,5 @@ def test_surfaces_with_points_of_their_own_have_no_cross_levels(tmp_path, extra)
     name = extra.partition(":")[0]
     change = ("realisations: 3\n", f"{extra}\n" + "realisations: 3\n" * (name == "limits"))
     message = assert_complaint(tmp_path, load_campaign, good, change, "bad.yaml:1:")
-    assert f"{name}.cross: given" in message
+    assert f"{name}.cross: you gave" in message
     assert "gfmd allows nothing, as the surface has points and lengths of its own" in message

@@ -136,7 +136,7 @@ def test_a_queue_that_does_not_answer_is_told(tmp_path, slurm, monkeypatch):
 
 def test_a_slurm_that_is_not_there_is_no_fault_of_the_jobs(tmp_path, slurm):
     (slurm / "sbatch").write_text("#!/bin/sh\necho 'Could not establish a configuration source' >&2\nexit 1\n")
-    with pytest.raises(InputError, match=r"sbatch reaches no SLURM \(Could not .*\); gfmd allows a SLURM that is up"):
+    with pytest.raises(InputError, match=r"sbatch reaches no SLURM \(Could not .*\); gfmd needs a SLURM that is up"):
         check(workers_of(CLUSTER), tmp_path / "out")
 
 

@@ -84,7 +84,7 @@ def test_a_dask_client_may_do_the_work(finished, tmp_path):
 
 
 def test_a_scheduler_that_is_refused_leaves_no_directory(tmp_path):
-    with pytest.raises(InputError, match="--scheduler: given"):
+    with pytest.raises(InputError, match="--scheduler: you gave"):
         run_campaign(campaign(tmp_path), tmp_path / "a" / "out", Workers(address="nowhere://127.0.0.1:1"))
     assert [entry.name for entry in tmp_path.iterdir()] == ["campaign.yaml"]
 
@@ -104,7 +104,7 @@ def test_a_refused_run_keeps_what_was_there(tmp_path, finished):
     gfmd_numba.run(campaign(tmp_path), out)
     next(out.glob("shards/*.shard")).unlink()
     before = sorted(out.rglob("*"))
-    with pytest.raises(InputError, match="--scheduler: given"):
+    with pytest.raises(InputError, match="--scheduler: you gave"):
         run_campaign(campaign(tmp_path), out, Workers(address="nowhere://127.0.0.1:1"))
     assert sorted(out.rglob("*")) == before
 

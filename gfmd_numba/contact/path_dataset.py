@@ -110,7 +110,7 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
         if row.of == "path":
             dataset[name] = ((), of_path[name] * scale[row.unit], attributes)
         else:
-            dataset[name] = ("step", np.array(record.steps[name]) * scale[row.unit], attributes)
+            dataset[name] = ("step", record.of_steps()[name] * scale[row.unit], attributes)
 
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:

@@ -56,9 +56,22 @@ class PathRecord:
         self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
         self.steps["energy_lost"].append(lost)
 
+    def of_steps(self) -> dict[str, npt.NDArray[Any]]:
+        """Rows of the contact at every step.
+
+        Nothing gives lost energy back. What a step seems to lose and a later one to gain was no loss: forces between
+        the ends of steps are not known. Energy counts as lost once it is not gained in the rest of the path.
+        """
+        rows = {name: np.array(values) for name, values in self.steps.items()}
+        lost = rows["energy_lost"]
+        so_far = np.where(np.isnan(lost), np.inf, np.nancumsum(lost))
+        for_good = np.maximum(np.minimum.accumulate(so_far[::-1])[::-1], 0.0)
+        for_good = np.where(np.isnan(lost), np.nan, for_good)
+        return rows | {"energy_lost": np.diff(for_good, prepend=0.0)}
+
     def of_path(self) -> dict[str, float]:
         """Rows of the path as a whole, not-a-number if a step is not ok."""
-        lost = sum(self.steps["energy_lost"])
+        lost = float(self.of_steps()["energy_lost"].sum())
         return {"hysteresis": lost, "pull_off_pressure": nan if isnan(lost) else self._pull_off()}
 
     def _pull_off(self) -> float:
@@ -138,7 +151,7 @@ def _along(problem: Problem, realisation: int) -> Measures:
     joined |= {name: _filled(values[name], problem.n_loads) for name, row in rows.items() if row.of == "contact"}
     joined |= {name: values[name].sum() for name in ("n_iterations", "n_transforms", "wall_time")}
     joined |= {"status": values["status"][-1], "residual": values["residual"].max()}
-    joined |= {name: _filled(np.array(steps), problem.n_loads) for name, steps in record.steps.items()}
+    joined |= {name: _filled(steps, problem.n_loads) for name, steps in record.of_steps().items()}
     return joined | {name: np.asarray(value) for name, value in record.of_path().items()}
 
 

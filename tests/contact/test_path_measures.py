@@ -8,6 +8,7 @@ from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
 from support.friction_losses import slipping_losses
@@ -93,3 +94,28 @@ def test_the_energy_is_that_of_the_waves_without_friction(loading, path):
         energy = 0.5 * np.vdot(stiffness, waves) + problem.interface.normal_law.energy(contact.punch[0] - u).mean()
         assert balance.potential == pytest.approx(energy - (problem.mean_pressure or 0.0) * u.mean(), rel=1e-6)
         assert balance.force == pytest.approx(-u.mean() if problem.displacement is None else p.mean())
+
+
+def test_energy_that_a_later_step_gives_back_was_not_lost():
+    record = PathRecord()
+    record.steps["energy_lost"] = [0.0, 2.0, -1.0, 3.0, -0.5, np.nan]
+    np.testing.assert_array_equal(record.of_steps()["energy_lost"], [0.0, 1.0, 0.0, 2.5, 0.0, np.nan])
+    record.steps["energy_lost"] = [0.0, 0.25, -0.75]
+    np.testing.assert_array_equal(record.of_steps()["energy_lost"], 0.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_closed_cycle_in_few_steps_under_attraction_never_loses_less_than_nothing(seed):
+    load = [1e-3, 1e-2, 0.1, 1e-2, 1e-3]
+    scene = {
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 2e-6, "range": 1e-3}},
+        "loading": {"reduced_pressure": load[0]},
+    }
+    path = [{"reduced_pressure": each} for each in load[1:]]
+    eps = {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2}
+    found = gfmd_numba.solve({"scene": scene, "path": path, "discretisation": eps, "seed": seed})
+    assert (found["status"] == 0).all()
+    assert (found["energy_lost"] >= 0.0).all()
+    assert float(found["hysteresis"]) == pytest.approx(float(found["energy_lost"].sum()), abs=1e-18)

@@ -43,7 +43,7 @@ def losses(problems, found):
     record = PathRecord()
     for problem, contact in zip(problems, found, strict=True):
         record.add(problem, contact, True)
-    return np.array(record.steps["energy_lost"]), record.of_path()["hysteresis"]
+    return record.of_steps()["energy_lost"], record.of_path()["hysteresis"]
 
 
 def dense(wall, load, hardness, displaced):

@@ -132,7 +132,7 @@ def loop(law, hardness, depths, solver="truncated_newton"):
     record = PathRecord()
     for problem, contact in zip(problems, found, strict=True):
         record.add(problem, contact, True)
-    return np.array(record.steps["energy_lost"]), found
+    return record.of_steps()["energy_lost"], found
 
 
 @pytest.mark.parametrize("law", [ATTRACTS, REPELS], ids=["attracts", "repels"])

@@ -29,6 +29,7 @@ class PathRecord:
     steps: dict[str, list[float]] = field(
         default_factory=lambda: {name: [] for name, row in PATH_OBSERVABLES.items() if row.of == "contact"}
     )
+    _certain: list[float] = field(default_factory=list)  # energy lost in jumps and by yielding
     _loads: list[float] = field(default_factory=list)
     _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
     _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
@@ -42,7 +43,7 @@ class PathRecord:
         self._pressures.append(pressure)
         self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
         if not is_ok:
-            for values in self.steps.values():
+            for values in (*self.steps.values(), self._certain):
                 values.append(nan)
             return
         before, self._balance = self._balance, Balance.of(problem, contact)
@@ -51,6 +52,9 @@ class PathRecord:
             lost = contact.followed.lost
         elif problem.interface.hardness is not None:
             lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
+        jumps = contact.followed is not None and not isnan(contact.followed.jump_at)
+        yielded = 0.0 if problem.interface.hardness is None else float(plastic_work(contact)[0])
+        self._certain.append(max(lost, 0.0) if jumps else yielded)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
         self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
@@ -59,15 +63,16 @@ class PathRecord:
     def of_steps(self) -> dict[str, npt.NDArray[Any]]:
         """Rows of the contact at every step.
 
-        Nothing gives lost energy back. What a step seems to lose and a later one to gain was no loss: forces between
-        the ends of steps are not known. Energy counts as lost once it is not gained in the rest of the path.
+        What jumps and yields is lost for good. Of the rest nothing gives lost energy back: what a step seems to lose
+        and a later one to gain was no loss, as forces between the ends of steps are not known.
         """
         rows = {name: np.array(values) for name, values in self.steps.items()}
-        lost = rows["energy_lost"]
-        so_far = np.where(np.isnan(lost), np.inf, np.nancumsum(lost))
+        certain = np.array(self._certain)
+        rest = rows["energy_lost"] - certain
+        so_far = np.where(np.isnan(rest), np.inf, np.nancumsum(rest))
         for_good = np.maximum(np.minimum.accumulate(so_far[::-1])[::-1], 0.0)
-        for_good = np.where(np.isnan(lost), np.nan, for_good)
-        return rows | {"energy_lost": np.diff(for_good, prepend=0.0)}
+        for_good = np.where(np.isnan(rest), np.nan, for_good)
+        return rows | {"energy_lost": certain + np.diff(for_good, prepend=0.0)}
 
     def of_path(self) -> dict[str, float]:
         """Rows of the path as a whole, not-a-number if a step is not ok."""

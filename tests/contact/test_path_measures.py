@@ -98,9 +98,9 @@ def test_the_energy_is_that_of_the_waves_without_friction(loading, path):
 
 def test_energy_that_a_later_step_gives_back_was_not_lost():
     record = PathRecord()
-    record.steps["energy_lost"] = [0.0, 2.0, -1.0, 3.0, -0.5, np.nan]
+    record.steps["energy_lost"], record._certain = [0.0, 2.0, -1.0, 3.0, -0.5, np.nan], [0.0] * 6
     np.testing.assert_array_equal(record.of_steps()["energy_lost"], [0.0, 1.0, 0.0, 2.5, 0.0, np.nan])
-    record.steps["energy_lost"] = [0.0, 0.25, -0.75]
+    record.steps["energy_lost"], record._certain = [0.0, 0.25, -0.75], [0.0] * 3
     np.testing.assert_array_equal(record.of_steps()["energy_lost"], 0.0)
 
 

@@ -284,6 +284,11 @@ def _tried(change, data, *names):
 
 
 def _datasets(data):
+    """Datasets with one fault, or two."""
+    return _faulty(data).flatmap(lambda once: st.one_of(st.just(once), _faulty(once)) if once.dims else st.just(once))
+
+
+def _faulty(data):
     names = sorted(map(str, data.variables))
     attributes = [(None, key) for key in data.attrs] + [(name, key) for name in names for key in data[name].attrs]
     kinds = [

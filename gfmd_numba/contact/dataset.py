@@ -70,7 +70,7 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
 def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     bodies = (scene.body,) if isinstance(scene, LoadedBody) else scene.deformable
-    if all(body.layers is None for body in bodies):
+    if all(body.layers is None for body in bodies) or not scene.has_moduli:
         return {}
     modulus = contact_modulus(scene) / stiffness_scale(scene)
     whose = "the topmost layer" if len(bodies) == 1 else "both bodies together, of layers the topmost"

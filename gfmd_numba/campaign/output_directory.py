@@ -11,7 +11,6 @@ from errno import EDQUOT, ENOSPC
 from pathlib import Path
 from typing import IO
 
-from gfmd_numba.campaign import shards
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file, json_file
 from gfmd_numba.storage.mark import Content, is_note
@@ -34,6 +33,8 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
 
     Names of files in the text are relative to the `folder`.
     """
+    from gfmd_numba.campaign import shards  # which need numpy, and a look at a directory does not
+
     _check_content(directory, text.encode())
     _make(directory)
     with atomic_file.open_own(directory / _LOCK) as lock:
@@ -107,6 +108,8 @@ def _check_content(directory: Path, text: bytes) -> None:
 
     One that has lost its mark is ours if it holds this text as its label, and finished work.
     """
+    from gfmd_numba.campaign import shards
+
     if not os.path.exists(directory):  # also for a path that no file can have
         return
     if directory.is_dir():

@@ -125,7 +125,7 @@ def test_a_dataset_of_ours_that_somebody_changed_is_his(tmp_path, scene, change)
 
 @pytest.mark.parametrize("target", ["file", "ours", "nothing"])
 def test_an_output_is_not_written_through_a_link(tmp_path, scene, target):
-    mine, link = tmp_path / "mine", tmp_path / "out.nc"
+    mine, link = tmp_path / "mine.nc", tmp_path / "out.nc"
     if target == "ours":
         assert gfmd("solve", scene, "-o", mine)[0] == 0
     elif target == "file":

@@ -197,7 +197,7 @@ FUNCTIONS = {
 }
 FUNCTIONS |= {  # the same functions, seen from another room
     f"gfmd_numba.analysis.{name}": FUNCTIONS[f"gfmd_numba.{name}"]
-    for name in set(analysis.__all__) & set(gfmd_numba.__all__)
+    for name in sorted(set(analysis.__all__) & set(gfmd_numba.__all__))
 }
 
 

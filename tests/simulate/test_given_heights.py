@@ -90,7 +90,7 @@ def test_fields_and_statistics_of_given_heights_are_found(pressed):
             np.random.default_rng(0).normal(size=(8, 16)),
             r"you gave an array of 8 x 16 .*; gfmd allows a map of as many points",
         ),
-        (object(), r"roughness.heights: you gave <object"),
+        (len, r"roughness.heights: you gave <built-in function len>"),
     ],
     ids=str,
 )

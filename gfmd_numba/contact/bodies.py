@@ -12,12 +12,12 @@ from gfmd_numba.scene.layer_records import Material as MaterialRecord
 from gfmd_numba.scene.reduced_units import rounded
 
 
-def effective_modulus(body: Body) -> float:
-    """Modulus of the stiffness, in Pa or 1 without Young's modulus: E* but for a `stiffness_scale`.
+def effective_modulus(body: Body, in_pascal: bool) -> float:
+    """Modulus of the stiffness, in Pa, or 1 where stresses stay in E*: E* but for a `stiffness_scale`.
 
     Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
     """
-    if body.surface_modulus is None:
+    if body.surface_modulus is None or not in_pascal:
         return body.stiffness_scale
     return moduli.plane_modulus(body.stiffness_scale * body.surface_modulus, body.surface_poissons_ratio, body.state)
 
@@ -48,18 +48,18 @@ def elastic_body(body: Body, length: float | None) -> ElasticBody:
 def contact_modulus(scene: Scene | LoadedBody) -> float:
     """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
     if isinstance(scene, LoadedBody) or scene.counter_body is None:
-        return effective_modulus(scene.body)
-    return 1.0 / sum(1.0 / effective_modulus(body) for body in scene.deformable)
+        return effective_modulus(scene.body, scene.has_moduli)
+    return 1.0 / sum(1.0 / effective_modulus(body, in_pascal=True) for body in scene.deformable)
 
 
 def compliance_share(scene: Scene | LoadedBody, body: Body) -> float:
     """Part E*/E_i* that a body of a scene has in the compliance 1/E*, to 12 digits: it is the same in all units."""
-    return rounded(contact_modulus(scene) / effective_modulus(body))
+    return rounded(contact_modulus(scene) / effective_modulus(body, scene.has_moduli))
 
 
 def stiffness_scale(scene: Scene | LoadedBody) -> float:
     """Factor by which all that deforms is stiffer than its moduli say."""
     if isinstance(scene, LoadedBody) or scene.counter_body is None:
         return scene.body.stiffness_scale
-    softness = sum(body.stiffness_scale / effective_modulus(body) for body in scene.deformable)
+    softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in scene.deformable)
     return rounded(contact_modulus(scene) * softness)

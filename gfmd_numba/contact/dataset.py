@@ -52,7 +52,7 @@ def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
 
 def units(scene: Scene | LoadedBody) -> dict[str, str]:
     """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
-    height, pressure = "m" if scene.length else "1", "Pa" if scene.body.surface_modulus else "1"
+    height, pressure = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
     named = [unit for unit in (pressure, height) if unit != "1"]
     return {
         "1": "1",

@@ -96,7 +96,7 @@ def _scales(file: Scene | LoadedBody | SurfaceFile) -> Scales:
         return Scales(file.length, None, 1.0)
     # as contact_modulus has it but for plane stress: checking a file loads no numpy
     softness = sum((1.0 - body.surface_poissons_ratio**2) / (body.surface_modulus or 1.0) for body in file.deformable)
-    return Scales(file.length, file.body.surface_modulus, 1.0 / softness)
+    return Scales(file.length, file.body.surface_modulus if file.has_moduli else None, 1.0 / softness)
 
 
 def _numbers(record: Any, at: Location = ()) -> Iterator[Given]:

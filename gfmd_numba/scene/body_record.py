@@ -42,13 +42,13 @@ class Body(BaseModel):
 
     @property
     def surface_modulus(self) -> float | None:
-        """Young's modulus (Pa) at the surface, of whose E* stresses are multiples; None: stresses stay in E*.
+        """Young's modulus at the surface, of layers that of the topmost one; None: stresses stay in E*."""
+        return self.youngs_modulus if self.layers is None else self.layers[0].youngs_modulus
 
-        A topmost layer of modulus 1 stands for moduli that are ratios: no material is as soft as 1 Pa.
-        """
-        if self.layers is None:
-            return self.youngs_modulus
-        return None if self.layers[0].youngs_modulus == 1.0 else self.layers[0].youngs_modulus
+    @property
+    def has_modulus(self) -> bool:
+        """Whether a modulus is in Pa; layers with 1 for the topmost are ratios, as no material is as soft as 1 Pa."""
+        return self.surface_modulus is not None and not (self.layers is not None and self.surface_modulus == 1.0)
 
     @property
     def surface_poissons_ratio(self) -> float:

@@ -34,7 +34,7 @@ class LoadedBody(BaseModel):
     @property
     def has_moduli(self) -> bool:
         """Whether the body has a Young's modulus, so that stresses are in Pa."""
-        return self.body.surface_modulus is not None
+        return self.body.has_modulus
 
     @property
     def surfaces(self) -> dict[tuple[str, ...], Surface]:

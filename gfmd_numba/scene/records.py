@@ -53,8 +53,8 @@ class Scene(BaseModel):
 
     @property
     def has_moduli(self) -> bool:
-        """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa."""
-        return all(body.surface_modulus is not None for body in self.deformable)
+        """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each."""
+        return self.counter_body is not None or self.body.has_modulus
 
     @property
     def surfaces(self) -> dict[tuple[str, ...], Surface]:

@@ -55,7 +55,7 @@ class Scales:
     def of(cls, contact: xr.Dataset, body: Body, length: float) -> "Scales":
         """Scales of a body of a solved contact."""
         stress = (contact["pressure"] if "pressure" in contact else contact["normal_traction"]).attrs["units"]
-        worth = {"length": length, "stress": effective_modulus(body), "1": 1.0}
+        worth = {"length": length, "stress": effective_modulus(body, stress != "1"), "1": 1.0}
         return cls(worth, {"length": contact["x"].attrs["units"], "stress": stress, "1": "1"})
 
     def attributes(self, kind: str, long_name: str) -> dict[str, str]:

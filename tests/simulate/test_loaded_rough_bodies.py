@@ -229,11 +229,11 @@ def test_what_a_loaded_rough_body_cannot_be_is_said_with_its_place(body, more, s
 @pytest.mark.parametrize("order", [0, 2])
 def test_layers_of_nearly_one_material_are_a_slab_of_it(tmp_path, order):
     """But for rounding: layers of exactly one material are taken for a slab from the start."""
-    stiffness = {0.2: 1.0, HEIGHT - 0.2: 1.0 + 1e-10}
+    stiffness = {0.2: 2.0, HEIGHT - 0.2: 2.0 + 2e-10}
     layers = [{"height": z, "youngs_modulus": modulus, "poissons_ratio": NU} for z, modulus in stiffness.items()]
     wave = dict(zip(("tangential_traction", "normal_traction"), tractions(X), strict=True))
     boundary, roughness = saved(tmp_path, **wave), measured(tmp_path, surface(X))
-    bodies = {"youngs_modulus": 1.0, "poissons_ratio": NU, "aspect_ratio": HEIGHT}, {"layers": layers, "base": "rigid"}
+    bodies = {"youngs_modulus": 2.0, "poissons_ratio": NU, "aspect_ratio": HEIGHT}, {"layers": layers, "base": "rigid"}
     numerics = {"topography_order": order}
     plain, layered = (
         gfmd_numba.solve(

@@ -15,8 +15,8 @@ SLAB = {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
 STIFF = {"youngs_modulus": 1e9, "poissons_ratio": 0.2, "aspect_ratio": 1.0}
 LAYERED = {
     "layers": [
-        {"height": 0.05, "youngs_modulus": 1.0, "poissons_ratio": 0.2},
-        {"height": 0.3, "youngs_modulus": 0.2, "poissons_ratio": 0.45},
+        {"height": 0.05, "youngs_modulus": 1.5, "poissons_ratio": 0.2},
+        {"height": 0.3, "youngs_modulus": 0.3, "poissons_ratio": 0.45},
     ],
     "base": "rigid",
 }

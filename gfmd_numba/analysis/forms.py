@@ -12,7 +12,7 @@ from matplotlib.mathtext import MathTextParser
 
 from gfmd_numba.text.input_error import InputError, brief
 
-_LARGEST = 1e100  # beyond which squares overflow; no quantity of a contact comes near
+LARGEST = 1e100  # beyond which squares overflow; no quantity of a contact comes near
 _TEXTS = ("units", "long_name", "label", "symbol", "axis")  # attributes of variables
 
 
@@ -103,8 +103,10 @@ def _fault_of(variable: xr.DataArray, form: str, of_dataset: Collection[Hashable
     if values.dtype.kind not in ("biu" if kind == "whole" else "fbiu"):
         return "is no whole number" if kind == "whole" else "is no real number"
     numbers = values[np.isfinite(values)]
-    if numbers.size and max(-float(numbers.min()), float(numbers.max())) > _LARGEST:
-        return f"has a number beyond {_LARGEST:g}"
+    if kind == "numbers":  # of a run that failed, which may be any
+        return ""
+    if numbers.size and max(-float(numbers.min()), float(numbers.max())) > LARGEST:
+        return f"has a number beyond {LARGEST:g}"
     if kind in ("finite", "rising", "positive") and numbers.size < values.size:
         return "is not finite"
     if kind == "positive" and not (numbers > 0.0).all():

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.analysis.arguments import Limit, Variable, checked
 from gfmd_numba.analysis.facts_of_cases import dimension_of, nodes_per_segment, residual_error
-from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
+from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.si_prefix import si_prefix
 from gfmd_numba.text.uncertain import with_error
@@ -113,7 +113,7 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
         present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
         raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
     mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()
-    mask &= abs(dataset[variable]) < np.inf
+    mask &= abs(dataset[variable]) < LARGEST
     return mask & (dataset["status"] == 0) if "status" in dataset else mask
 
 

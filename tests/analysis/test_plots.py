@@ -175,7 +175,7 @@ def test_single_realisation_has_points_without_bars(campaign, tmp_path):
 def test_other_variables_carry_their_name_and_unit(campaign):
     figure = plot_campaign(campaign, variable="mean_pressure")
     assert figure.axes[0].get_ylabel() == "mean pressure (Pa)"
-    with pytest.raises(ValueError, match="fit is of 'kappa'"):
+    with pytest.raises(ValueError, match="fit: you gave one of 'kappa'"):
         plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED), "mean_pressure")
     with pytest.raises(ValueError, match="no variable 'kapa'"):
         plot_campaign(campaign, variable="kapa")

@@ -279,7 +279,7 @@ def _tried(change, data, *names):
     """Change of a dataset that xarray allows; the same dataset where it does not."""
     try:
         return change(data, *names)
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError):
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, Warning):
         return data
 
 

@@ -68,7 +68,7 @@ def orders():
         largest = float(abs(found[-1].displacement).max())
         for order, (each, taken) in enumerate(zip(found, seconds, strict=True)):
             off = float(abs(each.displacement - found[-1].displacement).max()) / largest
-            expected = float(each.expected_error) / largest
+            expected = float(each.next_order) / largest
             print(
                 f"{gradient:12}   {order:5}   {taken:.1f}   {int(each.n_transforms):10}   {expected:14.1e}   {off:.1e}"
             )

@@ -137,7 +137,7 @@ def compared(name, own, facing, kind, meshes, by_gfmd):
         off = [abs(found[each].values[::over] - b).max() for each, b in zip(names, fine, strict=True)]
         print(
             f"  order {order}: {' '.join(f'{each:.1e}' for each in off)}; "
-            f"expected {float(found['expected_error']):.1e}; transforms {int(found['n_transforms'])}"
+            f"expected {float(found['next_order']):.1e}; transforms {int(found['n_transforms'])}"
         )
 
 

@@ -26,7 +26,7 @@ def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
         return ""
     return (
         f"a deformable surface has an rms gradient of up to {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
-        "displacements are expected to be off by `expected_error`, beside the error of the grid"
+        "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
     )
 
 

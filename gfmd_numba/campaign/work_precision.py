@@ -289,7 +289,7 @@ class Study:
         surface = self.problem.surface
         if not isinstance(surface, SummedSurface):
             return nan
-        error = values["expected_error"].reshape(len(values["status"]), -1)
+        error = values["next_order"].reshape(len(values["status"]), -1)
         means = [column[np.isfinite(column)].mean() for column in error.T if np.isfinite(column).any()]
         return float(surface.rms_gradient * max(means)) if means else nan
 

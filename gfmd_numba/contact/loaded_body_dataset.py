@@ -49,9 +49,9 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
             forming_tractions(given.rough, problem.order) if scene.dimension == 1 else ()
         ):
             dataset[name] = dims, values * scale[kind], cf_attributes(long_name.format("body"), unit[kind])
-        error = ROUGH_BODY_OBSERVABLES["expected_error"]
-        added = loaded.expected_error * scale["height"]
-        dataset["expected_error"] = ((), added, cf_attributes(error.long_name, unit["height"]))
+        error = ROUGH_BODY_OBSERVABLES["next_order"]
+        added = loaded.next_order * scale["height"]
+        dataset["next_order"] = ((), added, cf_attributes(error.long_name, unit["height"]))
     for name, long_name, kind, value in (
         ("status", "how the run ended", "1", np.int8(deformed.status)),
         ("residual", "largest unbalanced traction over the largest traction", "1", deformed.residual),

@@ -21,7 +21,7 @@ class Loaded:
     """
 
     deformed: Deformed
-    expected_error: float = 0.0
+    next_order: float = 0.0
 
 
 def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:

@@ -135,8 +135,8 @@ def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
         return measure(solved)
     assert isinstance(problem.surface, SummedSurface)  # of rough bodies
     values = measure(solved.in_plane)
-    error = solved.expected_error / problem.surface.rms_gradient
-    return values | {"expected_error": np.where(values["status"] == Status.ok, error, nan)}
+    error = solved.next_order / problem.surface.rms_gradient
+    return values | {"next_order": np.where(values["status"] == Status.ok, error, nan)}
 
 
 def _along(problem: Problem, realisation: int) -> Measures:

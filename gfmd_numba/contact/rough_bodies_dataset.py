@@ -1,4 +1,4 @@
-"""What rough elastic bodies add to the dataset of a contact: topographies, own displacements, expected errors."""
+"""What rough elastic bodies add to the dataset of a contact: topographies, own displacements, and the next order."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Scene
 
-_ERROR = "expected_error"
+_NEXT = "next_order"
 _OUT = "normal displacement of the {}, out of it"
 _SIDEWAYS = "tangential displacement of the {}"
 
@@ -36,7 +36,7 @@ def add_bodies(
     problem: Problem,
     pressed: Pressed,
 ) -> None:
-    """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the expected error."""
+    """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
     for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
         attributes = found[name].attrs
@@ -70,8 +70,8 @@ def add_bodies(
         scale = rms_gradient * contact_modulus(scene)
         for variable, long_name, values in _on_surface(pressed.contact):
             found[variable] = found["height"].dims, values * scale, cf_attributes(long_name, unit["pressure"])
-    attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_ERROR].long_name, unit["height"])
-    found[_ERROR] = ((), pressed.expected_error * length, attributes)
+    attributes = cf_attributes(ROUGH_BODY_OBSERVABLES[_NEXT].long_name, unit["height"])
+    found[_NEXT] = ((), pressed.next_order * length, attributes)
     refuse_nonfinite(found)
 
 
@@ -150,12 +150,12 @@ def _of_slopes(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacement: s
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
-    error, unit = float(found["expected_error"].max()), found["expected_error"].units
+    error, unit = float(found["next_order"].max()), found["next_order"].units
     largest = float(abs(found[displacement]).max()) or 1.0
     off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
     return (
         f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
-        f"displacements are expected to be off by {off}, beside the error of the grid"
+        f"the next order in the slope would change displacements by up to {off}, and the error is of that size"
     )
 
 
@@ -173,6 +173,6 @@ def too_thin(bodies: Sequence[RoughBody]) -> str:
         )
     return (
         f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
-        f"out: pressures are expected to be off by that share, or twice that near a Poisson's ratio of 1/2; "
+        f"out: pressures are off by about that share, or twice that near a Poisson's ratio of 1/2; "
         "take a numerics.topography_order of 1 or 2"
     )

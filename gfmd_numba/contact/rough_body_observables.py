@@ -6,7 +6,7 @@ from dataclasses import replace
 from gfmd_numba.contact.observables import Observable
 
 ROUGH_BODY_OBSERVABLES = {
-    "expected_error": Observable("contact", "height", "expected error of displacements, what the next order adds"),
+    "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
 }
 OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 

@@ -121,7 +121,7 @@ class Slopes:
                 lifted = float(contact.equilibrium.pressure[0].mean() - in_plane(contact, met)[1].mean())
         return Added(met.raised / self.gradient, shifted, lifted, met)
 
-    def expected_error(self, contact: Contact, responses: Responses, meeting: Meeting | None) -> float:
+    def next_order(self, contact: Contact, responses: Responses, meeting: Meeting | None) -> float:
         """What the next order would add to any displacement (L_x)."""
         error = float(sum(each.highest_order for each in self.responses(contact, meeting, self.order + 1)))
         if meeting is not None and self.problem.interface.friction is not None:

@@ -27,13 +27,13 @@ _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; r
 class Pressed:
     """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
 
-    `expected_error` is what the next order would add to any displacement (L_x), and `added` what slopes added to the
+    `next_order` is what the next order would add to any displacement (L_x), and `added` what slopes added to the
     contact.
     """
 
     contact: Contact
     responses: Responses
-    expected_error: float
+    next_order: float
     added: Added
 
     @property
@@ -109,7 +109,7 @@ def solve(
     iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
-    error = slopes.expected_error(solved, responses, added.meeting)
+    error = slopes.next_order(solved, responses, added.meeting)
     if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(found.displacement).max()):
         solved = _failed(solved)
     return Pressed(solved, responses, error, added)

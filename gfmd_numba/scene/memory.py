@@ -34,7 +34,7 @@ def arrays_of_topography(dimension: int, order: int) -> int:
 def arrays_of_a_loaded_body(dimension: int, order: int | None = None) -> int:
     """Return how many arrays of its size loading a body without a punch takes, a rough one at an order in the slope.
 
-    The next order, whose response tells the expected error, takes most.
+    The next order, whose response tells what it would add, takes most.
     """
     return _ARRAYS_OF_A_LOADED_BODY[dimension] + (0 if order is None else arrays_of_topography(dimension, order + 1))
 

@@ -60,7 +60,7 @@ def test_what_the_next_order_adds_is_told_of_every_order():
             gfmd_numba.solve({k: v for k, v in file.items() if k not in left_out} | {"discretisation": EPS})
             for file in files
         ]
-        assert point.next_order == pytest.approx(np.mean([float(each["expected_error"]) for each in solved]), rel=1e-4)
+        assert point.next_order == pytest.approx(np.mean([float(each["next_order"]) for each in solved]), rel=1e-4)
     assert points[0].next_order > 5 * points[1].next_order > 25 * points[2].next_order
 
 

@@ -38,7 +38,7 @@ def test_a_rough_map_is_pressed_like_its_mapped_punch(loading):
     # the field of a punch on a slab counts from the unloaded body too
     scale = float(abs(mapped["displacement"]).max())
     np.testing.assert_allclose(own["displacement"], mapped["displacement"], atol=1e-6 * scale)
-    assert 0.0 < float(own["expected_error"]) < 0.05 * scale
+    assert 0.0 < float(own["next_order"]) < 0.05 * scale
     assert "body_forming_traction" not in own
     assert len(plot_contact(own).axes) == 9
 
@@ -61,7 +61,7 @@ def test_two_bodies_of_a_ridge_are_those_of_the_profile(law):
     for name in ("pressure", "displacement", "counter_body_displacement", "gap", "counter_body_height"):
         scale = float(abs(expected[name]).max())
         np.testing.assert_allclose(found[name][3], expected[name], atol=1e-8 * scale, err_msg=name)
-    assert 0.0 < float(found["expected_error"]) < float(expected["expected_error"])  # which holds the tangential one
+    assert 0.0 < float(found["next_order"]) < float(expected["next_order"])  # which holds the tangential one
 
 
 def test_compliances_of_two_half_spaces_add():
@@ -124,9 +124,9 @@ def test_the_first_order_is_nearer_to_the_second_than_order_0_is():
     off = [float(abs(found["displacement"] - orders[2]["displacement"]).max()) for found in orders[:2]]
     assert off[1] < 0.2 * off[0]
     # under the pressure of each order the next one is expected to add what it adds, but for what pressures change
-    assert 0.3 < float(orders[0]["expected_error"]) / off[0] < 3.0
+    assert 0.3 < float(orders[0]["next_order"]) / off[0] < 3.0
     assert int(orders[1]["n_transforms"]) >= 3 * int(orders[0]["n_transforms"])  # the cost of all rounds
-    assert float(orders[2]["expected_error"]) < float(orders[1]["expected_error"]) < float(orders[0]["expected_error"])
+    assert float(orders[2]["next_order"]) < float(orders[1]["next_order"]) < float(orders[0]["next_order"])
 
 
 def test_a_film_at_order_0_is_told_to_take_a_higher_one():

@@ -79,7 +79,7 @@ def test_a_ridge_is_its_profile(case, order, tmp_path):
             if own in ridge:
                 atol = 1e-8 * float(abs(profile[name]).max())
                 np.testing.assert_allclose(ridge[own], profile[name], atol=atol, err_msg=name)
-        errors = ridge["expected_error"].values, profile["expected_error"].values
+        errors = ridge["next_order"].values, profile["next_order"].values
         if "tangential_displacement" in ridge:
             assert errors[0] == pytest.approx(errors[1], rel=1e-5)
         else:  # that of the normal displacement alone

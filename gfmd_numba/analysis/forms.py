@@ -70,20 +70,12 @@ class Form:
             if dataset.sizes.get(dim, least) < least:
                 return f"{dim} has {dataset.sizes[dim]} values"
         for name, form in self._forms(dataset).items():
-            if fault := _fault_of(_of_good_runs(dataset, name), form, dataset.dims):
+            if fault := _fault_of(dataset[name], form, dataset.dims):
                 return f"{name} {fault}"
         for name in self.attributes:
             if not isinstance(text := dataset.attrs.get(name), str):
                 return f"the attribute {name} is {brief(text)}"
         return next((f"{name} {fault}" for name in dataset.variables if (fault := _attributes(dataset[name]))), "")
-
-
-def _of_good_runs(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a variable without the numbers of runs that failed, which may be any."""
-    variable, status = dataset[name], dataset.get("status")
-    if status is None or variable.dtype.kind != "f" or status.dtype.kind not in "iu" or not status.dims:
-        return variable
-    return variable.where(status == 0) if set(status.dims) <= set(variable.dims) else variable
 
 
 def _dims(form: str, present: Collection[Hashable], of_dataset: Collection[Hashable]) -> list[str]:
@@ -177,7 +169,7 @@ CAMPAIGN = Form(
         "status": "case realisation [step] whole",
         "limit": "case texts",
         "case_seconds": "case numbers",
-        "rms_height": "case realisation numbers",
+        "rms_height": "case [realisation] numbers",
         **_all("case whole", "realisations", "nx", "dimension"),
         **_all("case positive", "eps_c", "eps_f", "eps_t"),
         **_all(_CONTACTS, "kappa", "kappa_counted", "kappa_r", "kappa_residual_error", "n_segments", "mean_pressure"),

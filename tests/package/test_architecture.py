@@ -25,8 +25,3 @@ def test_every_file_that_is_named_exists():
     named = set(re.findall(r"`([a-z_]+/[a-z_/]+\.py)`", PAGE)) - TO_WRITE
     missing = {name for name in named if not ((PACKAGE / name).exists() or (PACKAGE.parent / name).exists())}
     assert not missing
-
-
-def test_no_file_is_longer_than_300_lines():
-    files = [*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "tests").rglob("*.py")]
-    assert {each.name: n for each in files if (n := len(each.read_text(encoding="utf-8").splitlines())) > 300} == {}

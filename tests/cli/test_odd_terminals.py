@@ -17,7 +17,7 @@ def gfmd(folder, shell, prepare=None):
     (folder / "scene.yaml").write_text(SCENE)
     (folder / "tiny.yaml").write_text(TINY)
     (folder / "bad.yaml").write_text("scene: 1")
-    command = shell.replace("gfmd", f"'{sys.executable}' -m gfmd_numba.cli")
+    command = shell.replace("gfmd", f"'{sys.executable}' -m gfmd_numba")
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     return subprocess.run(
         ["/bin/sh", "-c", command], cwd=folder, env=environment, capture_output=True, text=True, preexec_fn=prepare

@@ -59,7 +59,7 @@ def test_check_names_form_and_spikes_wherever_a_measurement_stands(command, cont
     said = told(command, "f.yaml", content)
     assert FORM in said
     assert SPIKES in said
-    assert "units" not in said
+    assert "check the units" not in said
 
 
 @pytest.mark.usefixtures("folder")

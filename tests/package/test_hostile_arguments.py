@@ -155,4 +155,4 @@ def test_a_function_given_anything_returns_or_says_why(things, tmp_path, monkeyp
 def test_a_function_given_anything_many_times_returns_or_says_why(things, tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     function = public_functions()[name]
-    fuzzed(calls(FUNCTIONS[name](things)), partial(result_or_reason, function), MANY)
+    fuzzed(calls(FUNCTIONS[name](things)), partial(result_or_reason, function), MANY, derandomize=True)

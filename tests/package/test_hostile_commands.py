@@ -168,7 +168,7 @@ def test_a_command_given_anything_ends_or_says_why(things, tmp_path, monkeypatch
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_given_anything_many_times_ends_or_says_why(things, tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
-    fuzzed(lines(name, COMMANDS[name](things)), ends_well, MANY)
+    fuzzed(lines(name, COMMANDS[name](things)), ends_well, MANY, derandomize=True)
 
 
 @pytest.mark.parametrize("command", ["surface", "solve", "curve", "statistics", "accuracy", "fields", "plot", "fit"])

@@ -39,6 +39,11 @@ pyfftw = _compiled_pyfftw()
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
+def library_version() -> str:
+    """Return the version of FFTW that makes the transforms."""
+    return str(pyfftw._fftw_version_dict["64"]).removeprefix("fftw-")
+
+
 def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> Reals:
     """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
     line = _LINE // min(np.dtype(dtype).itemsize, 8)

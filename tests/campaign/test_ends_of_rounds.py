@@ -204,9 +204,7 @@ def test_another_variable_than_the_campaign_fits_is_refused(tmp_path):
     "given", [0.01, {}, {"kappa": 0}, {"kappa": 1}, {"kappa": "1%"}, {"area": 0.1}, {"kappa": 0.1, "kappa_r": 0.1}, "x"]
 )
 def test_what_is_no_target_is_refused(given, tmp_path):
-    with pytest.raises(
-        InputError, match=r"^until: you gave .*; gfmd allows one of kappa, kappa_counted, .* and a rela"
-    ):
+    with pytest.raises(InputError, match=r"^until: you gave .*; gfmd allows one of kappa, kappa_counted, "):
         gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", until=given)
 
 

@@ -17,6 +17,7 @@ from gfmd_numba.campaign import block_work
 from gfmd_numba.campaign.block_work import trace
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.outcome import Outcome
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
@@ -107,7 +108,7 @@ def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path,
     assert failures == {bad.name: Failure("crashed", "FloatingPointError: boom")}
     result = gfmd_numba.open_campaign(path)
     crashed = result["case_id"] == bad.problem.identity
-    assert (result["status"].where(crashed, drop=True) == 5).all()
+    assert (result["status"].where(crashed, drop=True) == Outcome.crashed).all()
     assert result["kappa"].where(crashed, drop=True).isnull().all()
     xr.testing.assert_identical(
         numbers(result).isel(case=~crashed.values), numbers(finished).isel(case=~crashed.values)

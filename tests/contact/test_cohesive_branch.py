@@ -52,6 +52,7 @@ def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):
     np.testing.assert_allclose(lost, expected, rtol=0.02)
 
 
+@pytest.mark.filterwarnings("ignore:the punch has slid")
 @pytest.mark.parametrize("step", [0.05])
 def test_a_flat_punch_that_is_dragged_lets_go_where_a_spring_does(tmp_path, step):
     def drag(slip):

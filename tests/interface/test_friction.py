@@ -195,6 +195,7 @@ def sliding_scene(friction, path):
     }
 
 
+@pytest.mark.filterwarnings("ignore:the punch has slid")
 def test_a_dragged_punch_sticks_then_slides():
     """Small drags are carried elastically and reversibly; far ones slide at friction times load."""
     result = gfmd_numba.solve(sliding_scene(0.3, [{"sliding": s} for s in (1e-10, 2e-10, 1e-6, 2e-6)]))

@@ -143,9 +143,10 @@ def test_every_choice_is_refused_by_the_table_or_allowed(sorted_out):
     for said in refused.values():
         for line in said.splitlines():
             assert line.startswith(("scene.", "numerics.", "path")), line
-            assert "; gfmd allows " in line
+            assert "; gfmd allows " in line or "; gfmd needs " in line
 
 
+@pytest.mark.filterwarnings("ignore:contacts are")  # a few nodes are enough here
 def test_every_pair_is_refused_or_solved(sorted_out, tmp_path):
     allowed, _ = sorted_out
     failed = [(choice, status) for choice in covering(allowed) if (status := solved(choice, tmp_path)) != "ok"]

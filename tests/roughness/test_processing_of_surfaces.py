@@ -152,6 +152,6 @@ def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
     found = make_surface(tmp_path / "s.yaml")
     assert found.attrs["validity"] == ""
     done = [sentence.split()[0] for sentence in found.attrs["processing"].splitlines()]
-    assert done == ["filled", "subtracted", "mirrored", "left", "resampled"]
+    assert done == ["filled", "found", "subtracted", "mirrored", "left", "resampled"]
     assert found.sizes == {**found.sizes, "x": 4096}
     assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)

@@ -143,7 +143,7 @@ def test_a_number_with_a_unit_is_a_float_in_all_else():
 
 
 LENGTHS = "gfmd allows a length in m, mm, um, nm or the like"
-RANGE = f"gfmd allows a number from 1e-30 to 1e+30, or {LENGTHS[9:]}"
+RANGE = f"gfmd allows a number from 1e-30 to 1e+30, or {LENGTHS.removeprefix('gfmd allows ')}"
 FAULTS = {
     "another dimension": ("0.2 mm", "5 kg", f"you gave '5 kg'; {LENGTHS}"),
     "a pressure": ("0.2 mm", "5 Pa", f"you gave '5 Pa'; {LENGTHS}"),

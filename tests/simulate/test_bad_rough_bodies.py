@@ -50,7 +50,7 @@ def test_vertical_walls_are_too_steep_for_every_order_in_the_slope(tmp_path):
 
 
 def test_steep_bodies_that_just_touch_are_at_rest():
-    with pytest.warns(UserWarning, match=r"off by 0\.0e\+00 L_x"):
+    with pytest.warns(UserWarning, match=r"by up to 0\.0e\+00 L_x"):
         contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))
     assert contact.status == 0
     assert not contact.displacement.any()

@@ -110,7 +110,8 @@ def solve(
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
     error = slopes.next_order(solved, responses, added.meeting)
-    if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(found.displacement).max()):
+    moved_by_all = found.displacement if solved.deflected is None else found.displacement + solved.deflected[1]
+    if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
     return Pressed(solved, responses, error, added)
 

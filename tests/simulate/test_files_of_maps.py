@@ -54,7 +54,7 @@ def test_what_maps_cannot_have_is_refused(tmp_path, old, new, where, allowed):
     np.save(tmp_path / "a.npy", np.zeros(4))
     with pytest.raises(InputError) as refused:
         gfmd_numba.solve(scene(tmp_path, old, new))
-    assert f"{where}: given" in str(refused.value)
+    assert f"{where}: you gave" in str(refused.value)
     assert allowed in str(refused.value)
 
 

@@ -207,7 +207,7 @@ LAYERED = {"layers": [{"height": 0.1, "youngs_modulus": 1.0, "poissons_ratio": 0
             {},
             "scene.body.roughness: you gave a topography from .*; gfmd allows one",
         ),
-        ({"roughness": PSD | {"points": None, "cut_on": None, "roll_off": None}}, {}, "discretisation: given"),
+        ({"roughness": PSD | {"points": None, "cut_on": None, "roll_off": None}}, {}, "discretisation: you gave"),
         (
             {},
             {"points": 8, "numerics": {"topography_order": 1}},

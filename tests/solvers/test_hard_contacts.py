@@ -13,6 +13,8 @@ from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
 from support.contacts import press, scene_file
 
+# numbers beyond what is plausible are what these tests are about
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 X = np.arange(128) / 128
 WAVE = 0.01 * np.cos(2 * np.pi * X)
 SHAPES = {
@@ -30,7 +32,6 @@ SHAPES = {
 }
 
 
-@pytest.mark.filterwarnings("ignore::UserWarning")  # that such heights are implausible
 @pytest.mark.parametrize("shape", SHAPES)
 def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
     """At every pressure all solvers end with the same contact, which carries its load."""
@@ -72,7 +73,6 @@ def test_flat_on_flat_is_refused_whatever_rounding_makes_of_it(tmp_path, nx, hei
         gfmd_numba.solve(scene)
 
 
-@pytest.mark.filterwarnings("ignore::UserWarning")  # that such heights are implausible
 def test_heights_lost_in_their_own_rounding_are_refused(tmp_path):
     scene = scene_file(roughness={"method": "measured", "file": str(tmp_path / "profile.npy")})
     del scene["discretisation"], scene["seed"]

@@ -148,8 +148,8 @@ def test_a_replaced_file_keeps_its_permissions(tmp_path):
 
 
 def test_a_pipe_is_no_output(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
+    os.mkfifo(tmp_path / "pipe.nc")
     (tmp_path / "scene.yaml").write_text(SCENE)
-    said = gfmd(["solve", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "pipe")])
+    said = gfmd(["solve", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "pipe.nc")])
     assert said.exit_code == 2
-    assert "pipe, which is not a regular file" in said.stderr
+    assert "pipe.nc, which is not a regular file" in said.stderr

@@ -37,7 +37,7 @@ def test_what_is_neither_a_file_nor_a_mapping_is_no_scene(given):
 @pytest.mark.parametrize("given", [{}, {"scene": np.zeros(3)}, {1: 2}, {"body": None}, xr.Dataset({"x": 1}), {None: 0}])
 def test_a_mapping_of_something_else_is_no_scene(given):
     for function in (gfmd_numba.solve, gfmd_numba.make_surface):
-        with pytest.raises(InputError, match="gfmd (allows|needs) "):
+        with pytest.raises(InputError, match=r"gfmd (allows|needs) "):
             function(given)
 
 

@@ -134,7 +134,7 @@ def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
     if not unknown > _UNKNOWN_EDGES:
         return ""
     return (
-        f"contacts are {float(across.min()):.2g} nodes wide on average, on a body thin against the node spacing: the "
+        f"contacts are {float(across.min()):.2g} node spacings wide on average, on a body thin against these: the "
         f"correction for their edges leaves {100.0 * unknown:.2g} % of the contact area unknown, so refine the grid"
     )
 

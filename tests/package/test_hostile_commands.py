@@ -1,5 +1,7 @@
 """Every command, given anything for each of its arguments and options: an end of its own or a reason."""
 
+import re
+
 import click
 import pytest
 from click.testing import CliRunner
@@ -97,6 +99,7 @@ COMMANDS = {
     "verify": lambda things: {"directory": things.finished()},
 }
 # what may be given of these, as others cost processes or minutes
+_NEVER_GIVEN = re.compile("[\0\ud800-\udc7f\udd00-\udfff]")  # what no system hands to a command
 NUMBERS_OF_MANY = ["-1", "", "x", "1e3", "nan", "0.5", "9" * 30, "1e400", "0x10", " 1", "--"]
 OF_MANY = ("workers", "realisations", "limit")
 
@@ -117,7 +120,7 @@ def words(name, arguments):
             line[1:1] = [parameter.opts[-1]] * bool(value is True)
         else:
             line[1:1] = [word for one in each if one is not None for word in (parameter.opts[-1], str(one))]
-    return [word.replace("\0", "") for word in line]  # which no system hands to a command
+    return [_NEVER_GIVEN.sub("", word) for word in line]
 
 
 def lines(name, arguments):

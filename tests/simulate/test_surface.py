@@ -219,6 +219,7 @@ def test_a_period_too_short_for_the_filter_is_refused(tmp_path):
         ("few.csv", "# [m]\n0,1\n1,2\n2,1\n", "3 heights, not at least 4"),
         ("three.csv", "0,1,2\n1,2,2\n2,1,2\n3,1,2\n", "2 x 4 heights, not at least 4"),
         ("flat.csv", "1\n1\n1\n1\n", "flat surface"),
+        ("tiny.csv", "# [m]\n0,1e-200\n1,0\n2,3e-200\n3,0\n", "its heights differ by at most 1e-30"),
         ("words.csv", "one\ntwo\n", "no row of numbers, but 'one'"),
         ("broken.npy", "no array", "no .npy array"),
         ("broken.nc", "no dataset", "no netCDF file"),

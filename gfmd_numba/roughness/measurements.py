@@ -12,7 +12,7 @@ from gfmd_numba.roughness.positions import UNEVEN, Line, equidistant, interpolat
 from gfmd_numba.roughness.surface_files import Content
 from gfmd_numba.scene.heights import AXES
 from gfmd_numba.scene.length_units import METRES, PERIOD
-from gfmd_numba.scene.quantities import LARGEST
+from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
 
@@ -53,11 +53,12 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
             sizes.append(line.size)
     elif set(axes) <= set(content.sizes):
         sizes = [content.sizes[axis] for axis in axes]
-        if not all(0.0 < size <= LARGEST for size in sizes):
-            raise ValueError(f"physical sizes {' x '.join(map(str, sizes))} that are not all positive")
     elif content.positions:
         raise ValueError("a map with positions along one direction: give them along both, or along none")
     scales, unit, named = _scales(content, units or {})
+    unresolved = [size for size in sizes if not SMALLEST <= size <= LARGEST]
+    if unresolved:
+        raise ValueError(f"a physical size of {unresolved[0]:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
     return Measurement(heights * scales["z"], lengths, unit, tuple(done), named)
 
@@ -89,12 +90,15 @@ def _checked(heights: npt.NDArray[Any]) -> Reals:
 
 
 def check_finite(heights: Reals) -> None:
-    """Raise ValueError if a height is infinite, or so large that squares and gradients are not finite."""
+    """Raise ValueError if a height is infinite, or if squares of the heights would be infinite or zero."""
     outside = np.argwhere(abs(heights) > LARGEST)
     if len(outside):
         first = heights[tuple(outside[0])]
         allowed = f"at most {LARGEST:g} in size" if np.isfinite(first) else "a finite number"
         raise ValueError(f"height {first} at {place(outside)}, not {allowed}")
+    known = heights[~np.isnan(heights)]
+    if known.size and 0.0 < np.ptp(known) < SMALLEST:
+        raise ValueError(f"heights that differ by {np.ptp(known):.3g} at most, not by at least {SMALLEST:g}")
 
 
 def place(indices: npt.NDArray[np.int64]) -> str:

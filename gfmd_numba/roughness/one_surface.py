@@ -11,7 +11,6 @@ from gfmd_numba.roughness.generators import gradient_over_height
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.recipe import random_surface, rms_gradient
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.quantities import SMALLEST
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import Random
 
@@ -56,7 +55,6 @@ def _random(file: SurfaceFile, record: Random) -> Made:
 
 def _measured(file: SurfaceFile, record: Measured) -> Made:
     found = measured_surface(record, file.length)
-    least = max(_ROUNDING * found.largest, SMALLEST)  # squares of smaller heights are zero in double precision
-    if np.ptp(found.heights) <= least:
-        raise ValueError(f"a flat surface once the trend is gone: its heights differ by at most {least:.2g}")
+    if np.ptp(found.heights) <= _ROUNDING * found.largest:
+        raise ValueError("a flat surface once the trend is gone")
     return Made(found.heights, found.lengths, found.unit, None, found.done, found.doubts)

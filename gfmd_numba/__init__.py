@@ -127,8 +127,9 @@ def run(
     campaign. `workers` is the number of local worker processes; 0 works in this process. Worker processes import the
     calling script, so that the call must then stand under `if __name__ == "__main__":`. If `workers` is a dask client,
     its cluster does the work. If it is a cluster file, or a mapping of its content, jobs of a queueing system do the
-    work. With `until={"kappa": 0.01}` the campaign runs in rounds until kappa in the limit has a relative standard
-    error of 1 %, with as many realisations as that takes. `budget` bounds the processor time (s, or text like `20min`).
+    work. With `until={"kappa": 0.01}`, or such a `target` in a campaign without `realisations`, the campaign runs in
+    rounds until kappa in the limit has a relative standard error of 1 %, with as many realisations and as fine levels
+    as that takes. `budget` bounds the processor time (s, or text like `20min`).
     The attribute `ended` says how the rounds ended; a warning says if the error was not reached.
     Raises InputError for a campaign or arguments that make no sense.
     """
@@ -137,6 +138,10 @@ def run(
 
     if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
+    if until is None:
+        from gfmd_numba.campaign.file import target_of_run
+
+        until = target_of_run(campaign)
     if until is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
     if until is None:

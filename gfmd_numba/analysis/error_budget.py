@@ -9,7 +9,7 @@ from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.arrays import Reals
 
-SOURCES = (*LIMITS, "interaction", "sampling", "residual")
+SOURCES = (*LIMITS, "interaction", "sampling", "extrapolation", "rivals", "residual")
 
 
 def error_budget(
@@ -18,7 +18,8 @@ def error_budget(
     """Return what each of `SOURCES` adds to the error of a group's TFC limit (source), nan for limits not varied.
 
     A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
-    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error. The
+    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error of the
+    fit. What is added to it, for the distance of extrapolation and for rivals that disagree, is left at 0. The
     residual: the most that errors of the cases' means `residuals` (case) can add up to.
     """
     weight = np.concatenate(shares)
@@ -43,6 +44,7 @@ def error_budget(
     sampling = min(sampling, variance)
     budget[SOURCES.index("interaction")] = np.sqrt(variance - sampling)
     budget[SOURCES.index("sampling")] = np.sqrt(sampling)
+    budget[[SOURCES.index("extrapolation"), SOURCES.index("rivals")]] = 0.0
     if not np.isnan(residuals).any():
         budget[SOURCES.index("residual")] = abs(_influence(index, choices, shares)) @ abs(residuals)
     return budget

@@ -69,4 +69,9 @@ class GroupFit:
     budget: Reals
     rms_residual: float
     chi2: float
+    misfit: float  # factor on the errors of the means that makes the laws describe them, 1 where they do
+    freedom: int  # means less coefficients
+    laws: list[str]  # (limit)
+    extrapolated: Reals  # fit at the finest level of each limit less the limit (limit)
+    extrapolation_error: Reals  # what this distance adds to the error of the TFC limit (limit)
     curve: tuple[Reals, Reals]  # eps and values (limit, step) along each limit

@@ -25,10 +25,16 @@ _UNITS_AND_NAMES = {
     "correction_error": (_OF_THE_VARIABLE, "standard error of the correction"),
     "interaction": (_OF_THE_VARIABLE, "what two corrections together differ by from their sum, at the reference"),
     "interaction_error": (_OF_THE_VARIABLE, "standard error of the interaction"),
+    "extrapolated": (_OF_THE_VARIABLE, "fit at the finest level of the limit less the limit"),
+    "extrapolation_error": (_OF_THE_VARIABLE, "standard error of {variable}_tfc by this distance"),
+    "finest_eps": ("1", "finest level of the limit"),
     "curve_eps": ("1", "discretisation along each limit"),
     "curve": (_OF_THE_VARIABLE, "{variable} by the fit along each limit, the others at the reference"),
     "rms_residual": (_OF_THE_VARIABLE, "rms difference of case means and fit"),
     "chi2": ("1", "sum of squared residuals weighted by the shrunk covariance, of the likeliest laws"),
+    "freedom": ("1", "means that are fitted less coefficients of the fit"),
+    "law": ("1", "law of the limit"),
+    "misfit": ("1", "factor on the errors of the means without which no law describes them"),
     "fit_status": ("1", "ok, or refused where an exponent is not identified"),
     "message": ("1", "what is to be known of the fit, a line for each thing"),
     "reference": (_OF_THE_VARIABLE, "mean of {variable} at the reference discretisation"),
@@ -66,10 +72,17 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
         variables[f"{name}_error"] = (("group", "limit"), getattr(error, parameter))
     for name, table in (("interaction", estimate), ("interaction_error", error)):
         variables[name] = (("group", "pair"), table.interaction)
-    for name in ("rms_residual", "chi2", "message"):
+    for name in ("rms_residual", "chi2", "freedom", "misfit", "message"):
         variables[name] = ("group", [getattr(fit, name) for fit in fits])
     for name, part in (("curve_eps", 0), ("curve", 1)):
         variables[name] = (("group", "limit", "step"), [fit.curve[part] for fit in fits])
+    for name, rows in (
+        ("extrapolated", [fit.extrapolated for fit in fits]),
+        ("extrapolation_error", [fit.extrapolation_error for fit in fits]),
+        ("finest_eps", [_finest(group) for group in groups]),
+    ):
+        variables[name] = (("group", "limit"), np.array(rows).reshape(len(fits), -1))
+    variables["law"] = (("group", "limit"), [fit.laws for fit in fits])
     variables["fit_status"] = ("group", [fit.status for fit in fits])
     variables["reference"] = ("group", [group.reference_mean for group in groups])
     variables["reference_error"] = ("group", [group.reference_error for group in groups])
@@ -105,3 +118,8 @@ def in_the_limit(fit: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Return the variable that was fitted in the TFC limit, and its standard error, both over `group`."""
     name = f"{fit.attrs['variable']}_tfc"
     return fit[name], fit[f"{name}_error"]
+
+
+def _finest(group: Group) -> list[float]:
+    """Return the finest level of each limit (limit), nan of those that are not varied."""
+    return [float(group.levels[name].min()) if name in group.levels else np.nan for name in LIMITS]

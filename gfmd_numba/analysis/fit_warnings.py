@@ -10,6 +10,7 @@ from gfmd_numba.analysis.linear_fit import Laws
 from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import exponent_ranges
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
 _AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
@@ -41,7 +42,8 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
         if levels is not None and len(levels) < 3 and _free(choices, name):
-            return f"exponent of {name} needs three levels, has two ({fractions(levels)})\n{advice([name])}"
+            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)})"
+            return f"{lack}\n{advice([name], groups[0].dimension)}"
     return ""
 
 
@@ -80,21 +82,24 @@ def _ends(values: Reals, share: Reals) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> list[str]:
-    """Return a line for each exponent that the data press against the low end of its range."""
-    lines = []
+def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+    """Return the limits whose exponent the data press against the low end of its range, and a line for each.
+
+    Where another law is at least as likely, the error has the scatter between the two.
+    """
+    lines = {}
     for choice, share in zip(choices, shares, strict=True):
         for index, parameter in enumerate(choice.parameters):
-            if parameter.logarithmic or parameter.low == parameter.high or share.sum() < _COUNTS:
+            if parameter.logarithmic or parameter.low == parameter.high or share.sum() <= 0.5:
                 continue
             low, high = parameter.low, parameter.high
             values = choice.nodes[:, index]
             mean, least = share @ values / share.sum(), _ends(values, share)[0]
             # a small exponent that the data know well is not pressed
             if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
-                lines.append(
+                lines[parameter.limit] = (
                     f"exponent of {parameter.limit} lies at the low end of its range, {low:g}, and the true limit may "
-                    "be further away: allow smaller exponents, or do not trust this limit"
+                    "be further away: the error has the whole distance from the finest level; allow smaller exponents"
                 )
     return lines
 
@@ -144,13 +149,12 @@ def evidence(group: Group, name: str) -> str:
     return f"levels {fractions(group.levels[name])}, {realisations(group)}"
 
 
-def advice(names: Collection[str]) -> str:
+def advice(names: Collection[str], dimension: int) -> str:
     """Return how to fix exponents where the user stands: at the command line, in the campaign file, in Python."""
-    options = " ".join(f"--fixed {name}=1" for name in names)
-    block = ", ".join(f"{name}: [1/2, 1]" for name in names)
-    argument = ", ".join(f"'{name}': (0.5, 1.0)" for name in names)
+    ranges = {name: exponent_ranges(dimension)[name] for name in names}
+    options = " ".join(f"--fixed {name}={low:g}:{high:g}" for name, (low, high) in ranges.items())
+    block = ", ".join(f"{name}: [{low:g}, {high:g}]" for name, (low, high) in ranges.items())
     return (
-        f"fix exponents, or give the ranges they lie in: `gfmd fit {options}` or a range, as in {next(iter(names))}"
-        f"=0.5:1; `fit: {{fixed: {{{block}}}}}` in the campaign file; fixed={{{argument}}} in Python; "
-        "or add levels or realisations"
+        f"give the ranges that exponents of kappa lie in: `gfmd fit {options}`; `fit: {{fixed: {{{block}}}}}` in the "
+        f"campaign file; fixed={ranges} in Python; or add levels or realisations"
     )

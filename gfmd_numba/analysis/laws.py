@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import has_slope_law
 
 BOUNDS = (0.1, 5.0)  # of an exponent of which nothing is known
 FREE = (np.nan, np.nan)
 STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
-_CUTS = (1.0, 200.0)  # wave index, over that of the longest wave, from which half of the slope is seen
+_CUTS = (0.02, 200.0)  # wave index, over that of the longest wave, from which half of the slope is seen
 _TAILS = (1 / 3, 3.0)  # exponent with which the part of the slope that is not seen falls beyond
 _POINTS = 128  # of the integrals over a spectrum
 
@@ -59,6 +60,11 @@ class Law:
     excess: Callable[[Reals, Reals], Reals]
     whole: bool = False
 
+    @property
+    def name(self) -> str:
+        """How it is called."""
+        return "unseen slope" if self.whole else "power"
+
 
 def power(limit: str, given: Given) -> Law:
     """Return eps^alpha of thesis (4.3), alpha exact, in a range or, where nothing is given, free."""
@@ -92,19 +98,15 @@ def unseen_slope(hurst: float) -> Law:
 def choices(limits: Sequence[str], variable: str, hursts: Sequence[float], given: Given) -> list[dict[str, Law]]:
     """Return the laws of each limit that a fit chooses from, for groups with these Hurst exponents.
 
-    The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Near H = 1 it
-    is the only one.
+    The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Powers stand
+    beside it where a range of their exponents is given, but for those near H = 1.
     """
     powers = {limit: power(limit, given) for limit in limits}
     low, high = given.get("eps_f", FREE)
-    known = len(set(hursts)) == 1 and 0.0 < hursts[0] <= 1.0
-    if "eps_f" not in limits or variable not in OF_THE_SLOPE or not known or low == high:
+    if "eps_f" not in limits or len(set(hursts)) != 1 or not has_slope_law(variable, hursts[0]) or low == high:
         return [powers]
     from_theory = powers | {"eps_f": unseen_slope(hursts[0])}
-    return [from_theory] if hursts[0] > STEEPEST else [powers, from_theory]
-
-
-OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
+    return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 
 def exponent_range(value: float | Sequence[float]) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Choice of cases from a campaign dataset: groups of equal physics, one limit, good results."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isnan, nan
 from typing import Annotated, Any
@@ -54,6 +54,7 @@ class Group:
     n_excluded: int
     residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
+    dimension: int  # of its surfaces
     notes: list[str]
 
     @property
@@ -75,6 +76,21 @@ class Group:
     def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""
         return np.log(self.levels[limit] / self.reference[limit])
+
+    def without(self, limit: str, level: float) -> "Group":
+        """Return the same group without the cases at one level of a limit."""
+        kept = ~np.isclose(self.levels[limit], level, rtol=1e-9)
+        values, asked = self.values[:, kept], self.asked[:, kept]
+        levels = {name: each[kept] for name, each in self.levels.items()}
+        return replace(
+            self,
+            cases=self.cases[kept],
+            values=values,
+            asked=asked,
+            complete=_complete(values, asked),
+            levels={name: each for name, each in levels.items() if np.unique(each).size > 1},
+            residual_error=self.residual_error[kept],
+        )
 
 
 def axes(dataset: xr.Dataset, kind: str = "physics") -> tuple[str, ...]:
@@ -200,7 +216,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             names = [_named(cases.isel(case=index)) for index in np.flatnonzero(left_out)]
             notes.append(f"left out, {why}: {'; '.join(names)}")
     values, present, asked = values[:, kept], present[:, kept], asked[:, kept]
-    some, complete = present.any(axis=1), (present | ~asked).all(axis=1) & present.any(axis=1)
+    some, complete = present.any(axis=1), _complete(values, asked)
     if some.sum() > complete.sum():
         dropped = some.sum() - complete.sum()
         notes.append(f"{dropped} of {some.sum()} realisations dropped, not good in every case")
@@ -235,8 +251,15 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         n_excluded=n_excluded,
         residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
+        dimension=dimension,
         notes=notes,
     )
+
+
+def _complete(values: Reals, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the realisations (realisation) with values (realisation, case) wherever they were asked for one."""
+    present = np.isfinite(values)
+    return np.asarray((present | ~asked).all(axis=1) & present.any(axis=1))
 
 
 def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:

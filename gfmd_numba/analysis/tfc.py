@@ -6,7 +6,7 @@ possible: the limit is the mean over them, and its error holds the scatter betwe
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
 from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
+from gfmd_numba.analysis.extrapolation import doubts, mean_distances
 from gfmd_numba.analysis.facts_of_cases import processor_time
 from gfmd_numba.analysis.fit_dataset import fit_dataset
 from gfmd_numba.analysis.fit_warnings import (
@@ -36,9 +37,11 @@ from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
+from gfmd_numba.analysis.rivals import disagreement, rivals, without_coarsest
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
 from gfmd_numba.analysis.steps_of_paths import joined, steps_of
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.uncertain import with_error
 
 MODEL = (
     "{variable} = {variable}_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = "
@@ -129,35 +132,91 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     if not groups:
         return []
     laws = _choices(groups, variable, given)
+    whole = found = _weighed(groups, laws)
+    left_out: list[str] = []
+    while found.excess > 1.0 and (fewer := without_coarsest(found.groups)) is not None:
+        left_out.append(fewer[0])
+        found = _weighed(fewer[1], laws)
+    if found.excess > 1.0:  # no law describes any of the levels, so that there is no reason to leave some out
+        left_out, found = [], whole
+    doubt = doubtful(found.groups, found.choices, found.share)
+    if doubt:
+        return [_refused(group, _doubts(group, doubt)) for group in groups]
+    others = [
+        (rival.what, _weighed(rival.groups, _choices(rival.groups, variable, rival.given)))
+        for rival in rivals(found.groups, given)
+    ]
+    return [_fit(index, found, others, left_out) for index in range(len(groups))]
+
+
+@dataclass(frozen=True)
+class _Weighed:
+    """The fits of some groups by every choice of laws.
+
+    `share` weighs their nodes. `excess` is by how much the variances of the means are enlarged, where no law describes
+    them.
+    """
+
+    groups: Sequence[Group]
+    means: list[Means]
+    choices: list[Choice]
+    share: list[Reals]
+    excess: float
+
+    def limit_of(self, index: int) -> tuple[float, float]:
+        """Return the limit of one group and its variance."""
+        weight = np.concatenate(self.share)
+        value = np.concatenate([choice.fits[index].coefficients[:, 0] for choice in self.choices])
+        variance = np.concatenate([choice.fits[index].covariance[:, 0, 0] for choice in self.choices])
+        mean = float(weight @ value)
+        return mean, float(weight @ (variance + (value - mean) ** 2))
+
+
+def _weighed(groups: Sequence[Group], laws: Sequence[Laws]) -> _Weighed:
     means = [means_of(group, group.values[group.complete]) for group in groups]
     found = [weighed(means, choice) for choice in laws]
     excess = excess_misfit(groups, means, found)
     if excess > 1.0:  # no law describes the means within their errors, which are enlarged until one does
         means = [replace(each, whitener=each.whitener / np.sqrt(excess)) for each in means]
         found = [weighed(means, choice) for choice in laws]
-    share = shares(found)
-    doubt = doubtful(groups, found, share)
-    if doubt:
-        return [_refused(group, _doubts(group, doubt)) for group in groups]
-    return [_fit(index, group, means[index], found, share, excess) for index, group in enumerate(groups)]
+    return _Weighed(groups, means, found, shares(found), excess)
 
 
-def _fit(
-    index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals], excess: float
-) -> GroupFit:
+def _fit(index: int, whole: _Weighed, others: Sequence[tuple[str, _Weighed]], left_out: Sequence[str]) -> GroupFit:
+    group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
     value = np.concatenate([_table(group, fit) for fit in fits])
     variance = np.concatenate([_variances(group, fit) for fit in fits])
+    at_an_end = pressed(found, share)
+    by_limit = np.concatenate([doubts(index, means, choice, at_an_end) for choice in found]) ** 2
+    differing = [(what, disagreement(*whole.limit_of(index), *other.limit_of(index))) for what, other in others]
+    by_rival = max((difference**2 for _, difference in differing), default=0.0)
+    variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
     estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
     budget = error_budget(index, means, found, share, group.residual_error)
-    notes = [*group.notes, *pressed(found, share), *logarithmic(group, found), *additivity(group, estimate, error)]
-    if np.sqrt(excess) > _WORTH_A_NOTE and group.n_realisations > 1:
+    extrapolation_error = np.sqrt(weight @ by_limit)
+    budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
+    budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
+    notes = [
+        *group.notes,
+        *_by_law(index, group, found, share),
+        *at_an_end.values(),
+        *logarithmic(group, found),
+        *additivity(group, estimate, error),
+    ]
+    notes += [f"{what} is left out, as no law describes it together with the finer levels" for what in left_out]
+    notes += [
+        f"{what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
+        for what, difference in differing
+        if difference
+    ]
+    if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         notes.append(
-            f"no law of the limits describes the means within their errors, which are enlarged {np.sqrt(excess):.3g} "
-            "times: leave out the coarsest levels, or allow other exponents"
+            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow: these are "
+            "enlarged by as much; add finer levels, or allow other exponents"
         )
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
@@ -180,9 +239,40 @@ def _fit(
         high=high,
         budget=budget,
         rms_residual=rms_residual,
-        chi2=excess * chi2,
+        chi2=whole.excess * chi2,
+        misfit=float(np.sqrt(whole.excess)),
+        freedom=group.n_cases - fits[0].coefficients.shape[1],
+        laws=_laws(group, found),
         curve=_curve(index, group, means, found, share),
+        extrapolated=mean_distances(index, means, found, share),
+        extrapolation_error=extrapolation_error,
     )
+
+
+def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
+    """Return a line with the limit by each law of eps_f, where there are several."""
+    if len(found) == 1:
+        return []
+    limits = []
+    for choice, weight in zip(found, share, strict=True):
+        value = choice.fits[index].coefficients[:, 0]
+        variance = choice.fits[index].covariance[:, 0, 0]
+        of_law = weight / max(weight.sum(), 1e-300)
+        mean = float(of_law @ value)
+        error = float(np.sqrt(of_law @ (variance + (value - mean) ** 2)))
+        limits.append(f"{with_error(mean, error)} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})")
+    return [f"{group.variable}_tfc is {' and '.join(limits)}"]
+
+
+_NAMED = {"power": "a power of eps_f", "unseen slope": "the law of the unseen slope"}
+
+
+def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
+    """Return the laws of each limit (limit), "" of those not varied."""
+    return [
+        " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
+        for name in LIMITS
+    ]
 
 
 def _curve(
@@ -272,7 +362,7 @@ def _misfit(
 
 def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
     reasons = [f"exponent of {name} {why} ({evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, advice(doubt)])
+    return "\n".join([*reasons, advice(doubt, group.dimension)])
 
 
 def _refused(group: Group, reason: str) -> GroupFit:
@@ -286,5 +376,10 @@ def _refused(group: Group, reason: str) -> GroupFit:
         budget=np.full(len(SOURCES), np.nan),
         rms_residual=np.nan,
         chi2=np.nan,
+        misfit=np.nan,
+        freedom=0,
+        laws=[""] * len(LIMITS),
         curve=(np.full((len(LIMITS), STEPS), np.nan), np.full((len(LIMITS), STEPS), np.nan)),
+        extrapolated=np.full(len(LIMITS), np.nan),
+        extrapolation_error=np.full(len(LIMITS), np.nan),
     )

@@ -108,7 +108,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         resolutions = [law_resolution.resolution(case.problem) for case in planned.cases]
         dataset[law_resolution.NAME] = ("case", resolutions, cf_attributes(law_resolution.LONG_NAME))
     made_in = rounds.read(directory)
-    if made_in is not None and made_in.of_cases(len(planned.cases)):
+    if made_in is not None and len(made_in.now.realisations) == len(planned.cases):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
@@ -123,7 +123,7 @@ def described(planned: Plan) -> dict[str, Any]:
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
         **({} if campaign.seed is None else {"seed": campaign.seed}),
         "fit": campaign.fit.model_dump_json(exclude_none=True),
-        **({} if campaign.target is None else {"target": campaign.target}),
+        **({} if campaign.target is None else {"target": next(iter(campaign.target.values()))}),
     }
 
 

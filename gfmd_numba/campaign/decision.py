@@ -8,7 +8,7 @@ the covariance of all results, and only rounds few and far between are looked at
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -22,17 +22,12 @@ from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.limits import CROSS, MOST
 from gfmd_numba.campaign.price import price_of_transform
+from gfmd_numba.theory.exponents import exponent_ranges
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look
 _HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
 _LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
-
-# of the exponents of kappa by dimension, as the campaigns in campaigns/ have them
-_USUAL: dict[int, dict[str, str]] = {
-    1: {"eps_c": "[3/2, 5/2]", "eps_f": "[1/5, 2]", "eps_t": "[1/2, 3/2]"},
-    2: {"eps_c": "[1, 2]", "eps_f": "[1/5, 2]", "eps_t": "[1/2, 3/2]"},
-}
 
 Counts = NDArray[np.intp]
 
@@ -53,17 +48,19 @@ class Fit:
 class Judgement:
     """Errors of the worst group after a round, relative to the limit.
 
-    What the fit says (inf of a refused one), the factor for its own uncertainty, and what was to be expected.
+    What the fit says (inf of a refused one), the part of it that comes from the surfaces, the factor for the
+    uncertainty of that part, and what was to be expected.
     """
 
     error: float
+    sampling: float
     factor: float
     predicted: float
 
     @property
     def sure_error(self) -> float:
         """Error that the true one does not exceed with 90 % probability."""
-        return self.error * self.factor
+        return float(np.sqrt(self.error**2 + (self.factor**2 - 1.0) * self.sampling**2))
 
 
 @dataclass(frozen=True)
@@ -85,8 +82,12 @@ def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
     expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
     limit, error = in_the_limit(fitted)
     errors = (error / abs(limit)).fillna(inf).values
-    worst = max(range(len(errors)), key=lambda group: errors[group] * expected[group].factor)
-    return Judgement(float(errors[worst]), expected[worst].factor, max(each.error for each in expected))
+    sampling = (fitted["error_budget"].sel(source="sampling") / abs(limit)).fillna(0.0).values
+    found = [
+        Judgement(float(whole), float(part), each.factor, max(one.error for one in expected))
+        for whole, part, each in zip(errors, sampling, expected, strict=True)
+    ]
+    return max(found, key=lambda each: each.sure_error)
 
 
 def decide(
@@ -235,10 +236,11 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:
     """Say which ranges of exponents to give, in full where kappa is fitted and some have none."""
     limits = [name for name in LIMITS if name in cases["limit"].values]
-    usual = _USUAL[int(cases["dimension"].values[0])]
+    hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
+    usual = exponent_ranges(int(cases["dimension"].values[0]), hurst)
     if fit.variable != "kappa" or fit.fixed.keys() >= set(limits):
         return "narrower ranges under `fit: {fixed: ...}`"
-    unknown = ", ".join(f"{name}: {usual[name]}" for name in limits if name not in fit.fixed)
+    unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
     return f"the ranges in which exponents of kappa lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
 
 

@@ -148,7 +148,8 @@ def rewritten(planned: Plan, chosen: Design, target: float | None) -> tuple[str,
     """
     goal = f"{chosen.error if target is None else target:.4g}"
     name = f"{planned.campaign.name[: _LONGEST_NAME - len(goal) - 1]}-{goal}"
-    values = {"name": name, "realisations": f"{{{asked(planned, chosen)}}}", "target": goal}
+    target_of = f"{{{planned.campaign.fit.variable}: {goal}}}"
+    values = {"name": name, "realisations": f"{{{asked(planned, chosen)}}}", "target": target_of}
     if crossed := added(planned):
         values[f"limits.{CROSS}"] = crossed
     text = with_values(planned.document.text, values)
@@ -172,7 +173,7 @@ def _is_meant(campaign: Campaign, text: str, values: Mapping[str, str]) -> bool:
             return False
     counts = yaml.safe_load(values["realisations"])
     given = json.loads(found.realisations.model_dump_json(exclude_none=True))
-    expected = {"name": values["name"], "target": float(values["target"]), "realisations": found.realisations}
+    expected = {"name": values["name"], "target": yaml.safe_load(values["target"]), "realisations": found.realisations}
     return bool(given == counts and found == campaign.model_copy(update=expected) and found.name != campaign.name)
 
 

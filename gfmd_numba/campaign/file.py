@@ -3,16 +3,18 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
-from math import prod
-from typing import Annotated, Any, NamedTuple, Self
+from math import nan, prod
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.fit_record import Fit, check_recorded
+from gfmd_numba.campaign.goal import Target
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.limits import COUNT, CROSS, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
+from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination
@@ -34,8 +36,10 @@ from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import ABSENT
+from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
 
 MOST_CASES = 1_000_000
+_LEVELS = "a mapping with eps_c, eps_f and eps_t, or a `target` like {kappa: 3%}, for which the run chooses levels"
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
 
 
@@ -77,18 +81,33 @@ class Campaign(BaseModel):
     )
     limits: Limits = Field(Limits(), description="Discretisations one at a time")
     grid: Grid = Field(Grid(), description="Parameters as a full product")
+    levels: Literal["only"] | None = Field(
+        None, description="only: a run to a target adds no finer levels to those under `limits`"
+    )
     numerics: Numerics = Field(Numerics(), description="How it is solved")
     path: tuple[Step, ...] = Field(
         (), strict=False, description="Loadings after the first one, each begun where the last one ended"
     )
     fit: Fit = Field(Fit(), description="How the results are fitted")
-    target: float | None = Field(
-        None, gt=0, lt=1, description="Relative standard error that the limit is meant to have (dimensionless)"
+    target: Target | None = Field(
+        None,
+        description="Relative standard error (dimensionless) that a variable has to have in the limit; without "
+        "`realisations`, the run chooses their numbers, and finer levels, until it is reached",
     )
     case_timeout: Annotated[float, Field(gt=0, le=LONGEST_TIMEOUT), TIME] | None = Field(
         None,
         description="Seconds after which a block of realisations of a case is given up, up to 30 days; None: never",
     )
+
+    @property
+    def chooses_levels(self) -> bool:
+        """Whether the run chooses the discretisations of random surfaces by itself."""
+        return self.reference is None and self.target is not None
+
+    @property
+    def chooses_realisations(self) -> bool:
+        """Whether the run goes on until its target is reached."""
+        return self.target is not None and "realisations" not in self.model_fields_set
 
     @property
     def n_cases(self) -> int:
@@ -140,6 +159,8 @@ class Campaign(BaseModel):
         rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", COUNT)):
             given = name in self.model_fields_set
+            if random and name == "realisations" and not given and self.target is not None:
+                continue
             if random and (not given or getattr(self, name) is None):
                 raise broken_rule((name,), allowed)
             if rough and given and not random:
@@ -157,21 +178,27 @@ class Campaign(BaseModel):
             raise broken_rule(("path",), "at least one loading, or no path where nothing follows the first loading")
         self.fit.check(len(self.path))
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
-        if needed and self.reference is None:
-            raise broken_rule(("reference",), "a mapping with eps_c, eps_f and eps_t, as the surface has no points")
+        if needed and self.reference is None and not self.chooses_levels:
+            raise broken_rule(("reference",), f"{_LEVELS}, as the surface has no points")
         if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
         self._check_cross_levels()
+        chosen = needed and self.chooses_levels
+        if chosen and "realisations" in self.model_fields_set:
+            raise broken_rule(
+                ("realisations",), "nothing without a `reference`, as the run chooses them with the levels"
+            )
         of_limits: tuple[tuple[Location, BaseModel], ...] = (
-            (("fit", "fixed"), self.fit.fixed),
             (("limits",), self.limits),
             (("grid",), self.grid),
             (("realisations",), self.realisations),
+            *(() if chosen else ((("fit", "fixed"), self.fit.fixed),)),
         )
+        why = "without a `reference`" if chosen else "as the surface has points and lengths of its own"
         for name in (*DISCRETISATIONS, CROSS):
             for place, record in of_limits:
                 if self.reference is None and getattr(record, name, None) is not None:
-                    raise broken_rule((*place, name), "nothing, as the surface has points and lengths of its own")
+                    raise broken_rule((*place, name), f"nothing{'' if chosen else ','} {why}")
             if name in self.limits.varied and getattr(self.grid, name) is not None:
                 raise broken_rule(("grid", name), f"{name} in either limits or grid, not in both")
             counts, levels = getattr(self.realisations, name), getattr(self.limits, name) or ()
@@ -182,15 +209,19 @@ class Campaign(BaseModel):
         return self
 
 
-def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
-    """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError."""
+def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None = None) -> tuple[Campaign, Document]:
+    """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError.
+
+    A `target` takes the place of the file's. Where the run chooses the levels, the campaign has those it begins with.
+    """
     document = document_of(
         source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
     )
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
     document = _with_a_file(document)
-    campaign = validate(document, Campaign)
+    asked = validate(_with_a_target(document, target), Campaign)
+    campaign = _begun(asked)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
@@ -199,7 +230,7 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
         check_recorded(document, campaign.fit, [(each, campaign.numerics.slope_order(each)) for each in scenes])
     _check_files(document, campaign)
     if document.path is None:
-        document = replace(document, text=written(campaign))
+        document = replace(document, text=written(asked))
     if campaign.n_cases > MOST_CASES:
         raise document.error(
             ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
@@ -221,6 +252,47 @@ def load_campaign(source: Source | Campaign) -> tuple[Campaign, Document]:
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
             check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, arrays)
     return campaign, document
+
+
+def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
+    """Target of a campaign whose run chooses the numbers of realisations; None for another. Raises InputError."""
+    data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
+    campaign = validate(_with_a_file(document_of(data, "campaign")), Campaign)
+    return campaign.target if campaign.chooses_realisations else None
+
+
+def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Document:
+    """Document in which a target takes the place of its own."""
+    data: Any = document.data
+    if target is None or not isinstance(data, Mapping):
+        return document
+    return replace(document, data={**data, "target": dict(target)})
+
+
+def _begun(campaign: Campaign) -> Campaign:
+    """Campaign with the levels a run begins with, and what is known of their exponents, where it has no levels."""
+    needed = any(surface.needs_discretisation for surface in campaign.scene.surfaces.values())
+    if not (campaign.chooses_levels and needed):
+        return campaign
+    dimension = campaign.scene.dimension
+    reference, *others = first_levels(dimension)
+    (variable,) = campaign.target or {}
+    hursts = values_of(campaign.grid, "hurst") or [
+        getattr(surface, "hurst", nan) for surface in campaign.scene.surfaces.values()
+    ]
+    ranges = dict(exponent_ranges(dimension, max(hursts)))
+    if all(has_slope_law(variable, hurst) for hurst in hursts):
+        del ranges["eps_f"]
+    known = {name: each for name, each in campaign.fit.fixed if each is not None}
+    fixed = FixedExponents.model_validate(ranges | known)
+    exponents = campaign.fit.exponents if "exponents" in campaign.fit.model_fields_set else "free"
+    update = {
+        "reference": discretisation_of(reference),
+        "limits": limits_around(reference, others),
+        "realisations": Realisations(reference=FEWEST),
+        "fit": campaign.fit.model_copy(update={"variable": variable, "fixed": fixed, "exponents": exponents}),
+    }
+    return campaign.model_copy(update=update)
 
 
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:

@@ -3,16 +3,38 @@
 from collections.abc import Mapping
 from math import inf
 from numbers import Real
-from typing import Any, Literal, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
 
 Variable = Literal["kappa", "kappa_counted", "kappa_r", "contact_area_fraction", "hysteresis", "pull_off_pressure"]
+A_TARGET = f"one of {', '.join(get_args(Variable))} and its relative error, like {{kappa: 3%}} or {{kappa: 0.03}}"
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
+
+
+def share_of(given: object) -> float:
+    """Return a share above 0 and below 1 that is given as 0.03 or as `3%`; raises ValueError."""
+    number = str(given).strip() if isinstance(given, str) else None
+    try:
+        share = float(cast(Any, given)) if number is None else float(number.rstrip("%")) / 100.0 ** number.endswith("%")
+    except (TypeError, ValueError):
+        share = 0.0
+    if isinstance(given, bool) or not 0.0 < share < 1.0:
+        raise ValueError("a relative error above 0 and below 1, like 3% or 0.03")
+    return share
+
+
+def _target(given: object) -> dict[str, float]:
+    if not isinstance(given, Mapping) or len(given) != 1 or not set(given) <= set(get_args(Variable)):
+        raise ValueError(A_TARGET)
+    return {name: share_of(value) for name, value in given.items()}
+
+
+Target = Annotated[dict[str, float], BeforeValidator(_target), WithJsonSchema({"allowed": A_TARGET})]
 
 
 class Goal(BaseModel):

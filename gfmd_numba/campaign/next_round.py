@@ -1,10 +1,14 @@
 """From the results of one round to the next: whether the target is reached, and what to do if not."""
 
-from math import inf
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import hypot, inf, sqrt
 
+import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.decision import (
     Fit,
@@ -15,14 +19,21 @@ from gfmd_numba.campaign.decision import (
     price_of_realisations,
     whole_price,
 )
+from gfmd_numba.campaign.levels import Level, finer_levels, first_realisations, nodes_of
+from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds
 
 REACHED = "reached"
+_SHARE_OF_DOUBTS = 0.6  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
+_MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
 
-def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Rounds:
-    """Rounds with what the last one has found, and with one more or `ended`."""
+def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_refine: bool = False) -> Rounds:
+    """Rounds with what the last one has found, and with one more or `ended`.
+
+    `may_refine` says whether the next round may have finer levels than the last.
+    """
     now, target = state.now, state.goal.target
     state = state.with_now(cpu_seconds=float(results.attrs["cpu_seconds"]))
     try:
@@ -35,22 +46,117 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> R
         error_factor=found.factor,
         price=price if now.price is None else now.price,
     )
-    if (now.is_last or found.predicted <= target) and found.sure_error <= target:
+    doubts = _doubts(fitted, max(1, len(now.levels)))
+    described = all(doubt.size < inf for doubt in doubts)
+    if described and found.sure_error <= target and (now.is_last or found.predicted <= target or may_refine):
         return state.ending(REACHED)
-    if now.is_last and found.error == inf:
-        refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
-        return state.ending(f"not {REACHED}: the fit is refused, {'; '.join(str(refused[0]).splitlines())}")
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
-    return _with_another(state, results, fitted, found, fit)
+    large = _SHARE_OF_DOUBTS * target
+    exact = [name for name, given in fit.fixed.items() if not isinstance(given, Sequence)]
+    if exact and float((fitted["error_budget"].sel(source="rivals") / abs(in_the_limit(fitted)[0])).max()) > large:
+        which = " and ".join(f"{name}: {fit.fixed[name]:g}" for name in exact)
+        return state.ending(f"not {REACHED}: the levels contradict the fixed {which}; gfmd allows the range it lies in")
+    finer = _refined(state, results, doubts, large) if may_refine else None
+    if finer is not None:
+        return finer
+    if not may_refine and (why := _hopeless(fitted, doubts, now.is_last, target)):
+        return state.ending(f"not {REACHED}: {why}")
+    of_laws = max(doubt.size for doubt in doubts)
+    worth = of_laws if large < of_laws < inf else large  # surfaces are worth no more than the laws
+    aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
+    another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
+    if may_refine and (another.ended or another.now.target_price is None):  # surfaces alone do not do
+        finer = _refined(state, results, [replace(doubt, mendable=0.0) for doubt in doubts], 0.0)
+    return another if finer is None else finer
 
 
-def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found: Judgement, fit: Fit) -> Rounds:
+@dataclass(frozen=True)
+class _Doubt:
+    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from.
+
+    `mendable` is the rest of the error, which more surfaces make smaller.
+    """
+
+    size: float
+    limit: str
+    mendable: float
+
+
+def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
+    """What the laws of each group leave open, however many surfaces there are; along a path at its worst step."""
+    limit, of_limit = in_the_limit(fitted)
+    value, error = abs(limit), (of_limit / abs(limit)).values
+    by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
+    by_limit.loc[{"limit": "eps_f"}] = np.hypot(
+        by_limit.sel(limit="eps_f"), (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
+    )
+    is_described = (fitted["fit_status"] == "ok") & (fitted["misfit"] <= _MISFIT)
+    size = xr.where(is_described, np.sqrt((by_limit**2).sum("limit")), inf)
+    found = []
+    for group in range(n_groups):
+        worst = group + n_groups * int(size.values[group::n_groups].argmax())
+        widest = "eps_f" if size[worst] == inf else str(by_limit["limit"].values[by_limit.values[worst].argmax()])
+        mendable = sqrt(max(0.0, float(error[worst]) ** 2 - float(size[worst]) ** 2)) if size[worst] < inf else 0.0
+        found.append(_Doubt(float(size[worst]), widest, mendable))
+    return found
+
+
+def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, target: float) -> str:
+    """Why more surfaces do not reach a target at the levels there are, or nothing."""
+    refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
+    if is_last and len(refused):
+        return f"the fit is refused, {'; '.join(str(refused[0]).splitlines())}"
+    if is_last and any(doubt.size == inf for doubt in doubts):
+        return "no law of the limits describes the means; gfmd needs finer levels"
+    worst = max((doubt for doubt in doubts if doubt.size < inf), key=lambda doubt: doubt.size, default=None)
+    if worst is not None and worst.size >= target:
+        return (
+            f"the distance from the finest levels to the limit leaves {worst.size:.2%} open, mostly that of "
+            f"{worst.limit}, however many surfaces there are; gfmd needs finer levels"
+        )
+    return ""
+
+
+def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most: float) -> Rounds | None:
+    """Rounds with one more that has finer levels for the groups whose laws leave more open; None if none has.
+
+    As long as the surfaces leave still more open, laws cannot be told from one another, and more surfaces come first.
+    """
+    now = state.now
+    dimension = int(results["dimension"].values[0])
+    levels: list[tuple[Level, ...]] = []
+    for of_group, doubt in zip(now.levels, doubts, strict=True):
+        levels.append(tuple(finer_levels(of_group, doubt.limit, dimension)) if doubt.size > most else of_group)
+    if tuple(levels) == now.levels:
+        return None
+    held = dict(zip(now.cases, now.realisations, strict=True))
+    prices = dict(zip(now.cases, price_of_realisations(results).tolist(), strict=True))
+    first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
+    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False)
+    counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
+    price = 0.0
+    for case, count in zip(another.cases, counts, strict=True):
+        group, level = case
+        like = now.levels[group][0]  # whose contacts take as many transforms
+        finer = price_of_transform(nodes_of(level, dimension)) / price_of_transform(nodes_of(like, dimension))
+        price += count * prices.get(case, prices[group, like] * float(finer))
+    if state.goal.budget is not None and price * (state.seconds_per_price or 0.0) > state.goal.budget:
+        return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
+    another = another.model_copy(update={"realisations": tuple(counts), "price": price})
+    return state.model_copy(update={"rounds": (*state.rounds, another)})
+
+
+def _with_another(
+    state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found: Judgement, fit: Fit, target: float, of_laws: float
+) -> Rounds:
+    """Rounds with one more that has more realisations, which bring the error beside that `of_laws` to a target."""
     most = inf
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price
+    mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
     try:
-        decision = decide(results, found, state.goal.target, fit, most, after_pilot=len(state.rounds) == 1)
+        decision = decide(results, mendable, target, fit, most, after_pilot=len(state.rounds) == 1)
     except UnknownExponentsError as error:
         return state.ending(f"not {REACHED}: {error}{_widest(fitted)}")
     except UnusableDataError as error:
@@ -60,7 +166,8 @@ def _with_another(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found:
     another = Round(
         realisations=tuple(decision.realisations.tolist()),
         is_last=decision.is_last,
-        predicted_error=decision.predicted_error,
+        levels=state.now.levels,
+        predicted_error=hypot(decision.predicted_error, of_laws),
         price=decision.price,
         target_price=decision.target_price,
     )

@@ -129,9 +129,9 @@ class Plan:
         return max(cpu_seconds / max(1, workers), longest)
 
 
-def plan(source: Source | Campaign) -> Plan:
-    """Plan of a campaign file or mapping; raises InputError."""
-    campaign, document = load_campaign(source)
+def plan(source: Source | Campaign, target: Mapping[str, float] | None = None) -> Plan:
+    """Plan of a campaign file or mapping, with another target if one is given; raises InputError."""
+    campaign, document = load_campaign(source, target)
     follows = campaign.scene.follows_topography
     measured = measured_bodies(campaign, document) if follows else {}
     punches = {} if follows else measured_punches(campaign, document)

@@ -8,16 +8,18 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from gfmd_numba.campaign.cases import distinct, expand, groups
+from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.cases import Case, distinct, expand, groups
 from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.limits import MOST, Realisations
-from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.output_directory import LABEL
+from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.storage import json_file
 
-PILOT = 20  # realisations of every case, the fewest that a design is made from
 _SPARE = 8  # realisations beyond the cases of a group, by which a pilot knows its errors to a factor of 1.5,
 _MOST_OF_A_PILOT = 40  # as far as there are so many
 FILE = "rounds.json"
@@ -43,12 +45,20 @@ class Round(BaseModel):
     model_config = _RECORD
     realisations: tuple[Annotated[int, Field(ge=1, le=MOST)], ...] = Field(min_length=1)  # (case)
     is_last: bool
+    levels: tuple[tuple[tuple[float, ...], ...], ...] = ()  # of each group, its reference first; (): the pilot's
     predicted_error: float | None = None
     error: float | None = None
     error_factor: float | None = None
     price: float | None = None
     target_price: float | None = None
     cpu_seconds: float | None = None
+
+    @property
+    def cases(self) -> list[Any]:
+        """What tells each of its cases from the others."""
+        if not self.levels:
+            return list(range(len(self.realisations)))
+        return [(group, level) for group, of_group in enumerate(self.levels) for level in of_group]
 
 
 class Rounds(BaseModel):
@@ -69,9 +79,12 @@ class Rounds(BaseModel):
         """The round that runs, or has run last."""
         return self.rounds[-1]
 
-    def of_cases(self, number: int) -> bool:
-        """Whether they are rounds of so many cases."""
-        return all(len(each.realisations) == number for each in self.rounds)
+    def of(self, members: Sequence[Sequence[Case]]) -> bool:
+        """Whether they are rounds of a pilot with these groups of cases."""
+        begun = len(self.rounds[0].realisations) == sum(map(len, members))
+        return begun and all(
+            len(each.cases) == len(each.realisations) and len(each.levels) in (0, len(members)) for each in self.rounds
+        )
 
     def with_now(self, **found: Any) -> "Rounds":
         """The same, with what is known of the last round."""
@@ -87,13 +100,18 @@ class Rounds(BaseModel):
         asked = cf_attributes("realisations asked of the case in the round")
         found: dict[str, tuple[Any, ...]] = {
             "round": ("round", np.arange(len(self.rounds)), numbered),
-            "round_realisations": (("round", "case"), [each.realisations for each in self.rounds], asked),
+            "round_realisations": (("round", "case"), self._realisations(), asked),
         }
         for name, long_name in _VARIABLES.items():
             values = np.array([getattr(each, name) for each in self.rounds], dtype=float)
             attributes = cf_attributes(long_name, "s" if name == "cpu_seconds" else "1")
             found[f"round_{name}"] = ("round", values, attributes)
         return found
+
+    def _realisations(self) -> list[list[int]]:
+        """Realisations (round, case) of the cases of the last round, 0 where a round did not have a case."""
+        counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in self.rounds]
+        return [[each.get(case, 0) for case in self.now.cases] for each in counts]
 
     def attributes(self) -> dict[str, str | float]:
         """What the results say of the goal and of how the run ended."""
@@ -128,13 +146,17 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
 
     Cross levels are added where it has none.
     """
-    update = {"realisations": Realisations(reference=PILOT), "target": goal.target}
+    update = {"realisations": Realisations(reference=FEWEST), "target": {goal.variable: goal.target}}
     campaign = planned.campaign.model_copy(update=update)
     cases = expand(campaign, planned.punches, planned.measured, planned.document)
     piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
-    largest = max(map(len, groups(piloted.cases)))
-    number = max(PILOT, min(largest + _SPARE, _MOST_OF_A_PILOT))
-    return with_realisations(piloted, [number] * len(piloted.cases))
+    members = groups(piloted.cases)
+    number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
+    counts: list[int] = []
+    for of_group in members:
+        levels = [level_of(case) for case in of_group]
+        counts += first_realisations(levels, campaign.scene.dimension or 1, number)
+    return with_realisations(piloted, counts)
 
 
 def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
@@ -143,11 +165,46 @@ def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
     return replace(planned, cases=cases)
 
 
-def as_decided(planned: Plan, directory: Path) -> Plan:
-    """Plan of the last round in an output directory; the same plan where no rounds are."""
+def as_decided(directory: Path) -> Plan:
+    """Plan of the campaign in an output directory, of its last round if it has rounds; raises InputError."""
     found = read(directory)
     if found is None:
-        return planned
+        return plan(directory / LABEL)
+    planned = plan(directory / LABEL, {found.goal.variable: found.goal.target})
     piloted = pilot_plan(planned, found.goal)
-    known = found.of_cases(len(piloted.cases))
-    return with_realisations(piloted, found.now.realisations) if known else planned
+    return in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
+
+
+def in_round(piloted: Plan, now: Round) -> Plan:
+    """Plan of a round, from that of the pilot: its levels and its numbers of realisations."""
+    return with_realisations(_at_levels(piloted, now.levels) if now.levels else piloted, now.realisations)
+
+
+def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
+    """Plan with other levels of each of its groups."""
+    everywhere = list(dict.fromkeys(level for of_group in levels for level in of_group))
+    update = {
+        "reference": discretisation_of(everywhere[0]),
+        "limits": limits_around(everywhere[0], everywhere[1:]),
+        "realisations": Realisations(reference=FEWEST),
+    }
+    campaign = planned.campaign.model_copy(update=update)
+    found = expand(campaign, planned.punches, planned.measured, planned.document)
+    cases: list[Case] = []
+    for members, wanted in zip(groups(found), levels, strict=True):
+        of_level = {level_of(case): case for case in members}
+        cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
+    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+
+
+def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
+    """Levels of each group of a plan, its reference first; () where a group has several references."""
+    members = groups(planned.cases)
+    if any(sum(case.limit == "reference" for case in of_group) != 1 for of_group in members):
+        return ()
+    return tuple(tuple(level_of(case) for case in of_group) for of_group in members)
+
+
+def level_of(case: Case) -> Level:
+    """Level of a case that has a discretisation."""
+    return tuple(getattr(case.discretisation, name) for name in DISCRETISATIONS)

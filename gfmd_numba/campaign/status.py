@@ -10,7 +10,7 @@ from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
-from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
@@ -53,7 +53,7 @@ def campaign_in(directory: Path) -> Plan:
     Raises InputError.
     """
     check_label(directory)
-    return rounds.as_decided(plan(directory / LABEL), directory)
+    return rounds.as_decided(directory)
 
 
 def progress(directory: Path) -> Progress:

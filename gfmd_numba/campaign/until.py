@@ -10,7 +10,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
 from gfmd_numba.campaign import rounds
 from gfmd_numba.campaign.block_work import Failures, unfinished
-from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Workers, check, started
@@ -21,7 +21,7 @@ from gfmd_numba.campaign.next_round import REACHED, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.results import read_results
-from gfmd_numba.campaign.rounds import Round, Rounds, with_realisations
+from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
 from gfmd_numba.campaign.run import (
     ALL,
     Choice,
@@ -77,7 +77,7 @@ def run_until(
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
     InterruptedRunError for Ctrl-C after the pilot.
     """
-    planned = rounds.pilot_plan(plan(source), goal)
+    planned = rounds.pilot_plan(plan(source, {goal.variable: goal.target}), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
     workers = workers or Workers()
@@ -100,6 +100,10 @@ class _Run:
     choice: Choice
     told: Told | None
 
+    def of(self, now: Round) -> Plan:
+        """Plan of a round."""
+        return in_round(self.planned, now)
+
     def all_rounds(self, workers: Workers) -> Outcome:
         """Run rounds until they end."""
         state = _begun(self.planned, self.goal, self.directory)
@@ -111,27 +115,41 @@ class _Run:
                     todo, done = self._blocks(state, choice)
                     if todo:
                         workers = stack.enter_context(started(workers, self.directory))
-                    planned = with_realisations(self.planned, state.now.realisations)
+                    planned = self.of(state.now)
                     if self.told is not None:
                         self.told(state, planned, sum(block.stop - block.first for block in todo))
                     progress = self.watch(len(todo) + done, done) if self.watch else None
-                    if finish(planned, todo, self.directory, workers, progress, choice):
+                    try:
+                        whole = finish(planned, todo, self.directory, workers, progress, choice)
+                    except InputError as error:  # the levels of a later round are ours, and may not fit the memory
+                        if len(state.rounds) == 1:
+                            raise
+                        affordable = state.model_copy(update={"rounds": state.rounds[:-1]})
+                        state = affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
+                        break
+                    if whole:
                         state = self._judged(state, planned)
                     else:
                         state = state.ending(f"not {REACHED}: the run stopped at the first failure")
                     choice = replace(choice, retry_failed=False)  # once is enough
-            return self._collected(state, with_realisations(self.planned, state.now.realisations))
+            return self._collected(state, self.of(state.now))
         except KeyboardInterrupt:
             if len(state.rounds) == 1:  # there is nothing to extrapolate from
                 raise
-            now = with_realisations(self.planned, state.now.realisations)
-            partial = with_realisations(self.planned, finished(now, self.directory, state.rounds[-2].realisations))
+            now = self.of(state.now)
+            earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
+            fewest = [earlier.get(case, 0) for case in state.now.cases]
+            counts = finished(now, self.directory, fewest)
+            partial = with_realisations(now, counts)
+            if min(counts) < 1:  # a new level has no results yet
+                state = state.model_copy(update={"rounds": state.rounds[:-1]})
+                partial = self.of(state.now)
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
             raise InterruptedRunError(self._collected(interrupted, partial)) from None
 
     def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
         """Blocks of a round that are to be done, and the number of others."""
-        planned = with_realisations(self.planned, state.now.realisations)
+        planned = self.of(state.now)
         blocks = planned.blocks_in(self.directory)
         todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
         return todo, len(blocks) - len(todo)
@@ -145,7 +163,8 @@ class _Run:
         fit = planned.campaign.fit
         known = {name: exponent for name, exponent in fit.fixed if exponent is not None}
         judged = results if fit.step is None else steps_of(results, fit.variable, fit.step)[0]
-        return after(state, judged, fitted, Fit(fit.variable, known))
+        may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
+        return after(state, judged, fitted, Fit(fit.variable, known), may_refine)
 
     def _collected(self, state: Rounds, planned: Plan) -> Outcome:
         rounds.write(self.directory, state)
@@ -165,11 +184,13 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     if all(case.limit == "reference" for case in planned.cases):
         raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
-        pilot, number = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5), planned.cases[0].realisations
+        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
+        number = min(case.realisations for case in planned.cases)
         if pilot > goal.budget:
             raise InputError(
                 f"budget: you gave {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
-                f"every case takes about {pilot:.3g} s; gfmd allows more, or a campaign with fewer or coarser levels"
+                f"the finest level, and more of the others, takes about {pilot:.3g} s; gfmd allows more, or a campaign "
+                "with fewer or coarser levels"
             )
 
 
@@ -178,7 +199,8 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
     campaign = described(planned)["campaign_sha256"]
     found = rounds.read(directory)
     same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
-    if found is not None and same and found.of_cases(len(planned.cases)):
+    if found is not None and same and found.of(groups(planned.cases)):
         return found.ending("")
-    first = Round(realisations=tuple(case.realisations for case in planned.cases), is_last=False)
+    counts = tuple(case.realisations for case in planned.cases)
+    first = Round(realisations=counts, levels=levels_of(planned), is_last=False)
     return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))

@@ -75,16 +75,19 @@ def run(
 
     If a run was interrupted, the same command resumes it and repeats no finished work.
 
-    With --until, the campaign runs in rounds. The first round is a pilot of 20 to 40 realisations of every case. Each
-    later round has as many of each case as the results so far ask for. The run ends when the fit says that the limit
-    has the error you want.
+    With --until, or with a target and no realisations in FILE, the campaign runs in rounds. The first round is a pilot.
+    Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
+    says that the limit has the error you want.
     """
     from gfmd_numba.campaign.cluster_file import load_cluster
     from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.file import target_of_run
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
     from gfmd_numba.cli.until import check_options, run_rounds
 
+    if until is None and (target := target_of_run(file)) is not None:
+        until = next(iter(target.items()))
     check_options(until, budget, only, limit)
     _check_workers_options()
     choice = Choice(dict(only), limit, retry_failed, fail_fast)

@@ -17,23 +17,38 @@ _OF_A_ROUND = ("error", "error_factor", "predicted_error", "cpu_seconds")
 def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
     """Print what a campaign has reached of its target, round by round if it ran until then; nothing without one."""
     if "round" in dataset.dims:
-        _show_rounds(dataset)
+        _show_rounds(dataset, fitted)
     elif "target" in dataset.attrs:
         show_target(fitted, dataset.attrs["target"])
 
 
-def _show_rounds(dataset: xr.Dataset) -> None:
+def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
     for number in dataset["round"].values.tolist():
         one = {name: float(dataset[f"round_{name}"].sel(round=number)) for name in _OF_A_ROUND}
         found = "without an error"
         if not isnan(one["error"]):
             sure = one["error"] * one["error_factor"]
             found = f"error {one['error']:.2%} (with 90 % probability below {sure:.2%})"
-        asked = "the pilot" if isnan(one["predicted_error"]) else f"{one['predicted_error']:.2%} expected"
+        asked = f"{one['predicted_error']:.2%} expected"
+        if isnan(one["predicted_error"]):
+            asked = "finer levels" if number else "the pilot"
         seconds = one["cpu_seconds"]
         spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time for the contacts so far"
         say("round", f"{number}: {found}, {asked}; {spent}")
     say("until", f"{dataset.attrs['until'].split('=')[0]} to {dataset.attrs['target']:.2%}: {dataset.attrs['ended']}")
-    if not isnan(one["error"]) and not isnan(seconds):  # which falls with the square root of time
-        price = f"about {duration(100 * seconds)} of processor time for the contacts"
-        say("price", f"the next digit, {one['error'] / 10:.2%}, takes {price}")
+    if isnan(one["error"]) or isnan(seconds):
+        return
+    left, digit = _left_open(fitted), one["error"] / 10
+    if left < digit:  # the rest of the error falls with the square root of time
+        price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
+    else:
+        price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
+    say("price", f"the next digit, {digit:.2%}, {price}")
+
+
+def _left_open(fitted: xr.Dataset) -> float:
+    """Return the largest relative error of a limit that its levels leave, however many surfaces there are."""
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
+    open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
+    return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())

@@ -49,6 +49,8 @@ def plan(
     """
     from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
+    from gfmd_numba.scene import InputError
+    from gfmd_numba.text.input_error import ABSENT
 
     planned = plan_campaign(file)
     distinct = len(planned.problems)
@@ -57,6 +59,10 @@ def plan(
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
+    chosen = planned.document.value(("reference",)) is ABSENT and planned.campaign.limits.varied
+    if chosen:
+        whose = "of its pilot: the run chooses finer levels and numbers of realisations from its results"
+        say("levels", f"{whose}; `gfmd run --budget TIME` bounds what it may take", width=14)
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)
@@ -64,6 +70,12 @@ def plan(
         click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
     for doubt in (*planned.validity.splitlines(), *refused_limits(planned)):
         say("gfmd:", doubt, width=6, err=True)
+    if chosen and (target or budget):
+        option = "--target" if target else "--budget"
+        raise InputError(
+            f"{option}: you gave a campaign without levels, which nobody can plan before there are results; gfmd "
+            "allows `gfmd run --until`, which chooses them, or levels under `reference` and `limits`"
+        )
     if target or budget:
         _check_target(planned, target[0] if target else "")
         _show_design(planned, target[1] if target else None, budget, workers, write)

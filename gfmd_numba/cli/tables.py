@@ -15,30 +15,42 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = ["reference", "reference_error", "correction", "correction_error"]
+_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _LONGEST_NAME = 40
 
 
 def show_fit(fitted: xr.Dataset) -> None:
-    """Print the variable at the reference and in the limit, and what separates the two."""
+    """Print the variable in the limit, what separates it from the reference, and the sum of these there."""
+    import numpy as np
+
     from gfmd_numba.analysis.fit_dataset import in_the_limit
 
     factor, unit = _readable_unit(fitted["reference"])
     of_unit = f" ({unit})" if unit else ""
-    title = f"{fitted.attrs['variable']}{of_unit} and its limit eps_c, eps_f, eps_t -> 0 (one standard error)"
+    varied = [limit for limit in LIMITS if fitted["alpha"].sel(limit=limit).notnull().any()]
+    towards = f" and its limit {', '.join(varied)} -> 0" if varied else ""
+    title = f"{fitted.attrs['variable']}{of_unit}{towards} (one standard error)"
     shown = fitted[_IN_UNIT_OF_VARIABLE] * factor
-    values = {
-        "reference": _with_errors(shown["reference"], shown["reference_error"]),
-        "limit": _with_errors(*(factor * each for each in in_the_limit(fitted))),
-    }
-    for limit, kind in LIMITS.items():
-        values[kind] = _with_errors(*(shown[name].sel(limit=limit) for name in ("correction", "correction_error")))
+    limits, errors = (factor * each for each in in_the_limit(fitted))
+    values = {"limit": _with_errors(limits, errors)}
+    for limit in varied:
+        correction = [shown[name].sel(limit=limit) for name in ("correction", "correction_error")]
+        values[LIMITS[limit]] = _with_errors(*correction)
+    together = shown["interaction"].fillna(0.0).sum("pair")
+    if fitted["interaction"].notnull().any():
+        values["together"] = _with_errors(together, np.sqrt((shown["interaction_error"] ** 2).sum("pair")))
+    whole = limits + shown["correction"].fillna(0.0).sum("limit") + together
+    values["reference"] = _with_errors(whole.fillna(factor * fitted["reference"]), shown["reference_error"])
     print_table(title, _cells(fitted, _shown_parameters(fitted)), values)
-    for limit, kind in LIMITS.items():
-        if fitted["alpha"].sel(limit=limit).notnull().any():
-            say("exponent", f"{limit} {_exponent_found(fitted, limit):16} ({kind})")
+    for limit in varied:
+        laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)
+        found = f"{laws}, exponent {_exponent_found(fitted, limit)}, extrapolated {_distance(fitted, limit)}"
+        say(LIMITS[limit], f"{limit}: {found}", width=14)
+    if (fitted["freedom"] > 0).any():
+        worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
+        say("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
     if (fitted["error_budget"] > 0).any():
         say("error", _sources(fitted, factor, unit))
     messages = [str(message).splitlines() for message in fitted["message"].values]
@@ -46,6 +58,20 @@ def show_fit(fitted: xr.Dataset) -> None:
         having = [i for i, lines in enumerate(messages) if line in lines]
         whose = "" if len(having) == len(messages) else _whose(fitted, having)
         say("note", f"{whose}{line}")
+
+
+def _distance(fitted: xr.Dataset, limit: str) -> str:
+    """Return from which level a limit was extrapolated, and how far, in the group where it is furthest."""
+    import numpy as np
+
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+    from gfmd_numba.analysis.selection import fractions
+
+    of_limit = fitted.sel(limit=limit)
+    share = abs(of_limit["extrapolated"] / in_the_limit(fitted)[0]).fillna(0.0)
+    worst = int(share.values.argmax())
+    finest = fractions(np.atleast_1d(of_limit["finest_eps"].values[worst]))
+    return f"from {finest}, {100 * float(share[worst]):.2g} % remain"
 
 
 def _readable_unit(values: xr.DataArray) -> tuple[float, str]:

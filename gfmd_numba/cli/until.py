@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.block_work import Failures
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.plan import Plan
-    from gfmd_numba.campaign.rounds import Rounds
+    from gfmd_numba.campaign.rounds import Round, Rounds
     from gfmd_numba.campaign.run import Choice
     from gfmd_numba.campaign.until import Outcome
 
@@ -28,11 +28,13 @@ if TYPE_CHECKING:
 def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
     """Raise a usage error for options that do not go together."""
     if until is None and budget is not None:
-        raise click.UsageError("--budget: you gave no --until, whose processor time it bounds; give both, or none")
+        raise click.UsageError(
+            "--budget: you gave no --until, whose processor time it bounds, and FILE has no target; give both, or none"
+        )
     if until is not None and (only or limit):
         name = "--only" if only else "--limit"
         allowed = "one of the two, as the error of a limit needs all cases"
-        raise click.UsageError(f"{name}: you gave --until as well; gfmd allows {allowed}")
+        raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 
 
 def run_rounds(
@@ -54,7 +56,7 @@ def run_rounds(
 
     variable, target = until
     with _options_named():
-        goal = goal_of({variable or load_campaign(file)[0].fit.variable: target}, budget)
+        goal = goal_of({variable or load_campaign(file, {"kappa": target})[0].fit.variable: target}, budget)
     caption = ["blocks"]
 
     def told(rounds: Rounds, planned: Plan, left: int) -> None:
@@ -81,13 +83,29 @@ def _options_named() -> Iterator[None]:
         raise InputError(*lines, more=error.more) from None
 
 
+def _levels(now: Round) -> str:
+    """Return how fine the levels of a round are."""
+    import numpy as np
+
+    from gfmd_numba.analysis.selection import fractions
+    from gfmd_numba.campaign.axes import DISCRETISATIONS
+
+    finest = [min(level[i] for of_group in now.levels for level in of_group) for i in range(len(DISCRETISATIONS))]
+    shown = [f"{name} to {fractions(np.array([eps]))}" for name, eps in zip(DISCRETISATIONS, finest, strict=True)]
+    return f"{', '.join(shown)}: {len(now.realisations)} cases"
+
+
 def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     """Say what a round is about to do, and return how its bar is called."""
     from gfmd_numba.campaign.cross_levels import added
+    from gfmd_numba.text.input_error import ABSENT
 
     number, now = len(rounds.rounds) - 1, rounds.now
+    chosen = planned.document.value(("reference",)) is ABSENT
+    if left and now.levels != (rounds.rounds[-2].levels if number else ()) and (number or chosen):
+        say("levels", _levels(now), err=True)
     if number == 0:
-        if left and (crossed := added(planned)):
+        if left and not chosen and (crossed := added(planned)):
             say("added", f"cross levels {crossed}, to see whether corrections add up", err=True)
         if left:
             say("round", f"0, the pilot: {left} simulations", err=True)

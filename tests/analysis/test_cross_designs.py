@@ -10,6 +10,8 @@ from support.command_line import gfmd, unfolded
 from support.cross_levels import crossed
 from support.synthetic_campaigns import ALPHA, CROSS, noisy
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 CHEAP = {"eps_f": 1 / 512, "eps_t": 1}
 DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
 

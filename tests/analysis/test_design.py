@@ -9,6 +9,8 @@ from support.command_line import gfmd
 from support.expected_interactions import drawn
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
 CAMPAIGN = {"levels": LEVELS, "cross": CROSS}
 
@@ -123,7 +125,7 @@ def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
     assert said.exit_code == 0, said.output
     for line in ("realisations  reference: ", "error ", "residual ", "price         1.0%: "):
         assert line in said.output
-    assert "\ntarget: 0.08" in planned.read_text()
+    assert "\ntarget: {kappa: 0.08}" in planned.read_text()
     ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
     assert ran.exit_code == 0, ran.output
     assert "reached by all groups" in ran.output

@@ -7,6 +7,8 @@ import xarray as xr
 from gfmd_numba.analysis import fit_tfc
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, C, campaign, noisy, with_axes
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 
 def test_error_bars_cover_an_exponent_known_only_to_a_range():
     planted = ALPHA | {"eps_f": 0.67}

@@ -1,9 +1,14 @@
 """Fits of campaigns in which realisations or whole cases failed or are yet to run."""
 
 import numpy as np
+import pytest
 
 from gfmd_numba.analysis import fit_tfc
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, C, assert_refused, campaign, fails, noisy, notes
+
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
+KNOWN = {"eps_f": ALPHA["eps_f"]}
 
 
 def test_only_complete_realisations_are_fitted():
@@ -44,7 +49,7 @@ def test_a_case_that_mostly_failed_is_left_out_by_name():
 def test_realisations_not_run_yet_are_no_failures_of_single_cases():
     dataset = campaign(cross=CROSS, realisations=12)
     dataset["kappa"][:, 4:] = np.nan
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=3e-8)
     assert (fit["n_cases"], fit["n_realisations"], notes(fit)) == (13, 4, [])
 
@@ -80,7 +85,7 @@ def test_missing_results_do_not_break_the_pairing():
 
 def test_a_case_that_failed_entirely_is_left_out_by_name():
     dataset = fails(campaign(cross=CROSS, realisations=6), case=4)
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     assert notes(fit) == ["left out, no good realisation: eps_c = 1/2, eps_f = 1/512, eps_t = 1/2"]
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=3e-8)
     assert fit["n_cases"] == 12
@@ -88,7 +93,8 @@ def test_a_case_that_failed_entirely_is_left_out_by_name():
 
 
 def test_a_failed_reference_still_fixes_where_corrections_are_quoted():
-    fit = fit_tfc(fails(campaign(cross=CROSS, levels=LEVELS | {"eps_t": [1, 1 / 4, 1 / 8]}), case=0))
+    dataset = campaign(cross=CROSS, levels=LEVELS | {"eps_t": [1, 1 / 4, 1 / 8]})
+    fit = fit_tfc(fails(dataset, case=0), fixed=KNOWN)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=3e-8)
     np.testing.assert_allclose(fit["correction"].sel(limit="eps_t"), 0.15, rtol=1e-7)
 
@@ -96,6 +102,6 @@ def test_a_failed_reference_still_fixes_where_corrections_are_quoted():
 def test_a_group_that_failed_entirely_does_not_take_the_others_along():
     dataset = campaign((0.3, 0.8), cross=CROSS)
     dataset = fails(dataset, case=np.flatnonzero(dataset["hurst"].values == 0.3))
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     assert fit["fit_status"].values.tolist() == ["refused", "ok"]
     np.testing.assert_allclose(fit["kappa_tfc"][1], 2.0, atol=3e-8)

@@ -14,6 +14,8 @@ from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, WANING, campaign, noisy
 from support.unseen_slope import of_unseen_slope
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 
 def excess_of(dataset, given, *others):
     """What is said of powers with given exponents, or of other laws of eps_f, and the means."""
@@ -75,9 +77,10 @@ def test_errors_are_enlarged_and_it_is_said_where_no_law_describes_the_means():
     moved["kappa"][1] += 0.02
     plain, off = (fit_tfc(each, fixed={"eps_c": 1.1}) for each in (dataset, moved))
     excess, _ = excess_of(moved, {"eps_c": 1.1})
-    assert "no law" not in plain["message"].item()
-    assert "no law of the limits describes the means" in off["message"].item()
-    assert f"enlarged {np.sqrt(excess):.3g} times" in off["message"].item()
+    assert "the means lie" not in plain["message"].item()
+    said = f"the means lie {np.sqrt(excess):.3g} times as far from the laws as their errors allow: these are enlarged"
+    assert said in off["message"].item()
+    assert (plain["misfit"].item(), off["misfit"].item()) == (1.0, pytest.approx(np.sqrt(excess)))
     assert excess > 2.0
     for error in ("kappa_tfc_error", "C_error"):
         np.testing.assert_allclose(off[error], np.sqrt(excess) * plain[error], rtol=1e-9)

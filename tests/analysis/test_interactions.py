@@ -9,6 +9,8 @@ from gfmd_numba.analysis.gauss_markov import covariance_of_one
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy, with_axes
 from support.unseen_slope import of_unseen_slope
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 PLANTED = {("eps_c", "eps_f"): 0.04, ("eps_c", "eps_t"): -0.05, ("eps_f", "eps_t"): 0.08}
 
 
@@ -27,10 +29,11 @@ def error_and_scatter(truth, rng, n, asked=None, **options):
 
 @pytest.mark.parametrize("fixed", [ALPHA, {"eps_t": 1.0}], ids=["exact", "free"])
 def test_planted_interactions_are_found_with_cross_levels(fixed):
-    fit = fit_tfc(campaign(cross=CROSS, interactions=PLANTED), fixed=fixed).isel(group=0)
+    dataset = campaign(cross=CROSS, interactions=PLANTED).rename(kappa="kappa_r")  # which has no law but powers
+    fit = fit_tfc(dataset, "kappa_r", fixed=fixed).isel(group=0)
     np.testing.assert_allclose(fit["interaction"], list(PLANTED.values()), atol=1e-7)
     np.testing.assert_allclose(fit["interaction_error"], 0.0, atol=1e-7)
-    np.testing.assert_allclose(fit["kappa_tfc"], TFC[0.8], atol=1e-7)
+    np.testing.assert_allclose(fit["kappa_r_tfc"], TFC[0.8], atol=1e-7)
     np.testing.assert_allclose(fit["C"], list(C.values()), rtol=1e-6)
     together, _, rest = fit["message"].item().partition(" by ")[2].partition("±")
     assert float(together) == pytest.approx(sum(PLANTED.values()), abs=1e-7)

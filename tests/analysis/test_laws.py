@@ -68,13 +68,15 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
 @pytest.mark.parametrize(
     ("variable", "hursts", "given", "from_theory"),
     [
-        ("kappa", [0.8], {}, [False, True]),
-        ("kappa_counted", [0.8, 0.8], {"eps_c": (1.0, 1.0)}, [False, True]),
+        ("kappa", [0.8], {}, [True]),
+        ("kappa_counted", [0.8, 0.8], {"eps_c": (1.0, 1.0)}, [True]),
         ("kappa", [0.8], {"eps_f": (0.3, 1.5)}, [False, True]),
         ("kappa", [0.8], {"eps_f": (0.5, 0.5)}, [False]),
         ("kappa", [1.0], {}, [True]),
         ("kappa", [0.91], {}, [True]),
-        ("kappa", [0.9], {}, [False, True]),
+        ("kappa", [0.91], {"eps_f": (0.3, 1.5)}, [True]),
+        ("kappa", [0.9], {"eps_f": (0.3, 1.5)}, [False, True]),
+        ("kappa_edges", [0.3], {}, [True]),
         ("kappa", [1.0], {"eps_f": (0.5, 0.5)}, [False]),
         ("kappa", [0.8, 0.3], {}, [False]),
         ("kappa", [np.nan], {}, [False]),

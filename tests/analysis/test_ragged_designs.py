@@ -1,10 +1,13 @@
 """Fits of campaigns whose levels have different numbers of realisations."""
 
 import numpy as np
+import pytest
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import covariance_of_one
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, WANING, campaign, fails, noisy, notes
+
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 
 def ragged(dataset, **counts):

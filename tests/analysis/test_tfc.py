@@ -8,22 +8,27 @@ from scipy.stats import binom
 from gfmd_numba.analysis import fit_tfc, select_limit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, C, campaign, noisy
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
+KNOWN = {"eps_f": ALPHA["eps_f"]}
+
 
 @pytest.mark.parametrize(
     ("exponents", "fixed"),
     [("shared", {}), ("free", {}), ("shared", {"eps_t": 1.0}), ("free", ALPHA)],
 )
 def test_planted_parameters_are_recovered_exactly(exponents, fixed):
-    """With cross levels, which tell that corrections add up."""
-    fit = fit_tfc(campaign((0.3, 0.8), cross=CROSS), exponents=exponents, fixed=fixed)
+    """With cross levels, which tell that corrections add up; kappa_r has no law but powers."""
+    dataset = campaign((0.3, 0.8), cross=CROSS).rename(kappa="kappa_r")
+    fit = fit_tfc(dataset, "kappa_r", exponents=exponents, fixed=fixed)
     assert fit["fit_status"].values.tolist() == ["ok", "ok"]
-    np.testing.assert_allclose(fit["kappa_tfc"], [3.0, 2.0], atol=2e-8)
+    np.testing.assert_allclose(fit["kappa_r_tfc"], [3.0, 2.0], atol=2e-8)
     for row in range(2):
         np.testing.assert_allclose(fit["alpha"][row], list(ALPHA.values()), rtol=2e-7)
         np.testing.assert_allclose(fit["C"][row], list(C.values()), rtol=5e-7)
         at_reference = [C[name] * REFERENCE[name] ** ALPHA[name] for name in C]
         np.testing.assert_allclose(fit["correction"][row], at_reference, rtol=2e-7)
-    np.testing.assert_allclose(fit["kappa_tfc_error"], 0, atol=3e-8)
+    np.testing.assert_allclose(fit["kappa_r_tfc_error"], 0, atol=3e-8)
     np.testing.assert_allclose(fit["interaction"], 0, atol=1e-8)
     np.testing.assert_allclose(fit["interaction_error"], 0, atol=3e-8)
     np.testing.assert_allclose(fit["rms_residual"], 0, atol=3e-8)
@@ -64,10 +69,10 @@ def test_a_correction_in_eps_t_that_wanes_with_eps_f_is_what_is_expected_without
 
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     planted = {0.3: ALPHA, 0.8: ALPHA | {"eps_f": 0.9}}
-    dataset = campaign((0.3, 0.8), alpha=planted)
-    free = fit_tfc(dataset, exponents="free")
+    dataset = campaign((0.3, 0.8), alpha=planted).rename(kappa="kappa_r")  # which has no law but powers
+    free = fit_tfc(dataset, "kappa_r", exponents="free")
     np.testing.assert_allclose(free["alpha"].sel(limit="eps_f"), [0.6, 0.9], rtol=2e-7)
-    shared = fit_tfc(dataset, exponents="shared")["alpha"].sel(limit="eps_f")
+    shared = fit_tfc(dataset, "kappa_r", exponents="shared")["alpha"].sel(limit="eps_f")
     assert shared[0] == shared[1]
     assert 0.6 < shared[0] < 0.9
 
@@ -90,7 +95,7 @@ def test_a_full_product_without_a_reference_case_is_fitted():
     )
     dataset["kappa"] += 2 + 0.4 * dataset["eps_c"] ** 1.1 + 6 * dataset["eps_f"] ** 0.6 + 0.3 * dataset["eps_t"]
     dataset["kappa"] -= base["kappa"].values[0, 0]
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=1e-8)
     np.testing.assert_allclose(fit["correction"].sel(limit="eps_t"), 0.3 / 8, rtol=1e-7)  # at the finest level
 
@@ -176,10 +181,10 @@ def test_the_same_results_have_the_same_fit():
 def test_roughness_at_nyquist_is_left_out_by_default():
     dataset = campaign(levels=LEVELS | {"eps_c": [1, 1 / 2, 1 / 4, 1 / 8]}, cross=CROSS)
     dataset["kappa"][dataset["eps_c"].values == 1] += 0.3
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0, atol=3e-8)
     assert fit["n_cases"] == 13
-    kept = fit_tfc(dataset, omit_nyquist=False)
+    kept = fit_tfc(dataset, fixed=KNOWN, omit_nyquist=False)
     assert kept["n_cases"] == 14
     assert abs(kept["kappa_tfc"] - 2.0) > 1e-3
 
@@ -187,7 +192,7 @@ def test_roughness_at_nyquist_is_left_out_by_default():
 def test_a_reference_at_nyquist_is_fitted_and_said():
     dataset = campaign(levels={name: LEVELS[name] for name in ("eps_f", "eps_t")}, cross=CROSS[2:])
     dataset["eps_c"][:] = 1.0
-    fit = fit_tfc(dataset)
+    fit = fit_tfc(dataset, fixed=KNOWN)
     np.testing.assert_allclose(fit["kappa_tfc"], 2.0 + 0.4 * 0.5**1.1, atol=3e-8)
     assert fit["message"].item().startswith("eps_c = 1 is fitted as well")
 

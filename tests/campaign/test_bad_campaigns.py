@@ -39,12 +39,13 @@ CAMPAIGNS = {
         ("seed: 2018", "seed: 2018\nlength: 1e-6"),
         "bad.yaml:3:1: length: you gave an unknown key; gfmd allows one of 'name', 'seed', "
         "'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics', 'path', 'fit', 'target', 'case_timeout'; 'length' belongs to scene",
+        "'reference', 'limits', 'grid', 'levels', 'numerics', 'path', 'fit', 'target', 'case_timeout'; "
+        "'length' belongs to scene",
     ),
     "key of several levels": (
         ("seed: 2018", "seed: 2018\neps_c: 1"),
         "bad.yaml:3:1: eps_c: you gave an unknown key; gfmd allows one of 'name', 'seed', 'realisations', 'scene', "
-        "'reference', 'limits', 'grid', 'numerics', 'path', 'fit', 'target', 'case_timeout'; "
+        "'reference', 'limits', 'grid', 'levels', 'numerics', 'path', 'fit', 'target', 'case_timeout'; "
         "'eps_c' belongs to realisations or reference or limits or grid or fit.fixed",
     ),
     "unknown axis": (

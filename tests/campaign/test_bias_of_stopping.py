@@ -6,14 +6,17 @@ import pytest
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.levels import FEWEST
 from gfmd_numba.campaign.next_round import after
-from gfmd_numba.campaign.rounds import PILOT, Round, Rounds
+from gfmd_numba.campaign.rounds import Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
+
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
 SEEDS = 160
 MOST = 1000  # realisations that any campaign asks for
-FIXED_COUNTS = [95, 75, PILOT]  # close to what most ask for
+FIXED_COUNTS = [95, 75, FEWEST]  # close to what most ask for
 NOT_ASKED = 7
 
 
@@ -37,7 +40,7 @@ def asked(drawn, counts):
 
 def until(drawn, target, seed):
     """Fit of a campaign that decides its rounds as a run does, and the rounds."""
-    first = Round(realisations=(PILOT,) * drawn.sizes["case"], is_last=False)
+    first = Round(realisations=(FEWEST,) * drawn.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(variable="kappa", target=target), campaign_sha256="", rounds=(first,))
     while not state.ended:
         results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
@@ -47,15 +50,19 @@ def until(drawn, target, seed):
 
 
 @pytest.fixture(scope="module")
-def campaigns():
+def campaigns(laws_that_hold):
     """Limit and its error where the campaign stopped, and the limit from numbers that were fixed beforehand."""
-    found = []
+    found, endings = [], []
     for seed in range(SEEDS):
         drawn = surfaces(seed)
         fitted, state = until(drawn, 0.02, seed)
-        assert state.ended == "reached"
+        endings.append(state.ended)
         beforehand = fit_tfc(asked(drawn, FIXED_COUNTS), fixed=ALPHA)
         found.append([fitted["kappa_tfc"].item(), fitted["kappa_tfc_error"].item(), beforehand["kappa_tfc"].item()])
+    reached = endings.count("reached")
+    by_chance = endings.count("not reached: no law of the limits describes the means; gfmd needs finer levels")
+    assert reached + by_chance == SEEDS
+    assert by_chance <= 0.03 * SEEDS
     return np.array(found).T
 
 

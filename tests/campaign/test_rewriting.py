@@ -31,7 +31,7 @@ STYLES = {
     "a block at the end": SMALL.replace("realisations: 6\n", "") + BLOCK + "# that is all\n",
     "flow over several lines": SMALL.replace("realisations: 6\n", FLOW),
     "quoted": SMALL.replace("realisations: 6", "'realisations' : 6").replace("name: small", '"name": "small"'),
-    "a target": SMALL + "target: 0.05   # of kappa\n",
+    "a target": SMALL + "target: {kappa: 5%}   # of all groups\n",
     "an empty target": SMALL + "target:   # none yet\n",
     "indented": re.sub("(?m)^(?=.)", "  ", SMALL),
     "document marks": f"%YAML 1.2\n---\n{SMALL.strip()}   # end\n...\n",
@@ -73,7 +73,7 @@ def rewritten(folder, text):
 def test_every_style_of_yaml_is_rewritten(tmp_path, style):
     first, found, new = rewritten(tmp_path, STYLES[style])
     assert found.name == "small-0.02"
-    assert found.target == 0.02
+    assert found.target == {"kappa": 0.02}
     assert found.realisations.model_dump() == COUNTS
     changes = {"name": first.name, "target": first.target, "realisations": first.realisations}
     assert found.model_copy(update=changes) == first
@@ -98,7 +98,7 @@ def test_what_is_not_changed_stays_where_it_was(tmp_path):
     before, after = SMALL.splitlines(), new.splitlines()
     changed = [i for i, line in enumerate(before) if line != after[i]]
     assert [before[i] for i in changed] == ["name: small", "realisations: 6"]
-    assert after[len(before) :] == ["target: 0.02"]
+    assert after[len(before) :] == ["target: {kappa: 0.02}"]
 
 
 def test_a_long_name_stays_within_what_a_name_may_be(tmp_path):

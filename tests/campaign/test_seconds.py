@@ -15,7 +15,7 @@ from gfmd_numba.cli.tables import duration
 from gfmd_numba.contact import path_measures
 from support.campaigns import campaign
 
-FIT = "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {"
+FIT = "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"
 SHARED = {  # a half-space has no other problem for another Poisson's ratio
     "reference: {": FIT,
     "grid: {hurst: [0.3, 0.8]}": "grid: {poissons_ratio: [0.2, 0.3, 0.4]}",
@@ -76,7 +76,7 @@ def test_contacts_take_the_processor_time_that_the_results_tell(tmp_path, clock,
     assert gfmd_numba.open_campaign(tmp_path / "out").attrs["cpu_seconds"] == pytest.approx(clock[0], rel=0.1)
 
 
-def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path):
+def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path, laws_that_hold):
     said = gfmd("run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--workers=0", "--until=kappa=3%")
     results = gfmd_numba.open_campaign(tmp_path / "out")
     seconds = results.attrs["cpu_seconds"]
@@ -85,7 +85,7 @@ def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path
     assert f"takes about {duration(100 * seconds)} of processor time for the contacts" in said
 
 
-def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch):
+def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch, laws_that_hold):
     """On a machine that takes a nanosecond an operation: real seconds of so short a pilot tell what else ran."""
     now = [0.0]
 

@@ -11,20 +11,23 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import execution, rounds, until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.levels import FEWEST
 from gfmd_numba.campaign.status import campaign_in, progress, verify
 from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from support.campaigns import campaign, numbers
 
-FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {"}
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
+FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"}
 ONE = FIT | {"grid: {hurst: [0.3, 0.8]}": ""}
 GOAL = Goal(variable="kappa", target=0.02)
 HERE = Workers(0)
 
 
 @pytest.fixture(scope="module")
-def reached(tmp_path_factory):
+def reached(tmp_path_factory, laws_that_hold):
     folder = tmp_path_factory.mktemp("reached")
     return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
 
@@ -50,11 +53,15 @@ def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     np.testing.assert_array_equal(results["realisations"], last.realisations)
 
 
-def test_the_pilot_has_twenty_realisations_and_every_level(reached, tmp_path):
+def test_the_pilot_has_twenty_realisations_of_the_finest_level_and_more_of_coarser_ones(reached, tmp_path):
     """Whatever the file asks for: levels without realisations are solved, too."""
     file = {"realisations: 6": "realisations: {reference: 3, eps_f: [0, 2, 2]}"}
     again = run_until(campaign(tmp_path, **ONE | file), GOAL, tmp_path / "out", HERE)
-    assert set(realisations(again)[0]) == {rounds.PILOT} == {20}
+    pilot = np.array(realisations(again)[0])
+    nodes = np.array([np.prod(level) ** -1.0 for of_group in again.rounds.rounds[0].levels for level in of_group])
+    assert pilot.min() == pilot[nodes.argmax()] == FEWEST == 20
+    assert (np.diff(pilot[np.argsort(nodes)]) <= 0).all()
+    assert pilot.max() == 20 * round((nodes.max() / nodes.min()) ** (2 / 3))
     assert realisations(again) == realisations(reached)
     xr.testing.assert_identical(
         numbers(opened(again)).drop_vars("round_cpu_seconds"), numbers(opened(reached)).drop_vars("round_cpu_seconds")

@@ -11,12 +11,15 @@ from gfmd_numba.analysis import fit_tfc, predictions
 from gfmd_numba.campaign import design
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.levels import FEWEST
 from gfmd_numba.campaign.next_round import after
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.rounds import PILOT, Round, Rounds
+from gfmd_numba.campaign.rounds import Round, Rounds
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
+
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 KNOWN = {"eps_f": 0.7}
 DRAGGED = until_of_paths.DRAGGED | {"seed": 1, "realisations": 2}
@@ -133,7 +136,7 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops():
     distances = []
     for seed in range(SEEDS):
         drawn = surfaces(seed)
-        first = Round(realisations=(PILOT,) * drawn.sizes["case"], is_last=False)
+        first = Round(realisations=(FEWEST,) * drawn.sizes["case"], is_last=False)
         state = Rounds(goal=Goal(variable="kappa", target=0.02), campaign_sha256="", rounds=(first,))
         while not state.ended:
             results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)

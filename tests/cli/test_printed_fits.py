@@ -1,5 +1,7 @@
 """What a fit prints belongs where it stands: exponents to groups, seconds to the campaign."""
 
+import re
+
 import numpy as np
 
 from gfmd_numba import fit_tfc
@@ -18,8 +20,8 @@ def exponent_line(alphas, capsys):
     fit["alpha"].loc[{"limit": "eps_f"}] = alphas
     fit["alpha_error"].loc[{"limit": "eps_f"}] = np.nan
     show_fit(fit)
-    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("exponent eps_f"))
-    return line.removeprefix("exponent eps_f").rpartition("(")[0].replace(",", "").strip()
+    said = unfolded(capsys.readouterr().out)
+    return re.search("fractal eps_f: power, exponent (.*?), extrapolated from", said)[1].replace(",", "")
 
 
 def test_every_group_has_its_exponent_at_its_place(capsys):

@@ -17,7 +17,7 @@ from support.alterations import changed_text
 from support.faulty_files import refusal
 from support.scenes import SURFACE
 
-CAMPAIGN = (Path(__file__).parents[2] / "campaigns" / "quickstart.yaml").read_text(encoding="utf-8")
+CAMPAIGN = (Path(__file__).parents[2] / "campaigns" / "given-levels.yaml").read_text(encoding="utf-8")
 SCENE = """
 length: 1e-4
 body: {youngs_modulus: 70e9, poissons_ratio: 0.33, aspect_ratio: 1}

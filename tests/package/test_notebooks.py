@@ -39,10 +39,10 @@ PATHS = (
 )
 # notebook: the file that it reads, and what is shrunk in it; a notebook of no file is shrunk itself
 NOTEBOOKS = {
-    "01-first-campaign": ("quickstart.yaml", QUICKSTART),
-    "02-tfc-limit": ("quickstart.yaml", QUICKSTART),
+    "01-first-campaign": ("given-levels.yaml", QUICKSTART),
+    "02-tfc-limit": ("given-levels.yaml", QUICKSTART),
     "03-thesis-revisited": ("thesis-chapter4.yaml", CHAPTER_4),
-    "04-what-accuracy-costs": ("quickstart.yaml", QUICKSTART),
+    "04-what-accuracy-costs": ("given-levels.yaml", QUICKSTART),
     "05-two-step-fields": ("two-step-fields.py", ROUGH_BODIES),
     "06-friction-and-adhesion": (None, PATHS),
 }

@@ -36,7 +36,7 @@ reference: {{eps_c: 1/2, eps_f: 1/4, eps_t: 1}}
 limits: {{eps_c: [1]}}
 grid: {{hurst: [0.3, 0.8], aspect_ratio: [0.5, .inf], reduced_pressure: [0.01, 0.1]}}
 fit: {{variable: kappa, exponents: shared, fixed: {{eps_c: [1, 2]}}}}
-target: 0.1
+target: {{kappa: 10%}}
 case_timeout: 100
 """
 _MOUNDS = "model: %s, hurst: 0.8, correlation_length: 4e-6, mound_separation: 9e-6, cut_on: 2e-6"

@@ -108,6 +108,8 @@ def smaller(record):
                 group["eps_f"] = small if isinstance(value, list) else small[0]
     if "realisations" in record:
         record["realisations"] = 8 if limits else 2
+    if "target" in record:
+        record["target"] = dict.fromkeys(record["target"], 0.3)
     if "grid" in record:
         axes = enumerate(record["grid"].items())
         record["grid"] = {name: values[: 1 if rank or limits else 2] for rank, (name, values) in axes}

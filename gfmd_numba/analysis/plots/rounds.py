@@ -13,19 +13,30 @@ from gfmd_numba.analysis.arguments import TARGET, checked
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE
 
-_RESULT, _PRICE, _TARGET = COLOURS[0], COLOURS[1], COLOURS[2]
+_RESULT, _TARGET = COLOURS[0], COLOURS[2]
 _ROUNDS: dict[str, Any] = {"fmt": "o-", "color": _RESULT, "ms": 5.5, "capsize": 3, "lw": 1.3}
 _BARS = "rounds, bars to 90 % confidence"
 _TIMES = {  # ticks of an axis of time, in s
     "1 ms": 1e-3,
     "10 ms": 1e-2,
     "0.1 s": 0.1,
+    "0.2 s": 0.2,
+    "0.5 s": 0.5,
     "1 s": 1.0,
+    "2 s": 2.0,
+    "5 s": 5.0,
     "10 s": 10.0,
+    "20 s": 20.0,
     "1 min": 60.0,
+    "2 min": 120.0,
+    "5 min": 300.0,
     "10 min": 600.0,
+    "30 min": 1800.0,
     "1 h": 3600.0,
+    "2 h": 7200.0,
+    "5 h": 18e3,
     "10 h": 36e3,
+    "1 day": 86400.0,
     "4 days": 4 * 86400.0,
     "40 days": 40 * 86400.0,
     "1 year": 365 * 86400.0,
@@ -34,10 +45,10 @@ _TIMES = {  # ticks of an axis of time, in s
 
 @checked
 def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
-    """Draw the error of the worst group after each round against processor time, its target, and what a digit costs.
+    """Draw the error of the worst group after each round against processor time, and its target.
 
-    Bars go to the error that is not exceeded with 90 % probability. The dashed line goes on as error ~ time^-1/2, to a
-    tenth of the last error. UnusableDataError for results without a round that has an error.
+    Bars go to the error that is not exceeded with 90 % probability. UnusableDataError for results without a round that
+    has an error.
     """
     if "round" not in dataset.dims or not (dataset["round_error"] > 0).any():
         raise UnusableDataError(
@@ -64,19 +75,11 @@ def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
         axis.errorbar(seconds, errors, [0.0 * sure, sure], label=_BARS, **_ROUNDS)
         for number, x, y in zip(known["round"].values, seconds, errors, strict=True):
             _write(axis, str(number) if number else "pilot", (x, y), (-5, -7), "right")
-        _draw_price(axis, seconds[-1], errors[-1])
+        axis.set_xlim(0.5 * seconds[0], 2.0 * seconds[-1])
         _tick(axis)
         axis.grid(color="0.9", linewidth=0.8)
         figure.legend(loc="outside upper center", ncols=2)
     return figure
-
-
-def _draw_price(axis: Axes, seconds: float, error: float) -> None:
-    """Go on to the next digit as the mean of independent surfaces does."""
-    later, less = 100 * seconds, error / 10
-    axis.plot([seconds, later], [error, less], "--", color=_PRICE, lw=1.3, label=r"error $\sim$ time$^{-1/2}$")
-    axis.plot(later, less, "D", color=_PRICE, ms=6)
-    _write(axis, f"the next digit,\n{100 * less:.2g} %: {_duration(later)}", (later, less), (-9, -4), "right")
 
 
 def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], side: str) -> None:
@@ -85,7 +88,7 @@ def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, f
 
 def _tick(axis: Axes) -> None:
     """Ticks of times as people say them, and of errors in per cent."""
-    axis.margins(x=0.09, y=0.16)
+    axis.margins(y=0.16)
     low, high = axis.get_xlim()
     shown = {text: time for text, time in _TIMES.items() if low <= time <= high}
     axis.set_xticks(list(shown.values()), list(shown))
@@ -99,11 +102,3 @@ def _ylabel(dataset: xr.Dataset) -> str:
     variable = str(dataset.attrs["until"]).split("=")[0]
     symbol = {"kappa": r"$\kappa$", "kappa_r": r"$\kappa_r$"}.get(variable, variable.replace("_", " "))
     return f"Relative error of {symbol} in the limit"
-
-
-def _duration(seconds: float) -> str:
-    """Return a time with the largest unit of which it has two or more."""
-    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"

@@ -1,0 +1,75 @@
+"""How often runs without levels are right: campaigns of other seeds until 3 %, beside definitive values.
+
+python benchmarks/runs_to_an_accuracy.py [seeds] [target]
+
+The tables are those of docs/limit.md, "How far it can be trusted". The processor time is that of the whole run in one
+process with one thread, without the start of the program.
+"""
+
+import json
+import os
+import sys
+import tempfile
+import time
+import warnings
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import numpy as np
+
+import gfmd_numba
+
+# the parameters of each campaign, and its definitive kappa from other seeds
+KINDS = {
+    "H = 0": ({"hurst": 0.0}, 3.320),
+    "H = 0.3": ({"hurst": 0.3}, 2.851),
+    "H = 0.5": ({"hurst": 0.5}, 2.484),
+    "H = 0.8": ({"hurst": 0.8}, 1.978),
+    "H = 1": ({"hurst": 1.0}, 1.687),
+    "H = 0.8, p\\* = 0.05": ({"hurst": 0.8, "reduced_pressure": 0.05}, 1.942),
+    "H = 0.8, slab, a = 0.1": ({"hurst": 0.8, "aspect_ratio": 0.1}, 1.981),
+}
+
+
+def scene(hurst, reduced_pressure=0.007, aspect_ratio=np.inf):
+    return {
+        "body": {"poissons_ratio": 0.33, "aspect_ratio": aspect_ratio},
+        "roughness": {"method": "psd", "hurst": hurst, "rms_gradient": 0.01},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": reduced_pressure},
+    }
+
+
+def one(parameters, seed, target):
+    """Limit, its error and interval, whether the target was reached, and the processor time of a run."""
+    campaign = {"name": "run", "seed": seed, "scene": scene(**parameters), "target": {"kappa": target}}
+    begun = time.process_time()
+    with tempfile.TemporaryDirectory() as folder:
+        results = gfmd_numba.run(campaign, folder + "/run").load()
+    seconds = time.process_time() - begun
+    fit = gfmd_numba.fit_tfc(results, **json.loads(results.attrs["fit"])).isel(group=0)
+    found = [float(fit[f"kappa_tfc{end}"]) for end in ("", "_error", "_low", "_high")]
+    return [*found, results.attrs["ended"] == "reached", seconds]
+
+
+def main(seeds=20, target=0.03):
+    warnings.simplefilter("ignore")
+    print("| campaign | definitive | inside | mean | rms | reported | above target |\n|---|---|---|---|---|---|---|")
+    times = []
+    for name, (parameters, true) in KINDS.items():
+        runs = np.array([one(parameters, 1000 + seed, float(target)) for seed in range(int(seeds))])
+        limit, error, low, high, _, seconds = runs[runs[:, 4] == 1.0].T
+        off = limit / true - 1.0
+        parts = [
+            f"{((low <= true) & (true <= high)).mean():.0%}",
+            *(f"{100 * each:.1f} %" for each in (off.mean(), np.sqrt((off**2).mean()), (error / limit).mean())),
+            f"{(abs(off) > float(target)).mean():.0%}",
+        ]
+        times.append(f"| {name} | {np.median(seconds):.2g} | {seconds.max():.2g} |")
+        print(f"| {name} | {true} | {' | '.join(parts)} |", flush=True)
+        print(f"{len(limit)} of {len(runs)} reached", file=sys.stderr)
+    print("\n| campaign | median | largest |\n|---|---|---|", *times, sep="\n")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,61 @@
+"""How far each limit lies beyond its finest level, and what that distance adds to the error.
+
+A law that fits the levels need not hold beyond them, so the error of a limit counts a part of the distance that the
+law bridges. A power is off in proportion to this distance: exponents drift, because a correction is a sum of several
+powers. The law of the unseen slope has no exponent that could drift. It errs by a part of a short distance, too, but
+never by more than a small part of the limit.
+"""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from gfmd_numba.analysis.linear_fit import Means, excess
+from gfmd_numba.analysis.posterior import Choice
+from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.arrays import Reals
+
+# Standard error over the distance that a law bridges, and for the law of the unseen slope the most over the limit.
+# Measured on lines (H = 0.5, 0.8, 1; p* = 0.007, 0.05, 0.3; half-space and a = 0.1) by fits whose levels end at 1/eps_f
+# = 128 to 4096, against their limits
+_OF_THE_DISTANCE = 0.3
+_OF_THE_LIMIT = 0.02
+
+
+def distances(index: int, means: Means, choice: Choice) -> Reals:
+    """Return how far the fit at each limit's finest level is from its limit (node, limit), nan for limits not varied.
+
+    The other discretisations are at the reference or in their limits, whichever is further.
+    """
+    found = np.full((len(choice.nodes), len(LIMITS)), np.nan)
+    coefficients = choice.fits[index].coefficients
+    for row, limit in enumerate(means.levels, start=1):
+        finest = min(means.levels[limit].min(), means.reference[limit])
+        at = excess(choice.laws, limit, np.array([finest, means.reference[limit]]), choice.nodes)
+        mine = [1 + len(means.levels) + pair for pair, both in enumerate(means.pairs) if limit in both]
+        alone = coefficients[:, row]
+        together = alone + coefficients[:, mine].sum(axis=1)
+        furthest = np.where(abs(together) > abs(alone), together, alone)
+        found[:, LIMITS.index(limit)] = furthest * at[:, 0] / at[:, 1]
+    return found
+
+
+def doubts(index: int, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
+    """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
+
+    It is the whole distance if data press an exponent against an end of its range.
+    """
+    part = np.array([1.0 if name in at_an_end else _OF_THE_DISTANCE for name in LIMITS])
+    found: Reals = part * abs(np.nan_to_num(distances(index, means, choice)))
+    most = _OF_THE_LIMIT * abs(choice.fits[index].coefficients[:, 0])
+    for column, name in enumerate(LIMITS):
+        if name in choice.laws and choice.laws[name].whole:
+            found[:, column] *= most / (most + found[:, column])
+    return found
+
+
+def mean_distances(index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
+    """Return the distances (limit), weighed by how well the laws fit."""
+    return np.asarray(
+        sum(share @ distances(index, means, choice) for choice, share in zip(choices, shares, strict=True))
+    )

@@ -1,0 +1,83 @@
+"""What the distance from the finest level adds to the error of a limit, and what rival fits add to it."""
+
+import numpy as np
+import pytest
+
+from gfmd_numba.analysis import fit_tfc
+from support.doubts import without_doubts
+from support.synthetic_campaigns import TFC, campaign, noisy
+
+COARSE, FINE = ([1 / (first * 4**level) for level in range(5)] for first in (4, 64))
+OF_TWO_POWERS = (0.3, 2.0)  # range of exponents that the user gives
+
+
+def of(levels, law, realisations=30):
+    """Made-up campaign of one limit, whose kappa_r goes to its limit by a law."""
+    dataset = campaign(levels={"eps_f": levels}, coefficients={}, realisations=realisations)
+    moved = dataset["kappa"] + law(dataset["eps_f"])
+    return dataset.assign(kappa=moved).rename(kappa="kappa_r")
+
+
+def scattered(dataset, seed):
+    noise = noisy(dataset.rename(kappa_r="kappa"), np.random.default_rng(seed), spread=0.05, own=0.002)
+    return noise.rename(kappa="kappa_r")
+
+
+def part(fit, source):
+    return fit["error_budget"].sel(source=source).item()
+
+
+def test_the_doubt_grows_with_the_distance():
+    """For a power it is in proportion to it, whatever the surfaces."""
+    doubts = []
+    for levels in (FINE, COARSE):
+        for size in (1.0, 3.0):
+            fit = fit_tfc(of(levels, lambda eps: size * eps**0.5), "kappa_r", fixed={"eps_f": 0.5})  # noqa: B023
+            at = fit.sel(limit="eps_f")
+            finest = min(min(levels), 1 / 1024)
+            assert at["finest_eps"].item() == finest
+            assert at["extrapolated"].item() == pytest.approx(size * finest**0.5, rel=1e-6)
+            assert fit["kappa_r_tfc_error"].item() == pytest.approx(at["extrapolation_error"].item(), rel=1e-3)
+            assert part(fit, "extrapolation") == pytest.approx(at["extrapolation_error"].item())
+            assert np.isnan(fit["extrapolated"].sel(limit="eps_c").item())
+            doubts.append(at["extrapolation_error"].item() / finest**0.5)
+    np.testing.assert_allclose(np.array(doubts) / doubts[0], [1.0, 3.0, 1.0, 3.0], rtol=1e-6)
+
+
+def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most():
+    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
+    by_law, by_power = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))
+    assert 0.0 < part(by_law, "extrapolation") < 0.02 * by_law["kappa_tfc"].item()
+    assert part(by_power, "extrapolation") > 0.02 * by_power["kappa_tfc"].item()
+
+
+def inside(dataset, seeds):
+    """In how many of some seeds the 90 % interval holds the limit."""
+    count = 0
+    for seed in range(seeds):
+        fit = fit_tfc(scattered(dataset, seed), "kappa_r", fixed={"eps_f": OF_TWO_POWERS})
+        count += bool(fit["kappa_r_tfc_low"].item() <= TFC[0.8] <= fit["kappa_r_tfc_high"].item())
+    return count
+
+
+def test_a_law_that_changes_beyond_the_levels_has_its_limit_in_the_interval(monkeypatch):
+    """Of two powers the levels tell an exponent between them, and the slower one stays."""
+    levels = [1 / 16, 1 / 32, 1 / 64, 1 / 128, 1 / 256]
+    dataset = of(levels, lambda eps: 2.0 * eps**0.4 + 2.0 * eps)
+    with_doubts = inside(dataset, 100)
+    without_doubts(monkeypatch)
+    assert with_doubts >= 80
+    assert inside(dataset, 40) / 40 < with_doubts / 100 - 0.2
+
+
+def test_a_wrong_exponent_that_is_asserted_is_found_out_by_its_rival():
+    """Many surfaces make its own error small, but not what the levels say."""
+    dataset = scattered(of(FINE, lambda eps: 6.0 * eps**0.6, realisations=400), 0)
+    right, wrong = (fit_tfc(dataset, "kappa_r", fixed={"eps_f": exponent}) for exponent in (0.6, 0.9))
+    assert "with an exponent of eps_f between" not in right["message"].item()
+    assert "with an exponent of eps_f between" in wrong["message"].item()
+    assert "the error includes this" in wrong["message"].item()
+    assert part(wrong, "rivals") > part(wrong, "sampling")
+    assert part(wrong, "rivals") > 5 * part(right, "rivals")
+    assert wrong["kappa_r_tfc_error"].item() >= part(wrong, "rivals")
+    assert abs(wrong["kappa_r_tfc"].item() - TFC[0.8]) < 2 * wrong["kappa_r_tfc_error"].item()

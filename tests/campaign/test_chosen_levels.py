@@ -1,0 +1,145 @@
+"""Levels that a run chooses by itself: those it begins with, and finer ones until its target is reached."""
+
+import numpy as np
+import pytest
+import yaml
+
+import gfmd_numba
+from gfmd_numba.campaign import until
+from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.levels import finer_levels, first_levels, first_realisations, limit_of, limits_around
+from gfmd_numba.campaign.status import campaign_in, verify
+from gfmd_numba.campaign.until import run_until
+from gfmd_numba.scene import InputError
+
+SCENE = {
+    "body": {"poissons_ratio": 0.33},
+    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+    "interface": {"hard_wall": {}},
+    "loading": {"reduced_pressure": 0.05},
+}
+SHORT = {"name": "short", "seed": 1, "scene": SCENE, "target": {"kappa": "5%"}}
+COARSE = SHORT | {
+    "reference": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2},
+    "limits": {"eps_f": [1 / 2, 1 / 4], "eps_t": [1], "cross": [{"eps_f": 1 / 4, "eps_t": 1}]},
+    "fit": {"exponents": "free", "fixed": {"eps_f": 0.7, "eps_t": 1}},
+}
+GOAL = Goal(variable="kappa", target=0.05)
+HERE = Workers(0)
+
+
+def rounds_of(outcome):
+    return [(each.levels, each.realisations, each.predicted_error, each.price) for each in outcome.rounds.rounds]
+
+
+def digest(outcome):
+    return gfmd_numba.open_campaign(outcome.results).attrs["content_sha256"]
+
+
+@pytest.fixture(scope="module")
+def refined(tmp_path_factory):
+    return run_until(COARSE, GOAL, tmp_path_factory.mktemp("refined") / "out", HERE)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_campaign_of_a_target_alone_begins_with_first_levels(dimension):
+    found, document = load_campaign(SHORT | {"scene": SCENE | {"dimension": dimension}})
+    reference, *others = first_levels(dimension)
+    assert found.target == {"kappa": 0.05}
+    assert tuple(found.reference.model_dump().values()) == reference
+    assert found.limits == limits_around(reference, others)
+    assert found.n_cases == len(first_levels(dimension))
+    fixed = found.fit.model_dump()["fixed"]
+    assert fixed["eps_c"] is not None
+    assert fixed["eps_f"] is None  # theory gives its law
+    assert yaml.safe_load(document.text).keys() == SHORT.keys()  # what is chosen is not in the user's file
+
+
+def test_a_campaign_without_a_target_needs_levels():
+    without = {key: value for key, value in SHORT.items() if key != "target"} | {"realisations": 2}
+    with pytest.raises(InputError, match=r"reference: you gave .*; gfmd (allows|needs) .* a `target` like"):
+        load_campaign(without)
+
+
+@pytest.mark.parametrize("given", [0.05, "5%", {}, {"kappa": 0}, {"kappa": "150%"}, {"area": 0.1}])
+def test_what_is_no_target_is_refused(given):
+    with pytest.raises(InputError, match=r"target.*: you gave .*; gfmd allows "):
+        load_campaign(SHORT | {"target": given})
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("limit", ["eps_c", "eps_f", "eps_t"])
+def test_finer_levels_keep_the_old_ones(limit, dimension):
+    old = first_levels(dimension)
+    new = finer_levels(old, limit, dimension)
+    axis = ["eps_c", "eps_f", "eps_t"].index(limit)
+    assert set(old) < set(new)
+    assert len(set(new)) == len(new)
+    assert min(level[axis] for level in new) < min(level[axis] for level in old)
+    assert (new[0] == old[0]) == (limit != "eps_f")
+    if limit == "eps_f":  # its correction is told by a new reference, beside which the old one is a level
+        assert new[0][1] < min(level[1] for level in old)
+        assert limit_of(new[0], old[0]) == "eps_f"
+    number = dict(zip(new, first_realisations(new, dimension), strict=True))
+    assert min(number.values()) == 20
+    assert number[max(new, key=np.prod)] == max(number.values()) <= 400
+
+
+def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
+    first, *_, last = refined.rounds.rounds
+    assert refined.reached
+    assert last.error <= 0.05
+    assert set(first.levels[0]) < set(last.levels[0])
+    assert last.levels[0][0][1] < first.levels[0][0][1]
+    results = gfmd_numba.open_campaign(refined.results)
+    assert results["is_reference"].values.tolist() == [True] + [False] * (len(last.levels[0]) - 1)
+    assert results["eps_f"].values[0] == last.levels[0][0][1]
+    asked = results["round_realisations"].values
+    assert (asked[0] > 0).sum() == len(first.levels[0])
+    assert (asked[-1] == results["realisations"].values).all()
+    found = campaign_in(refined.results.parent)
+    assert [case.realisations for case in found.cases] == list(last.realisations)
+    assert (verify(refined.results.parent).missing, verify(refined.results.parent).foreign) == (0, [])
+
+
+def test_levels_only_adds_none_and_says_what_is_in_the_way(tmp_path):
+    outcome = run_until(COARSE | {"levels": "only"}, GOAL, tmp_path / "out", HERE)
+    assert {each.levels for each in outcome.rounds.rounds} == {outcome.rounds.rounds[0].levels}
+    assert outcome.rounds.ended.startswith("not reached: the distance from the finest levels to the limit leaves ")
+    assert "mostly that of eps_f" in outcome.rounds.ended
+    assert gfmd_numba.open_campaign(outcome.results).attrs["ended"] == outcome.rounds.ended
+
+
+def test_finer_levels_stay_within_a_budget(refined, tmp_path, monkeypatch):
+    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 1.0)
+    first, *_, last = (each.price for each in refined.rounds.rounds)
+    outcome = run_until(COARSE, GOAL.model_copy(update={"budget": 1.05 * first}), tmp_path / "out", HERE)
+    assert outcome.rounds.ended.startswith("not reached: the budget is too small")
+    assert outcome.rounds.now.price <= 1.05 * first < last
+
+
+class Killed(BaseException):
+    pass
+
+
+@pytest.mark.parametrize("n_fits", [0, 1])
+def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch, n_fits):
+    """In the fit of a round, whose decision is not made yet."""
+    fits = iter([until.fit_tfc] * n_fits)
+
+    def dying(*given, **options):
+        fit = next(fits, None)
+        if fit is None:
+            raise Killed
+        return fit(*given, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(until, "fit_tfc", dying)
+        with pytest.raises(Killed):
+            run_until(COARSE, GOAL, tmp_path / "out", HERE)
+    resumed = run_until(COARSE, GOAL, tmp_path / "out", HERE)
+    assert rounds_of(resumed) == rounds_of(refined)
+    assert digest(resumed) == digest(refined)
+    assert rounds_of(run_until(COARSE, GOAL, tmp_path / "out", HERE)) == rounds_of(refined)

@@ -132,7 +132,7 @@ def asked(drawn, counts):
 
 
 @pytest.mark.long
-def test_the_errors_of_all_steps_are_right_where_a_run_stops():
+def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
     distances = []
     for seed in range(SEEDS):
         drawn = surfaces(seed)
@@ -142,11 +142,14 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops():
             results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
             fitted = fit_tfc(results, fixed=ALPHA)
             state = after(state, results, fitted, Fit("kappa", ALPHA))
+        if "no law of the limits describes the means" in state.ended:  # by chance, as one in twenty means scatter
+            continue
         assert state.ended == "reached"
         errors = (fitted["kappa_tfc_error"] / fitted["kappa_tfc"]).values
         assert (errors <= 0.02).all()
         assert errors[0] < errors[1] == pytest.approx(state.now.error)
         distances.append((fitted["kappa_tfc"].values - TFC[0.8]) / fitted["kappa_tfc_error"].values)
+    assert len(distances) >= 0.9 * SEEDS
     scatter = np.sqrt(np.mean(np.square(distances), axis=0))
     assert (scatter > 0.7).all()
     assert (scatter < 1.3).all()  # 2.7 standard errors of so many runs

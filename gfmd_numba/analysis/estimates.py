@@ -74,4 +74,5 @@ class GroupFit:
     laws: list[str]  # (limit)
     extrapolated: Reals  # fit at the finest level of each limit less the limit (limit)
     extrapolation_error: Reals  # what this distance adds to the error of the TFC limit (limit)
+    contradiction: Reals  # what the TFC limit differs by where an asserted exponent may have its range (limit)
     curve: tuple[Reals, Reals]  # eps and values (limit, step) along each limit

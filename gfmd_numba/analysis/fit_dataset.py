@@ -27,6 +27,10 @@ _UNITS_AND_NAMES = {
     "interaction_error": (_OF_THE_VARIABLE, "standard error of the interaction"),
     "extrapolated": (_OF_THE_VARIABLE, "fit at the finest level of the limit less the limit"),
     "extrapolation_error": (_OF_THE_VARIABLE, "standard error of {variable}_tfc by this distance"),
+    "contradiction": (
+        _OF_THE_VARIABLE,
+        "{variable}_tfc with a range for an exponent that is given exactly, less {variable}_tfc, beyond chance",
+    ),
     "finest_eps": ("1", "finest level of the limit"),
     "curve_eps": ("1", "discretisation along each limit"),
     "curve": (_OF_THE_VARIABLE, "{variable} by the fit along each limit, the others at the reference"),
@@ -79,6 +83,7 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     for name, rows in (
         ("extrapolated", [fit.extrapolated for fit in fits]),
         ("extrapolation_error", [fit.extrapolation_error for fit in fits]),
+        ("contradiction", [fit.contradiction for fit in fits]),
         ("finest_eps", [_finest(group) for group in groups]),
     ):
         variables[name] = (("group", "limit"), np.array(rows).reshape(len(fits), -1))

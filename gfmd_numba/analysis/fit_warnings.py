@@ -115,26 +115,20 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     ]
 
 
-def additivity(group: Group, estimate: Reals, error: Reals) -> list[str]:
-    """Return lines that say by how much the corrections together differ from their sum, and how that is known."""
-    found, unknown = Estimates(estimate).interaction, Estimates(error).interaction
+def additivity(group: Group, error: Reals) -> list[str]:
+    """Return a line where no cross level tells by how much corrections together differ from their sum."""
+    unknown = Estimates(error).interaction
     off = {name: abs(group.log_ratio(name)) > 1e-9 for name in group.levels}
     pairs = [(number, pair) for number, pair in enumerate(PAIRS) if set(pair) <= set(off)]
-    crossed = [number for number, (first, second) in pairs if (off[first] & off[second]).any()]
-    open_ones = [number for number, _ in pairs if number not in crossed]
-    lines = []
-    if crossed:
-        total, doubt = float(found[crossed].sum()), float(np.hypot.reduce(unknown[crossed]))
-        size = group.shown(total, doubt)
-        lines.append(f"corrections together differ from their sum by {size}, as the cross levels say")
-    if open_ones:
-        which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
-        difference = group.shown(float(np.hypot.reduce(unknown[open_ones])))
-        lines.append(
-            f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
-            f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"
-        )
-    return lines
+    open_ones = [number for number, (first, second) in pairs if not (off[first] & off[second]).any()]
+    if not open_ones:
+        return []
+    which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
+    difference = group.shown(float(np.hypot.reduce(unknown[open_ones])))
+    return [
+        f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
+        f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"
+    ]
 
 
 def realisations(group: Group) -> str:

@@ -16,11 +16,15 @@ _SIGNIFICANT = 2.0  # standard deviations by which a rival may differ by chance
 
 @dataclass(frozen=True)
 class Rival:
-    """Another fit of the same groups, and what it does differently, in words."""
+    """Another fit of the same groups, and what it does differently, in words.
+
+    `asserted` is the limit whose exponent the fit asserts and the rival does not, "" where the rival has fewer levels.
+    """
 
     what: str
     groups: list[Group]
     given: Given
+    asserted: str = ""
 
 
 def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
@@ -36,7 +40,7 @@ def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
         if low == high and len(levels) > 2:
             low, high = expected[limit]
             what = f"with an exponent of {limit} between {low:g} and {high:g}, as the levels tell it,"
-            yield Rival(what, list(groups), {**given, limit: expected[limit]})
+            yield Rival(what, list(groups), {**given, limit: expected[limit]}, asserted=limit)
 
 
 def without_coarsest(groups: Sequence[Group]) -> tuple[str, list[Group]] | None:

@@ -37,7 +37,7 @@ from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
-from gfmd_numba.analysis.rivals import disagreement, rivals, without_coarsest
+from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
 from gfmd_numba.analysis.steps_of_paths import joined, steps_of
 from gfmd_numba.arrays import Reals
@@ -143,7 +143,7 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     if doubt:
         return [_refused(group, _doubts(group, doubt)) for group in groups]
     others = [
-        (rival.what, _weighed(rival.groups, _choices(rival.groups, variable, rival.given)))
+        (rival, _weighed(rival.groups, _choices(rival.groups, variable, rival.given)))
         for rival in rivals(found.groups, given)
     ]
     return [_fit(index, found, others, left_out) for index in range(len(groups))]
@@ -182,7 +182,7 @@ def _weighed(groups: Sequence[Group], laws: Sequence[Laws]) -> _Weighed:
     return _Weighed(groups, means, found, shares(found), excess)
 
 
-def _fit(index: int, whole: _Weighed, others: Sequence[tuple[str, _Weighed]], left_out: Sequence[str]) -> GroupFit:
+def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], left_out: Sequence[str]) -> GroupFit:
     group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
@@ -190,7 +190,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[str, _Weighed]], le
     variance = np.concatenate([_variances(group, fit) for fit in fits])
     at_an_end = pressed(found, share)
     by_limit = np.concatenate([doubts(index, means, choice, at_an_end) for choice in found]) ** 2
-    differing = [(what, disagreement(*whole.limit_of(index), *other.limit_of(index))) for what, other in others]
+    differing = [(rival, disagreement(*whole.limit_of(index), *other.limit_of(index))) for rival, other in others]
     by_rival = max((difference**2 for _, difference in differing), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
@@ -205,19 +205,9 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[str, _Weighed]], le
         *_by_law(index, group, found, share),
         *at_an_end.values(),
         *logarithmic(group, found),
-        *additivity(group, estimate, error),
+        *additivity(group, error),
+        *_doubts_of_levels(whole, group, differing, left_out),
     ]
-    notes += [f"{what} is left out, as no law describes it together with the finer levels" for what in left_out]
-    notes += [
-        f"{what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
-        for what, difference in differing
-        if difference
-    ]
-    if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
-        notes.append(
-            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow: these are "
-            "enlarged by as much; add finer levels, or allow other exponents"
-        )
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
@@ -246,7 +236,35 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[str, _Weighed]], le
         curve=_curve(index, group, means, found, share),
         extrapolated=mean_distances(index, means, found, share),
         extrapolation_error=extrapolation_error,
+        contradiction=_contradiction(group, differing),
     )
+
+
+def _doubts_of_levels(
+    whole: _Weighed, group: Group, differing: Sequence[tuple[Rival, float]], left_out: Sequence[str]
+) -> list[str]:
+    """Return a line for each level or exponent that does not go with the others, and one for a misfit of all."""
+    lines = [f"{what} is left out, as no law describes it together with the finer levels" for what in left_out]
+    lines += [
+        f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
+        for rival, difference in differing
+        if difference
+    ]
+    if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
+        lines.append(
+            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow: these are "
+            "enlarged by as much; add finer levels, or allow other exponents"
+        )
+    return lines
+
+
+def _contradiction(group: Group, differing: Sequence[tuple[Rival, float]]) -> Reals:
+    """Return what the value differs by where an asserted exponent may have its range (limit), nan if not varied."""
+    found = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
+    for rival, difference in differing:
+        if rival.asserted in group.levels:
+            found[LIMITS.index(rival.asserted)] = difference
+    return found
 
 
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
@@ -382,4 +400,5 @@ def _refused(group: Group, reason: str) -> GroupFit:
         curve=(np.full((len(LIMITS), STEPS), np.nan), np.full((len(LIMITS), STEPS), np.nan)),
         extrapolated=np.full(len(LIMITS), np.nan),
         extrapolation_error=np.full(len(LIMITS), np.nan),
+        contradiction=np.full(len(LIMITS), np.nan),
     )

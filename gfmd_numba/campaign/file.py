@@ -40,6 +40,7 @@ from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
 
 MOST_CASES = 1_000_000
 _LEVELS = "a mapping with eps_c, eps_f and eps_t, or a `target` like {kappa: 3%}, for which the run chooses levels"
+_REALISATIONS = f"{COUNT}; or a `target` like {{kappa: 3%}}, for which the run chooses them"
 LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some systems, and a block is seconds of work
 
 
@@ -157,7 +158,7 @@ class Campaign(BaseModel):
     def _draws_what_is_random(self) -> Self:
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
         rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
-        for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", COUNT)):
+        for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):
             given = name in self.model_fields_set
             if random and name == "realisations" and not given and self.target is not None:
                 continue
@@ -252,6 +253,11 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
                 check_anisotropy_fits(document, anisotropy, location, discretisation)
             check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, arrays)
     return campaign, document
+
+
+def is_without_levels(document: Document, campaign: Campaign) -> bool:
+    """Whether the run chose the levels of a loaded campaign, as its file names none."""
+    return document.value(("reference",)) is ABSENT and bool(campaign.limits.varied)
 
 
 def target_of_run(source: Source | Campaign) -> dict[str, float] | None:

@@ -90,7 +90,7 @@ def nodes_of(level: Level, dimension: int) -> float:
 
 
 def first_realisations(levels: Sequence[Level], dimension: int, fewest: int = FEWEST) -> list[int]:
-    """Return the realisations of levels (level) that results are first asked for: more of those that cost less.
+    """Return how many realisations of each level (level) a run begins with: more of those that cost less.
 
     Multilevel Monte Carlo takes numbers in proportion to the root of variance over cost (Giles 2008), and variances of
     differences fall about as slowly as the cube root of the cost.

@@ -53,10 +53,10 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
     large = _SHARE_OF_DOUBTS * target
-    exact = [name for name, given in fit.fixed.items() if not isinstance(given, Sequence)]
-    if exact and float((fitted["error_budget"].sel(source="rivals") / abs(in_the_limit(fitted)[0])).max()) > large:
-        which = " and ".join(f"{name}: {fit.fixed[name]:g}" for name in exact)
-        return state.ending(f"not {REACHED}: the levels contradict the fixed {which}; gfmd allows the range it lies in")
+    contradiction = abs(fitted["contradiction"] / in_the_limit(fitted)[0]).max("group")
+    if which := [f"{name}: {fit.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
+        said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
+        return state.ending(f"not {REACHED}: {said}")
     finer = _refined(state, results, doubts, large) if may_refine else None
     if finer is not None:
         return finer
@@ -67,26 +67,21 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
     another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
     if may_refine and (another.ended or another.now.target_price is None):  # surfaces alone do not do
-        finer = _refined(state, results, [replace(doubt, mendable=0.0) for doubt in doubts], 0.0)
+        finer = _refined(state, results, doubts, 0.0)
     return another if finer is None else finer
 
 
 @dataclass(frozen=True)
 class _Doubt:
-    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from.
-
-    `mendable` is the rest of the error, which more surfaces make smaller.
-    """
+    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from."""
 
     size: float
     limit: str
-    mendable: float
 
 
 def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
     """What the laws of each group leave open, however many surfaces there are; along a path at its worst step."""
-    limit, of_limit = in_the_limit(fitted)
-    value, error = abs(limit), (of_limit / abs(limit)).values
+    value = abs(in_the_limit(fitted)[0])
     by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
     by_limit.loc[{"limit": "eps_f"}] = np.hypot(
         by_limit.sel(limit="eps_f"), (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
@@ -97,8 +92,7 @@ def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
     for group in range(n_groups):
         worst = group + n_groups * int(size.values[group::n_groups].argmax())
         widest = "eps_f" if size[worst] == inf else str(by_limit["limit"].values[by_limit.values[worst].argmax()])
-        mendable = sqrt(max(0.0, float(error[worst]) ** 2 - float(size[worst]) ** 2)) if size[worst] < inf else 0.0
-        found.append(_Doubt(float(size[worst]), widest, mendable))
+        found.append(_Doubt(float(size[worst]), widest))
     return found
 
 
@@ -119,10 +113,7 @@ def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, targe
 
 
 def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most: float) -> Rounds | None:
-    """Rounds with one more that has finer levels for the groups whose laws leave more open; None if none has.
-
-    As long as the surfaces leave still more open, laws cannot be told from one another, and more surfaces come first.
-    """
+    """Rounds with one more that has finer levels for the groups whose laws leave more open; None if none has."""
     now = state.now
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []

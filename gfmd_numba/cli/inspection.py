@@ -58,10 +58,9 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 
 def _check_campaign(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.campaign.file import is_without_levels, load_campaign
     from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
     from gfmd_numba.scene import Measured
-    from gfmd_numba.text.input_error import ABSENT
 
     campaign = load_campaign(document)[0]
     doubts = doubt_of_numbers(campaign, campaign.scene.length).splitlines()
@@ -77,9 +76,9 @@ def _check_campaign(document: Document) -> tuple[str, str]:
 
             doubts += refused_limits(planned)
     kind = f"a campaign of {campaign.n_cases} cases"
-    if document.value(("reference",)) is ABSENT and campaign.limits.varied:
+    if is_without_levels(document, campaign):
         ((variable, share),) = (campaign.target or {}).items()
-        kind = f"a campaign until {variable} has {share:.2%}, which begins with {campaign.n_cases} cases"
+        kind = f"a campaign to {share:.2%} of {variable}, which begins with {campaign.n_cases} cases"
     elif campaign.seed is not None:
         kind += f" x {campaign.realisations.reference} realisations"
     kind += f" along a path of {len(campaign.path)} steps" if campaign.path else ""

@@ -47,10 +47,10 @@ def plan(
     Without --target and --budget, the command plans for the realisations in FILE. With one of them, it chooses the
     numbers of realisations that reach the error, or that make the best of the time.
     """
+    from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.scene import InputError
-    from gfmd_numba.text.input_error import ABSENT
 
     planned = plan_campaign(file)
     distinct = len(planned.problems)
@@ -59,10 +59,10 @@ def plan(
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
-    chosen = planned.document.value(("reference",)) is ABSENT and planned.campaign.limits.varied
+    chosen = is_without_levels(planned.document, planned.campaign)
     if chosen:
-        whose = "of its pilot: the run chooses finer levels and numbers of realisations from its results"
-        say("levels", f"{whose}; `gfmd run --budget TIME` bounds what it may take", width=14)
+        first = "what follows is the first round; from its results, the run chooses finer levels and more surfaces"
+        say("levels", f"{first}; `gfmd run --budget TIME` bounds what it may take", width=14)
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)

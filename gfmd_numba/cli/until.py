@@ -98,10 +98,10 @@ def _levels(now: Round) -> str:
 def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     """Say what a round is about to do, and return how its bar is called."""
     from gfmd_numba.campaign.cross_levels import added
-    from gfmd_numba.text.input_error import ABSENT
+    from gfmd_numba.campaign.file import is_without_levels
 
     number, now = len(rounds.rounds) - 1, rounds.now
-    chosen = planned.document.value(("reference",)) is ABSENT
+    chosen = is_without_levels(planned.document, planned.campaign)
     if left and now.levels != (rounds.rounds[-2].levels if number else ()) and (number or chosen):
         say("levels", _levels(now), err=True)
     if number == 0:

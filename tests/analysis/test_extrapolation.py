@@ -70,6 +70,14 @@ def test_a_law_that_changes_beyond_the_levels_has_its_limit_in_the_interval(monk
     assert inside(dataset, 40) / 40 < with_doubts / 100 - 0.2
 
 
+def test_a_level_that_does_not_fit_contradicts_no_exponent():
+    """The finest one is off: fits without it disagree, and nobody asserted an exponent."""
+    dataset = of(FINE, lambda eps: 6.0 * eps**0.6 - 0.3 * (eps < 1 / 10_000), realisations=400)
+    fit = fit_tfc(scattered(dataset, 0), "kappa_r", fixed={"eps_f": OF_TWO_POWERS})
+    assert part(fit, "rivals") > 0.0
+    assert fit["contradiction"].sel(limit="eps_f").item() == 0.0
+
+
 def test_a_wrong_exponent_that_is_asserted_is_found_out_by_its_rival():
     """Many surfaces make its own error small, but not what the levels say."""
     dataset = scattered(of(FINE, lambda eps: 6.0 * eps**0.6, realisations=400), 0)
@@ -77,6 +85,9 @@ def test_a_wrong_exponent_that_is_asserted_is_found_out_by_its_rival():
     assert "with an exponent of eps_f between" not in right["message"].item()
     assert "with an exponent of eps_f between" in wrong["message"].item()
     assert "the error includes this" in wrong["message"].item()
+    assert right["contradiction"].sel(limit="eps_f").item() == 0.0
+    assert abs(wrong["contradiction"].sel(limit="eps_f").item()) == pytest.approx(part(wrong, "rivals"))
+    assert np.isnan(wrong["contradiction"].sel(limit=["eps_c", "eps_t"])).all()  # which are not varied
     assert part(wrong, "rivals") > part(wrong, "sampling")
     assert part(wrong, "rivals") > 5 * part(right, "rivals")
     assert wrong["kappa_r_tfc_error"].item() >= part(wrong, "rivals")

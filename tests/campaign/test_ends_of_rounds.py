@@ -112,6 +112,26 @@ def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeyp
     assert opened(outcome)["round_error"].isnull().all()
 
 
+def test_a_contradicted_exponent_ends_a_run_and_is_named(tmp_path, monkeypatch):
+    """Fits without a level, which disagree as well, blame no exponent."""
+
+    def rivalled(by_level, by_exponent):
+        def fit(*given, **options):
+            found = fit_tfc(*given, **options)
+            found["error_budget"].loc[{"source": "rivals"}] = by_level * found["kappa_tfc"]
+            found["contradiction"].loc[{"limit": "eps_c"}] = by_exponent * found["kappa_tfc"]
+            return found
+
+        return fit
+
+    path = campaign(tmp_path, **ONE)
+    monkeypatch.setattr(until, "fit_tfc", rivalled(0.1, 0.0))
+    assert "contradict" not in run_until(path, GOAL, tmp_path / "level", HERE).rounds.ended
+    monkeypatch.setattr(until, "fit_tfc", rivalled(0.1, -0.1))
+    ended = run_until(path, GOAL, tmp_path / "exponent", HERE).rounds.ended
+    assert ended == "not reached: the levels contradict the fixed eps_c: 1.5; gfmd allows the range that it lies in"
+
+
 def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     """Where each fit says less than was expected, or the other way round."""
     monkeypatch.setattr(next_round, "_MOST", 2)

@@ -19,6 +19,7 @@ FREE = (np.nan, np.nan)
 STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
 _CUTS = (0.02, 200.0)  # wave index, over that of the longest wave, from which half of the slope is seen
 _TAILS = (1 / 3, 3.0)  # exponent with which the part of the slope that is not seen falls beyond
+POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws
 _POINTS = 128  # of the integrals over a spectrum
 
 Given = Mapping[str, tuple[float, float]]  # ends of the range of each exponent that is not free
@@ -63,7 +64,7 @@ class Law:
     @property
     def name(self) -> str:
         """How it is called."""
-        return "unseen slope" if self.whole else "power"
+        return UNSEEN_SLOPE if self.whole else POWER
 
 
 def power(limit: str, given: Given) -> Law:

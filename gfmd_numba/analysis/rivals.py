@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.laws import Given
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import exponent_ranges
+from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
 
 _FEWEST = 4  # levels of a limit, of which one may be left out
 _SIGNIFICANT = 2.0  # standard deviations by which a rival may differ by chance
@@ -19,12 +20,20 @@ class Rival:
     """Another fit of the same groups, and what it does differently, in words.
 
     `asserted` is the limit whose exponent the fit asserts and the rival does not, "" where the rival has fewer levels.
+    A rival `from_theory` is better founded than the fit, whose error is then not below that of the rival.
     """
 
     what: str
     groups: list[Group]
     given: Given
     asserted: str = ""
+    from_theory: bool = False
+
+    def doubt(self, value: float, variance: float, rival: float, rival_variance: float) -> float:
+        """Return the error of a fitted value that is due to this rival."""
+        if not self.from_theory:
+            return abs(disagreement(value, variance, rival, rival_variance))
+        return float(np.sqrt((rival - value) ** 2 + max(0.0, rival_variance - variance)))
 
 
 def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
@@ -34,21 +43,30 @@ def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
         levels = _levels(groups, limit)
         if len(levels) >= _FEWEST:
             for name, level in (("coarsest", levels[-1]), ("finest", levels[0])):
-                what = f"without the {name} level of {limit}, {fractions(np.array([level]))}"
-                yield Rival(what, _without(groups, limit, level), given)
+                if (fewer := _without(groups, limit, level)) is not None:
+                    yield Rival(f"without the {name} level of {limit}, {fractions(np.array([level]))}", fewer, given)
         low, high = given.get(limit, (0.0, 1.0))
         if low == high and len(levels) > 2:
-            low, high = expected[limit]
-            what = f"with an exponent of {limit} between {low:g} and {high:g}, as the levels tell it,"
-            yield Rival(what, list(groups), {**given, limit: expected[limit]}, asserted=limit)
+            yield _without_assertion(groups, given, limit, expected[limit])
+
+
+def _without_assertion(groups: Sequence[Group], given: Given, limit: str, expected: tuple[float, float]) -> Rival:
+    """Return the fit by the law from theory where an asserted exponent stands for it, else by a range of exponents."""
+    hursts = {group.parameters.get("hurst", np.nan) for group in groups}
+    if limit == "eps_f" and len(hursts) == 1 and has_slope_law(groups[0].variable, *hursts):
+        others = {name: each for name, each in given.items() if name != limit}
+        return Rival("by the law of the unseen slope", list(groups), others, asserted=limit, from_theory=True)
+    low, high = expected
+    what = f"with an exponent of {limit} between {low:g} and {high:g}, as the levels tell it,"
+    return Rival(what, list(groups), {**given, limit: expected}, asserted=limit)
 
 
 def without_coarsest(groups: Sequence[Group]) -> tuple[str, list[Group]] | None:
     """Return the groups without the coarsest level of a limit, and what it was; None where none can be spared."""
     for limit in ("eps_f", "eps_t", "eps_c"):
         levels = _levels(groups, limit)
-        if len(levels) >= _FEWEST:
-            return f"{limit} = {fractions(levels[-1:])}", _without(groups, limit, levels[-1])
+        if len(levels) >= _FEWEST and (fewer := _without(groups, limit, levels[-1])) is not None:
+            return f"{limit} = {fractions(levels[-1:])}", fewer
     return None
 
 
@@ -64,5 +82,8 @@ def _levels(groups: Sequence[Group], limit: str) -> Reals:
     return np.sort(list(set.intersection(*levels))) if levels else np.empty(0)
 
 
-def _without(groups: Sequence[Group], limit: str, level: float) -> list[Group]:
-    return [group.without(limit, level) if limit in group.levels else group for group in groups]
+def _without(groups: Sequence[Group], limit: str, level: float) -> list[Group] | None:
+    """Return the groups without a level of a limit; None if the rest cannot tell the correction of each limit."""
+    fewer = [group.without(limit, level) if limit in group.levels else group for group in groups]
+    same = all(each.levels.keys() == group.levels.keys() for each, group in zip(fewer, groups, strict=True))
+    return fewer if same and not any(inseparable(each) for each in fewer) else None

@@ -34,7 +34,7 @@ from gfmd_numba.analysis.fit_warnings import (
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.goodness_of_fit import excess_misfit
 from gfmd_numba.analysis.group_means import means_of
-from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
 from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
@@ -190,8 +190,9 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     variance = np.concatenate([_variances(group, fit) for fit in fits])
     at_an_end = pressed(found, share)
     by_limit = np.concatenate([doubts(index, means, choice, at_an_end) for choice in found]) ** 2
-    differing = [(rival, disagreement(*whole.limit_of(index), *other.limit_of(index))) for rival, other in others]
-    by_rival = max((difference**2 for _, difference in differing), default=0.0)
+    mine = whole.limit_of(index)
+    differing = [(rival, disagreement(*mine, *other.limit_of(index))) for rival, other in others]
+    by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
     estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
@@ -203,6 +204,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     notes = [
         *group.notes,
         *_by_law(index, group, found, share),
+        *_by_theory(index, group, others),
         *at_an_end.values(),
         *logarithmic(group, found),
         *additivity(group, error),
@@ -282,7 +284,19 @@ def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[R
     return [f"{group.variable}_tfc is {' and '.join(limits)}"]
 
 
-_NAMED = {"power": "a power of eps_f", "unseen slope": "the law of the unseen slope"}
+def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]]) -> list[str]:
+    """Return a line with the limit by theory, where an exponent is asserted in its place."""
+    lines = []
+    for rival, other in others:
+        if rival.from_theory:
+            value, variance = other.limit_of(index)
+            found = with_error(value, float(np.sqrt(variance)))
+            said = f"{rival.what}, without the given exponent, {group.variable}_tfc is {found}"
+            lines.append(f"{said}: the error includes this")
+    return lines
+
+
+_NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
 
 
 def _laws(group: Group, found: Sequence[Choice]) -> list[str]:

@@ -16,12 +16,12 @@ _MOST = 400  # of a coarse one
 Level = tuple[float, ...]  # eps_c, eps_f and eps_t
 _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
 
-_STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
+STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
 def first_levels(dimension: int) -> list[Level]:
     """Return the levels that a run begins with, the reference first: cheap ones, from which others follow."""
-    finest, step = 1 / 1024 if dimension == 1 else 1 / 32, _STEP[dimension]
+    finest, step = 1 / 1024 if dimension == 1 else 1 / 32, STEP[dimension]
     c, t = 1 / 2, 1 / 4 if dimension == 1 else 1 / 2
     coarse, coarser = step * finest, step**2 * finest
     return [
@@ -38,10 +38,11 @@ def first_levels(dimension: int) -> list[Level]:
     ]
 
 
-def finer_levels(levels: Sequence[Level], limit: str, dimension: int) -> list[Level]:
+def finer_levels(levels: Sequence[Level], limit: str, step: float) -> list[Level]:
     """Return the levels of a group with finer ones in the direction of a limit, the new reference first.
 
-    A correction in eps_t follows those in eps_f, because it wanes with eps_f.
+    A finer eps_f is `step` times finer than the reference. A correction in eps_t follows those in eps_f, because it
+    wanes with eps_f.
     """
     reference = levels[0]
     if limit != "eps_f":
@@ -50,7 +51,7 @@ def finer_levels(levels: Sequence[Level], limit: str, dimension: int) -> list[Le
         coarse = min((level[_F] for level in levels if level[_F] > reference[_F]), default=reference[_F])
         new = [_at(reference, axis, finest / 2), _at(_at(reference, _F, coarse), axis, finest / 2)]
         return list(dict.fromkeys([*levels, *new]))
-    fine = _at(reference, _F, reference[_F] / _STEP[dimension])
+    fine = _at(reference, _F, reference[_F] / step)
     beside = [_at(fine, _T, 2 * fine[_T]), _at(reference, _T, reference[_T] / 2)]
     varied = len({level[_T] for level in levels}) > 1
     return list(dict.fromkeys([fine, *levels, *(beside if varied else ())]))

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.analysis.extrapolation import expected_doubts
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.decision import (
@@ -19,12 +20,12 @@ from gfmd_numba.campaign.decision import (
     price_of_realisations,
     whole_price,
 )
-from gfmd_numba.campaign.levels import Level, finer_levels, first_realisations, nodes_of
+from gfmd_numba.campaign.levels import STEP, Level, finer_levels, first_realisations, nodes_of
 from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds
 
 REACHED = "reached"
-_SHARE_OF_DOUBTS = 0.6  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
+_SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
@@ -73,26 +74,32 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
 
 @dataclass(frozen=True)
 class _Doubt:
-    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from."""
+    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from.
+
+    `halved` is the error to be expected with half the finest eps_f.
+    """
 
     size: float
     limit: str
+    halved: float
 
 
 def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
     """What the laws of each group leave open, however many surfaces there are; along a path at its worst step."""
     value = abs(in_the_limit(fitted)[0])
+    rivals = (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
     by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
-    by_limit.loc[{"limit": "eps_f"}] = np.hypot(
-        by_limit.sel(limit="eps_f"), (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
-    )
+    halved = by_limit.copy()
+    halved.loc[{"limit": "eps_f"}] = np.nan_to_num(expected_doubts(fitted, "eps_f", 2.0) / value.values)
+    for each in (by_limit, halved):
+        each.loc[{"limit": "eps_f"}] = np.hypot(each.sel(limit="eps_f"), rivals)
     is_described = (fitted["fit_status"] == "ok") & (fitted["misfit"] <= _MISFIT)
-    size = xr.where(is_described, np.sqrt((by_limit**2).sum("limit")), inf)
+    size, of_half = (xr.where(is_described, np.sqrt((each**2).sum("limit")), inf) for each in (by_limit, halved))
     found = []
     for group in range(n_groups):
         worst = group + n_groups * int(size.values[group::n_groups].argmax())
         widest = "eps_f" if size[worst] == inf else str(by_limit["limit"].values[by_limit.values[worst].argmax()])
-        found.append(_Doubt(float(size[worst]), widest))
+        found.append(_Doubt(float(size[worst]), widest, float(of_half[worst])))
     return found
 
 
@@ -118,7 +125,8 @@ def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most:
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
     for of_group, doubt in zip(now.levels, doubts, strict=True):
-        levels.append(tuple(finer_levels(of_group, doubt.limit, dimension)) if doubt.size > most else of_group)
+        step = 2.0 if doubt.halved <= most else STEP[dimension]
+        levels.append(tuple(finer_levels(of_group, doubt.limit, step)) if doubt.size > most else of_group)
     if tuple(levels) == now.levels:
         return None
     held = dict(zip(now.cases, now.realisations, strict=True))

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.rivals import rivals
+from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
 from support.synthetic_campaigns import TFC, campaign, noisy
 
@@ -49,6 +51,31 @@ def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most
     by_law, by_power = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))
     assert 0.0 < part(by_law, "extrapolation") < 0.02 * by_law["kappa_tfc"].item()
     assert part(by_power, "extrapolation") > 0.02 * by_power["kappa_tfc"].item()
+
+
+def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does():
+    """And a note says what theory makes of the same levels."""
+    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
+    by_law, asserted = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))
+    of_surfaces = [np.sqrt(fit["kappa_tfc_error"] ** 2 - part(fit, "extrapolation") ** 2) for fit in (by_law, asserted)]
+    assert of_surfaces[1] > 0.99 * of_surfaces[0]
+    assert part(asserted, "rivals") > 0.0
+    assert "by the law of the unseen slope, without the given exponent, kappa_tfc is" in asserted["message"].item()
+    assert "without the given exponent" not in by_law["message"].item()
+
+
+def test_rivals_keep_all_limits():
+    """Without the finest eps_f, which is the reference, nothing would tell the correction in eps_t."""
+    levels = {"eps_f": [1 / 64, 1 / 128, 1 / 256], "eps_t": [1 / 4, 1]}
+    crossed = [{"eps_f": 1 / 64, "eps_t": 1 / 4}]
+    whats = []
+    for cross in ([], crossed):
+        groups = groups_to_fit(campaign(levels=levels, cross=cross), "kappa", omit_nyquist=True)
+        found = list(rivals(groups, {}))
+        assert all({"eps_f", "eps_t"} <= group.levels.keys() for rival in found for group in rival.groups)
+        whats.append([rival.what for rival in found])
+    assert whats[0] == ["without the coarsest level of eps_f, 1/64"]
+    assert "without the finest level of eps_f, 1/1024" in whats[1]
 
 
 def inside(dataset, seeds):

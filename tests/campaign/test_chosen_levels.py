@@ -9,7 +9,7 @@ from gfmd_numba.campaign import until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import finer_levels, first_levels, first_realisations, limit_of, limits_around
+from gfmd_numba.campaign.levels import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError
@@ -24,7 +24,7 @@ SHORT = {"name": "short", "seed": 1, "scene": SCENE, "target": {"kappa": "5%"}}
 COARSE = SHORT | {
     "reference": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2},
     "limits": {"eps_f": [1 / 2, 1 / 4], "eps_t": [1], "cross": [{"eps_f": 1 / 4, "eps_t": 1}]},
-    "fit": {"exponents": "free", "fixed": {"eps_f": 0.7, "eps_t": 1}},
+    "fit": {"exponents": "free", "fixed": {"eps_f": [0.3, 2], "eps_t": 1}},
 }
 GOAL = Goal(variable="kappa", target=0.05)
 HERE = Workers(0)
@@ -73,7 +73,7 @@ def test_what_is_no_target_is_refused(given):
 @pytest.mark.parametrize("limit", ["eps_c", "eps_f", "eps_t"])
 def test_finer_levels_keep_the_old_ones(limit, dimension):
     old = first_levels(dimension)
-    new = finer_levels(old, limit, dimension)
+    new = finer_levels(old, limit, STEP[dimension])
     axis = ["eps_c", "eps_f", "eps_t"].index(limit)
     assert set(old) < set(new)
     assert len(set(new)) == len(new)

@@ -18,6 +18,7 @@ from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import ensemble_mean, select_limit
+from gfmd_numba.analysis.smooth_function import smooth_function
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [
@@ -45,4 +46,5 @@ __all__ = [
     "plot_surface",
     "predictions",
     "select_limit",
+    "smooth_function",
 ]

@@ -250,7 +250,7 @@ def _doubts_of_levels(
     lines += [
         f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
         for rival, difference in differing
-        if difference
+        if difference and not rival.from_theory
     ]
     if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         lines.append(

@@ -23,6 +23,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import show_fit
 from gfmd_numba.text.printable import printable
 
@@ -36,8 +37,18 @@ if TYPE_CHECKING:
 @exponents_option
 @fixed_option
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write the fit to")
+@click.option(
+    "--function",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File (.nc or .csv) for the limit as a smooth function of the parameters of the grid, with its error",
+)
 def fit(
-    results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
+    results: Path,
+    variable: str | None,
+    exponents: str | None,
+    fixed: tuple[Fixed, ...],
+    output: Path | None,
+    function: Path | None,
 ) -> None:
     """Extrapolate kappa in RESULTS to its limit.
 
@@ -48,6 +59,8 @@ def fit(
     file = results_file(results)
     if output is not None:
         check_output(output, file, file.parent / "campaign.yaml")
+    if function is not None:
+        check_output(function, file, file.parent / "campaign.yaml", suffixes=[".nc", ".nc4", ".csv"])
     dataset = read_results(file)
     with naming(file):
         fitted = _fit(dataset, fixed, variable, exponents)
@@ -59,6 +72,46 @@ def fit(
 
         write_dataset(output, fitted)
         click.echo(f"fit      {printable(output)}")
+    if function is not None:
+        with naming(file):
+            _write_function(fitted, function)
+
+
+def _write_function(fitted: xr.Dataset, path: Path) -> None:
+    """Write the limit as a function of the parameters, and say how certain it is."""
+    import numpy as np
+
+    from gfmd_numba.analysis.smooth_function import smooth_function
+    from gfmd_numba.storage.atomic_file import write_dataset, write_table
+    from gfmd_numba.text.input_error import InputError
+
+    try:
+        with waiting("looking for a smooth function"):
+            found = smooth_function(fitted)
+    except ModuleNotFoundError:
+        needs = "`pip install 'gfmd-numba[functions]'`"
+        raise InputError(
+            f"--function: you have no scikit-learn, which it needs; gfmd allows it after {needs}"
+        ) from None
+    name = f"{found.attrs['variable']}_tfc"
+    if path.suffix == ".csv":
+        table = found[[name, f"{name}_error"]].to_dataframe().reset_index()
+        write_table(path, {f"{each} ({found[each].attrs['units']})": table[each].tolist() for each in table})
+    else:
+        write_dataset(path, found)
+    click.echo(f"function {printable(path)}: {name} over {', '.join(map(str, found[name].dims))}")
+    share = abs(found[f"{name}_error"] / found[name])
+    where = share.isel(share.argmax(...))
+    place = ", ".join(f"{each} = {float(where[each]):.3g}" for each in found[name].dims)
+    say("error", f"at most {float(where):.2%}, at {place}")
+    joint = abs(found["held_out"] / found["held_out_error"])
+    worst = found.isel(point=int(np.argmax(joint.values)))
+    place = ", ".join(f"{each} = {float(worst[f'point_{each}']):.3g}" for each in found[name].dims)
+    off = float(abs(worst["held_out"] / worst["limit"]))
+    say(
+        "held out",
+        f"the worst limit is {off:.2%}, {float(joint.max()):.1f} errors, off the function without it, at {place}",
+    )
 
 
 @main.command()

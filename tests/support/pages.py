@@ -159,10 +159,7 @@ LOOP = CAMPAIGN | {
     "path": [{"sliding": "20 nm"}, {"sliding": 0}],
     "fit": {"variable": "hysteresis", "fixed": {"eps_f": 1}},
 }
-LOADS = {key: CAMPAIGN[key] for key in ("seed", "realisations", "scene", "reference")} | {
-    "name": "loads",
-    "grid": {"reduced_pressure": [0.1, 0.2]},
-}
+LOADS = CAMPAIGN | {"name": "loads", "grid": {"reduced_pressure": [0.1, 0.14, 0.2]}}
 CLUSTER = {"cores": 2, "memory": "4 GB", "walltime": "1 h", "jobs": {"max": 2}}
 # files that pages speak of without printing them
 FILES = {

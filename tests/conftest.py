@@ -1,0 +1,37 @@
+"""How many processes share the tests, how many threads each of them has, and pictures that nobody looks at."""
+
+import io
+import os
+from pathlib import Path
+
+import psutil
+import pytest
+
+_MEMORY = 2 * 2**30  # that a process may come to need
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is imported: the processes share the cores
+
+
+def pytest_xdist_auto_num_workers(config):
+    """A process for each core, as far as memory goes; this one alone for single files and tests, which start sooner."""
+    if any(Path(argument.partition("::")[0]).suffix for argument in config.args):
+        return 0
+    cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else os.cpu_count()
+    return max(1, min(cores, psutil.virtual_memory().available // _MEMORY))
+
+
+@pytest.fixture(scope="module")
+def undrawn():
+    """Write an empty picture for every one: to draw takes longer than to solve, and other tests look at pictures."""
+    from matplotlib.figure import Figure  # not before the threads are counted
+
+    empty = io.BytesIO()
+    Figure((0.1, 0.1)).savefig(empty, format="png")
+
+    def write(figure, file, **options):
+        (file.write if hasattr(file, "write") else Path(file).write_bytes)(empty.getvalue())
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", write)
+        yield

@@ -1,8 +1,6 @@
 """Commands that are refused: options, files that are no results, and outputs that would do harm."""
 
 import os
-import subprocess
-import sys
 
 import pytest
 import xarray as xr
@@ -123,8 +121,8 @@ def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, opti
 def test_a_command_line_is_refused_in_one_sentence_as_a_file_is(tmp_path, monkeypatch, arguments, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.yaml").write_text("a: 1\n")
-    done = subprocess.run([sys.executable, "-m", "gfmd_numba", *arguments], capture_output=True, text=True)
-    assert done.returncode == 2
+    done = gfmd(*arguments)
+    assert done.exit_code == 2
     assert done.stderr.startswith(said)
     assert done.stderr.count("\n") == 1
     assert "{" not in done.stderr

@@ -15,6 +15,8 @@ from support.campaigns import campaign
 from support.command_line import gfmd
 from support.scenes import SCENE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 STEPS = "path: [{reduced_pressure: 0.12345678}, {reduced_pressure: 0.05, sliding: 1.2345678e-7}]\n"
 SURFACE = """
 surface: {method: psd, model: exponential, hurst: 0.8, correlation_length: 0.05, rms_height: 0.01, points: 256}
@@ -55,7 +57,7 @@ verify small
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(undrawn, tmp_path_factory):
     """Files of every kind under short names, for long ones are never folded."""
     folder = tmp_path_factory.mktemp("terminal")
     campaign(folder, **{"grid:": "numerics: {max_iterations: 1}\ngrid:", "small": "broken"}).rename(

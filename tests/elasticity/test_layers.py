@@ -67,12 +67,18 @@ def test_layers_on_a_half_space_of_the_same_material_are_a_half_space(nu):
     np.testing.assert_allclose(s13, (1 - 2 * nu) / (1 - nu), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize(("nu", "nu_below"), list(product((0.0, 0.33, 0.5), repeat=2)))
-@pytest.mark.parametrize("contrast", [1e-4, 1e-2, 0.5, 30.0, 1e4])
+PAIRS = list(product((0.0, 0.33, 0.5), repeat=2))
+CONTRASTS = [1e-4, 1e-2, 0.5, 30.0, 1e4]
+
+
+@pytest.mark.parametrize(("nu", "nu_below"), PAIRS)
+@pytest.mark.parametrize("contrast", CONTRASTS)
 def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
+    """Each contrast on each base, and each pair of ratios on each, but not all of all: the reference takes its time."""
     layers = [(1.0, 70.0, nu), (0.6, 70.0 * contrast, nu_below)]
-    for base in (None, (70.0 * contrast, nu_below), (70.0, 0.3)):
-        assert largest_error(layers, base) < 1e-13
+    bases = (None, (70.0 * contrast, nu_below), (70.0, 0.3))
+    which = CONTRASTS.index(contrast) + PAIRS.index((nu, nu_below)) + PAIRS.index((nu, nu_below)) // 3
+    assert largest_error(layers, bases[which % 3]) < 1e-13
 
 
 @pytest.mark.parametrize("nu", [0.25, 0.4999, 0.5])

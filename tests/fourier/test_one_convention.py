@@ -27,9 +27,10 @@ def transforms(text):
     return {name for name in mentioned(text) if name.startswith(LIBRARIES)}
 
 
-@pytest.mark.parametrize("path", OUTSIDE, ids=lambda path: str(path.relative_to(ROOT)))
-def test_no_module_outside_fourier_transforms_on_its_own(path):
-    assert not transforms(path.read_text())
+def test_no_module_outside_fourier_transforms_on_its_own():
+    assert len(OUTSIDE) > 100
+    found = {str(path.relative_to(ROOT)): transforms(path.read_text()) for path in OUTSIDE}
+    assert {name: own for name, own in found.items() if own} == {}
 
 
 def test_only_planned_transforms_import_fftw():

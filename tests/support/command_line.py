@@ -9,7 +9,7 @@ from gfmd_numba.cli import main
 
 
 def gfmd(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments], catch_exceptions=False)
+    return CliRunner().invoke(main, [str(argument) for argument in arguments], catch_exceptions=False, prog_name="gfmd")
 
 
 def refused(*arguments):

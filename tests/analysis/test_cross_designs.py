@@ -71,6 +71,7 @@ def test_a_limit_keeps_its_own_levels_beside_cross_ones():
     assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
 
 
+@pytest.mark.long
 def test_a_target_is_met_with_cross_levels():
     dataset, seconds = priced(crossed(*CROSS))
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
@@ -101,6 +102,7 @@ ADDED = {"1/16, 1/32]}": "1/16, 1/32], cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_c:
 FIXED = {"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"}
 
 
+@pytest.mark.long
 def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_path):
     path = campaign_file(tmp_path, **ADDED, **FIXED)
     planned = tmp_path / "planned.yaml"
@@ -114,6 +116,7 @@ def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_pa
     assert "reached by all groups" in ran.output
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("command", ["plan", "accuracy"])
 def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)

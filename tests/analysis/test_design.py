@@ -60,6 +60,7 @@ def left(dataset, design):
     return dataset.isel(case=counts > 0)
 
 
+@pytest.mark.long
 def test_the_target_is_met():
     design = cheapest_design(*pilot(), target=0.01, fixed=ALPHA)
     assert design.error <= 0.01
@@ -67,6 +68,7 @@ def test_the_target_is_met():
     assert 0.4 * design.error < achieved(design) < 1.15 * design.error
 
 
+@pytest.mark.long
 def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
     """Seconds times squared error, a constant of a design, of two pilots on average."""
     error = off([whole(1000 + seed, 200) for seed in range(40)])
@@ -117,6 +119,7 @@ def test_what_cannot_be_reached_is_told():
         cheapest_design(dataset.isel(realisation=slice(4)), seconds, target=0.1, fixed=ranges)
 
 
+@pytest.mark.long
 def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
     fixed = "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\n"
     path = campaign_file(tmp_path, **{"reference:": fixed + "reference:"})

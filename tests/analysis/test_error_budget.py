@@ -97,8 +97,15 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
     assert np.isnan([part(fit, name) for name in ("eps_f", "eps_t")]).all()
 
 
-@pytest.mark.parametrize("variable", ["kappa", "kappa_r"])
-@pytest.mark.parametrize("fixed", [ALPHA, RANGES, {"eps_t": 1.0}], ids=["exact", "ranges", "free"])
+@pytest.mark.parametrize(
+    ("variable", "fixed"),
+    [
+        pytest.param("kappa", ALPHA, id="exact"),
+        pytest.param("kappa_r", ALPHA, id="another variable"),
+        pytest.param("kappa", RANGES, id="ranges", marks=pytest.mark.long),
+        pytest.param("kappa", {"eps_t": 1.0}, id="free", marks=pytest.mark.long),
+    ],
+)
 def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):
     rng = np.random.default_rng(4)
     dataset = noisy(campaign(realisations=30, cross=CROSS), rng, spread=0.02, own=0.005)

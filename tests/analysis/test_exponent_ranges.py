@@ -67,6 +67,7 @@ def test_without_a_correction_all_exponents_of_a_range_are_as_good():
     np.testing.assert_allclose(fit["alpha_error"].isel(group=0), uniform, rtol=0.35)
 
 
+@pytest.mark.long
 def test_errors_are_right_when_exponents_lie_anywhere_in_their_ranges():
     rng = np.random.default_rng(12)
     found = []

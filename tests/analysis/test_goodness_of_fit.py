@@ -38,13 +38,12 @@ def test_one_campaign_in_twenty_alarms_where_a_law_is_right(cross):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("planted", [{}, WANING], ids=["additive", "waning"])
-@pytest.mark.parametrize("cross", [(), CROSS], ids=["one at a time", "cross"])
-@pytest.mark.parametrize("n", [12, 30, 60])
+@pytest.mark.parametrize(("cross", "planted"), [((), {}), (CROSS, WANING)], ids=["one at a time", "cross"])
+@pytest.mark.parametrize("n", [12, 60])
 def test_alarms_are_as_rare_for_every_number_of_realisations(n, cross, planted):
     """The covariance is shrunk, and coefficients are not quite as expected: not exactly one in twenty."""
     truth = campaign(realisations=n, cross=cross, **planted)
-    assert 0.02 < alarms(n, truth, 400) / 400 < 0.1
+    assert 0.02 < alarms(n, truth, 250) / 250 < 0.1
 
 
 @pytest.mark.parametrize("exponent", [1.0, (0.5, 1.5)], ids=["exact", "range"])

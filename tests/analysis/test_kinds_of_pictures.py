@@ -86,6 +86,7 @@ def test_every_kind_is_tried():
     assert WRITTEN.keys() == KINDS.keys()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", WRITTEN)
 def test_plot_draws_what_was_written(kind, tmp_path):
     dataset = WRITTEN[kind]()
@@ -101,6 +102,7 @@ RUBBING = SCENE | {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.
 DISPLACED = SCENE | {"loading": {"displacement": 1e-3}}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "steps", "x", "y", "label"),
     [

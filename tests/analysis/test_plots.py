@@ -265,6 +265,7 @@ def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
     assert box.x1 <= figure.bbox.width
 
 
+@pytest.mark.long
 def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
     """A legend of dozens of lines above panels of no height would be a warning, and no picture."""
     n = campaign.sizes["case"]

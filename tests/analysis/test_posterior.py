@@ -142,6 +142,7 @@ def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
         assert fit["error_budget"].sel(source=name).item() == pytest.approx(effect, rel=0.1, abs=0.01 * error)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
 def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     dataset, _, means = group_and_means(seed, spread)

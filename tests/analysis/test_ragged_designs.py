@@ -18,6 +18,7 @@ def ragged(dataset, **counts):
     return dataset.assign(kappa=values).assign_coords(realisations=("case", asked))
 
 
+@pytest.mark.long
 def test_limits_with_fewer_realisations_lose_little_and_stay_unbiased():
     """Fine levels only have to tell their difference from the reference: they need fewer surfaces."""
     estimates, errors = [], []

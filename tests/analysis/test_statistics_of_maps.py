@@ -95,6 +95,7 @@ def test_perssons_area_and_pressures_stand_beside_a_map(rough):
     assert float(second) == pytest.approx(float((full**2).mean()), rel=0.01)
 
 
+@pytest.mark.long
 def test_the_energy_of_a_map_is_the_work_of_loading():
     loads = np.geomspace(0.01, 2.0, 40)
     path = gfmd_numba.solve(

@@ -117,6 +117,7 @@ def test_noisy_parameters_lie_inside_the_error_bars():
     assert (fit["kappa_tfc_error"] < 0.2 / np.sqrt(30)).all()
 
 
+@pytest.mark.long
 def test_ninety_percent_interval_covers_the_truth():
     rng = np.random.default_rng(11)
     truth, n = campaign(realisations=30, cross=CROSS), 200
@@ -131,6 +132,7 @@ def test_ninety_percent_interval_covers_the_truth():
     assert 0.85 < claimed / scatter < 1.3
 
 
+@pytest.mark.long
 def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
     """On paired data whose variances differ between cases, at fixed exponents where OLS is linear."""
     rng = np.random.default_rng(2)

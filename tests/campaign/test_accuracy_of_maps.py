@@ -11,6 +11,8 @@ from gfmd_numba.cli import main
 from gfmd_numba.solvers.table import able
 from support.campaigns import MAPS, campaign
 
+pytestmark = pytest.mark.long  # all read one campaign that takes its time
+
 LEVELS = "reference: {eps_c: 1/4, eps_f: 1/4, eps_t: 1/2}\nlimits: {eps_c: [1/2, 1/8], eps_f: [1/2, 1/8]}\n"
 FIT = "fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/2, 3/2]}}\n"
 

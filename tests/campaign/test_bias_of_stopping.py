@@ -11,7 +11,7 @@ from gfmd_numba.campaign.next_round import after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 
-pytestmark = pytest.mark.usefixtures("laws_that_hold")
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("laws_that_hold")]
 
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
 SEEDS = 160

@@ -91,6 +91,7 @@ def of(name, **more):
     return {"name": "acts", "seed": 4, "realisations": 2, "scene": LOADED | scene, "reference": reference} | rest | more
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SCENES)
 def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
     campaign, (_, reference, more) = of(name), SCENES[name]

@@ -124,6 +124,7 @@ class Killed(BaseException):
     pass
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("n_fits", [0, 1])
 def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch, n_fits):
     """In the fit of a round, whose decision is not made yet."""

@@ -15,20 +15,17 @@ from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import TINY, campaign, numbers
 from support.command_line import gfmd, unfolded
 
-DAMAGED = [
-    "",
-    "null",
+FEW = ["", "null", "[" * 100_000, '{"status": "ok", "reason": "all is well"}', "\ud800"]
+MORE = [
     "[]",
     "{",
-    "[" * 100_000,
     '{"a":' * 100_000,
     '{"status": null, "reason": null}',
     '{"status": "exploded", "reason": "boom"}',
-    '{"status": "ok", "reason": "all is well"}',
     '{"status": ["crashed"], "reason": "boom"}',
     '{"status": "crashed", "reason": {"a": 1}}',
-    "\ud800",
 ]
+DAMAGED = [*FEW, *(pytest.param(each, marks=pytest.mark.long) for each in MORE)]
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +64,10 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
 
-NO_NUMBERS = [f'{{"last_run_seconds": {given}}}' for given in ("null", "[[1]]", "1e999", "NaN", 10**400, "true", -1)]
+NO_NUMBERS = [
+    pytest.param(f'{{"last_run_seconds": {given}}}', marks=pytest.mark.long if given != "[[1]]" else ())
+    for given in ("null", "[[1]]", "1e999", "NaN", 10**400, "true", -1)
+]
 
 
 @pytest.mark.parametrize("content", DAMAGED + NO_NUMBERS)

@@ -38,12 +38,13 @@ def damaged(content, pick):
     return bytes(content)
 
 
-def test_a_damaged_file_of_results_is_refused_or_says_the_same(results):
+@pytest.mark.parametrize("examples", [20, pytest.param(200, marks=pytest.mark.long)])
+def test_a_damaged_file_of_results_is_refused_or_says_the_same(results, examples):
     """The HDF5 library finds wrong numbers in such files, internal errors, or no end."""
     sound, path = read_results(results), results.with_name("damaged.nc")
 
     @given(pick=st.randoms(use_true_random=False))
-    @settings(derandomize=True, deadline=None, max_examples=300)
+    @settings(derandomize=True, deadline=None, max_examples=examples)
     def check(pick):
         path.unlink(missing_ok=True)
         path.write_bytes(damaged(results.read_bytes(), pick))

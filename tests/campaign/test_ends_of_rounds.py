@@ -39,6 +39,7 @@ def prices(outcome):
     return [each.price for each in outcome.rounds.rounds]
 
 
+@pytest.mark.long
 def test_a_budget_is_not_exceeded(tmp_path, priced):
     """And is used where the target needs more than it."""
     path, small = campaign(tmp_path, **ONE), Goal(variable="kappa", target=0.005)
@@ -54,6 +55,7 @@ def test_a_budget_is_not_exceeded(tmp_path, priced):
     assert run_until(path, GOAL.model_copy(update={"budget": 2 * whole}), tmp_path / "enough", HERE).reached
 
 
+@pytest.mark.long
 def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, monkeypatch, priced):
     """Another machine, or the same one on another day, would decide otherwise."""
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
@@ -132,6 +134,7 @@ def test_a_contradicted_exponent_ends_a_run_and_is_named(tmp_path, monkeypatch):
     assert ended == "not reached: the levels contradict the fixed eps_c: 1.5; gfmd allows the range that it lies in"
 
 
+@pytest.mark.long
 def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     """Where each fit says less than was expected, or the other way round."""
     monkeypatch.setattr(next_round, "_MOST", 2)
@@ -141,6 +144,7 @@ def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     assert len(outcome.rounds.rounds) == 3
 
 
+@pytest.mark.long
 def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkeypatch):
     """A round that was planned to be the last is not, until the fit itself says so."""
 

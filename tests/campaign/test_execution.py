@@ -67,6 +67,7 @@ def sound(tmp_path):
     return [tuple(blocks[i : i + 2]) for i in range(0, len(blocks), 2)]
 
 
+@pytest.mark.long
 def test_poison_kills_no_other_task(tmp_path, sound):
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
     bad = poisoned(sound[0][0].problem)
@@ -104,6 +105,7 @@ def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
     assert failures == [{}]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
     """A limit to the size of files stops the run as a full disk would; without workers it is the first of all runs."""
@@ -137,6 +139,7 @@ def test_a_lost_scheduler_is_told(tmp_path, sound):
             execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None, finished)
 
 
+@pytest.mark.long
 def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
     """The second begins while the first has the same blocks in flight."""
     folders = [tmp_path / "first", tmp_path / "second"]

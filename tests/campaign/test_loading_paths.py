@@ -154,15 +154,14 @@ def test_a_path_resumes_with_one_digest(dragged, tmp_path):
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-@pytest.mark.parametrize("workers", [0, 2])
-def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path, workers):
+def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path):
     """SIGKILL after the first of two shards."""
     path, out = campaign(tmp_path, yaml.safe_dump(DRAGGED)), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), f"--workers={workers}"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, **silent, start_new_session=True)
     while process.poll() is None and not list(out.glob("shards/*.shard")):
-        time.sleep(0.001)
+        time.sleep(0.01)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     assert len(list(out.glob("shards/*.shard"))) >= 1

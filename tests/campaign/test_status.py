@@ -159,7 +159,7 @@ def another(file):
 NOTED = {"small.nc": "`gfmd collect", "run.json": "it is not used", "rounds.json": "it is not used"}
 
 
-@pytest.mark.parametrize("damage", [flipped, cut, another])
+@pytest.mark.parametrize("damage", [flipped, *(pytest.param(each, marks=pytest.mark.long) for each in (cut, another))])
 @pytest.mark.parametrize("name", [*NOTED, ".gfmd-campaign", "campaign.yaml"])
 def test_verify_finds_whatever_file_is_not_as_it_was_left(ran, name, damage):
     """One flipped bit of the mark locked its owner out, and `verify` called all sound."""

@@ -107,6 +107,7 @@ def killed_at(write, patch):
     return left
 
 
+@pytest.mark.long
 def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, monkeypatch):
     """After every third file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
     with monkeypatch.context() as patch:
@@ -123,6 +124,7 @@ def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, mo
         assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 
 
+@pytest.mark.long
 def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
     for number in range(len(reached.rounds.rounds)):
         out, fits = tmp_path / str(number), iter([until.fit_tfc] * number)
@@ -141,6 +143,7 @@ def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
         assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 
 
+@pytest.mark.long
 def test_rounds_that_are_damaged_are_decided_anew(reached, tmp_path):
     out = tmp_path / "out"
     run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
@@ -191,6 +194,7 @@ def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
     assert opened(outcome).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 
 
+@pytest.mark.long
 def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
     path, looser = campaign(tmp_path, **ONE), Goal(variable="kappa", target=0.03)
     run_until(path, looser, tmp_path / "out", HERE)
@@ -222,6 +226,7 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
     assert not np.array_equal(*of_group)
 
 
+@pytest.mark.long
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
     local = execution.local

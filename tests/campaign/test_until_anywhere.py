@@ -74,7 +74,7 @@ def test_a_process_killed_at_any_time_resumes_to_the_same_digest(serial, tmp_pat
         late = time.monotonic() + SECONDS
         while process.poll() is None and len(list(out.glob("shards/*.shard"))) < min(before + n_shards, 8):
             assert time.monotonic() < late
-            time.sleep(0.001)
+            time.sleep(0.01)
         time.sleep(rng.uniform(0.0, 0.1))
         assert process.poll() is None, "it ended before it was killed"
         os.killpg(process.pid, signal.SIGKILL)

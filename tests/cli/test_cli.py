@@ -72,6 +72,7 @@ def test_doctor_finds_a_sound_installation():
     assert "2 started" in said.output
 
 
+@pytest.mark.long
 def test_doctor_finds_a_wrong_pressure(monkeypatch):
     monkeypatch.setattr("gfmd_numba.theory.closed_forms.westergaard_pressure", lambda x, p, a: x + 1.0)
     said = gfmd("doctor")

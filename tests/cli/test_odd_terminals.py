@@ -24,6 +24,7 @@ def gfmd(folder, shell, prepare=None):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-"])
 @pytest.mark.parametrize("command", ["run tiny.yaml -o out --workers 0", "solve scene.yaml -o out.nc"])
 def test_closed_streams_change_nothing(tmp_path, command, closed):
@@ -33,6 +34,7 @@ def test_closed_streams_change_nothing(tmp_path, command, closed):
         assert not dataset["status"].any()
 
 
+@pytest.mark.long
 def test_workers_start_without_standard_streams(tmp_path):
     assert gfmd(tmp_path, "gfmd run tiny.yaml -o out --workers 1 <&- >&- 2>&-").returncode == 0
     assert (tmp_path / "out" / "tiny.nc").is_file()
@@ -45,7 +47,10 @@ def test_bad_input_exits_with_2_though_nobody_can_be_told(tmp_path, stream):
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize("command", ["run tiny.yaml -o out --workers 0", "solve scene.yaml -o out.nc", "schema"])
+@pytest.mark.parametrize(
+    "command",
+    ["run tiny.yaml -o out --workers 0", pytest.param("solve scene.yaml -o out.nc", marks=pytest.mark.long), "schema"],
+)
 def test_a_full_standard_output_is_no_bad_input(tmp_path, command):
     done = gfmd(tmp_path, f"gfmd {command} >/dev/full")
     assert done.returncode == 1
@@ -66,6 +71,7 @@ def test_too_few_open_files_are_told_at_once(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_few_open_files_become_more_if_they_may(tmp_path):
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     done = gfmd(

@@ -17,6 +17,7 @@ def test_transforms_load_no_other_library_of_transforms():
     assert python(f"import sys; {OURS}; print([name for name in {names} if name in sys.modules])") == "[]\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("imports", [f"{OURS}; {THEIRS}", f"{THEIRS}; {OURS}"], ids=["before", "after"])
 def test_pyfftw_is_whole_for_who_imports_it(imports):
     script = f"""{imports}

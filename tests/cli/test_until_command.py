@@ -91,6 +91,7 @@ def test_fit_shows_the_rounds_again(reached):
     assert "kappa to 4.00%: reached" in unfolded(gfmd("fit", reached[0]).stdout)
 
 
+@pytest.mark.long
 def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monkeypatch):
     path = campaign(tmp_path, **FINER)
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.1%", "--budget=1 s")
@@ -139,6 +140,7 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
     assert "Processor time that --until may spend, like 20min" in said
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path):
     """With two workers, in the first round after the pilot."""
@@ -152,7 +154,7 @@ def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tm
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
     while process.poll() is None and ((state := rounds.read(out)) is None or len(state.rounds) < 2):
-        time.sleep(0.001)
+        time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)
     stdout, stderr = (unfolded(text.decode()) for text in process.communicate())
     assert process.returncode == 130, stderr

@@ -51,7 +51,7 @@ def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law)
 
 
 @pytest.mark.parametrize("law", [{}, {"exponential": LAW}], ids=["wall", "law"])
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_slip_that_reverses_within_a_step_loses_as_much_as_in_short_steps(dimension, law):
     """Slip loses its friction, wherever in the step it turns round, but for pressures that change in the step."""
     scene = SCENE | {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "loading": {"reduced_pressure": 0.05}}

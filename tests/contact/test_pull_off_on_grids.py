@@ -56,6 +56,7 @@ def first_pull_off(nodes, work, tabor):
     return most, law.softening / body[-1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("tabor", "nodes"), [(0.5, 64), (1, 64), (2, 256), (4.9, 1280)])
 def test_where_no_warning_is_given_pull_off_is_that_of_a_fine_grid(tabor, nodes):
     (coarse, x), (fine, _) = (first_pull_off(each, WORK, tabor) for each in (nodes, 4 * nodes))

@@ -142,6 +142,7 @@ def by_finite_elements(heights, body, displacement, columns, guess):
     return *mesh.along_top(solution), -mesh.traction(solution)
 
 
+@pytest.mark.long
 def test_flattened_sinusoid_is_that_of_finite_elements():
     """Thesis 5.3.2 at half its amplitude: order 0 is 5e-6 L_x off, order 2 is as near as the mesh to a finer one."""
     nx, columns, body = 2048, 256, ElasticBody(0.33, 1.0)

@@ -25,6 +25,7 @@ def limit_is_that_of_finer_levels(example):
 CLAIMS = {"campaign": limit_is_that_of_finer_levels}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_and_draws_its_picture(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

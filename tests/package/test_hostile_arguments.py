@@ -106,6 +106,7 @@ def public_functions():
     }
 
 
+@pytest.mark.long
 def test_every_public_function_and_each_of_its_arguments_has_a_good_call(things):
     public = public_functions()
     assert public.keys() == FUNCTIONS.keys()

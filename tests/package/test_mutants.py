@@ -12,7 +12,7 @@ import yaml
 from gfmd_numba.scene import InputError
 from support import mutants
 
-MANY, FEW = 500, 60  # of each kind
+MANY, FEW = 100, 60  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 
@@ -36,7 +36,9 @@ def test_what_the_mutants_were_made_from_is_good(tmp_path, kind):
         mutants.use(kind, path)
 
 
-@pytest.mark.parametrize("kind", mutants.KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=pytest.mark.long if kind == "nc" else ()) for kind in mutants.KINDS]
+)
 def test_a_mutant_is_used_or_refused_with_a_reason(tmp_path, kind):
     said = [tried(tmp_path, kind, seed) for seed in range(FEW)]
     assert None in said  # some are good: more than the reading is tried

@@ -52,6 +52,7 @@ def test_every_notebook_is_tested():
     assert sorted(NOTEBOOKS) == sorted(path.stem for path in CAMPAIGNS.glob("*.ipynb"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_makes_what_it_needs_from_one_file_at_most(name, tmp_path, monkeypatch):
     file, replacements = NOTEBOOKS[name]

@@ -64,10 +64,10 @@ def typed(arguments):
 
 
 class Reader:
-    """Types what a page prints, in order, in a folder of its own."""
+    """Types what a page prints, in order, in a folder of its own; or reads it and runs nothing."""
 
-    def __init__(self, folder, page):
-        self.folder, self.known, self.python = folder, dict(FILES), {}
+    def __init__(self, folder, page, runs):
+        self.folder, self.runs, self.known, self.python = folder, runs, dict(FILES), {}
         for item in printed(page):  # a page may speak of a file before it prints it
             if item.kind == "yaml" and not item.text.startswith("# excerpt"):
                 for name, record in files_of(item, self.known):
@@ -92,6 +92,8 @@ class Reader:
         path.write_text(yaml.safe_dump(smaller(record), sort_keys=False))
         if not excerpt:
             self.known[name] = record
+        if not self.runs:
+            return
         if "surface" in record:
             typed(["surface", path, "-o", path.with_suffix(".nc")])
         elif "name" in record:
@@ -118,6 +120,8 @@ class Reader:
         assert set(options(line)) <= known, f"{line}: no such option"
         if inline and (len(arguments) < 2 or arguments[1].startswith("-")):
             return  # it names a command
+        if not self.runs:
+            return
         if {"--cluster", "--scheduler"} & set(arguments):
             with command.make_context(arguments[0], arguments[1:]):
                 return  # `needs_workers` below
@@ -127,7 +131,7 @@ class Reader:
         typed(arguments)
 
     def _python(self, text):
-        if "workers=" in text:
+        if "workers=" in text or not self.runs:
             ast.parse(text)  # `needs_workers` below
         else:
             exec(compile(text, "block", "exec"), self.python)
@@ -141,9 +145,9 @@ def _without(arguments, option):
 
 
 @pytest.fixture(scope="module")
-def desk(tmp_path_factory):
-    """Folder with the files that pages speak of, and with the results of two commands of the README."""
-    folder = tmp_path_factory.mktemp("desk")
+def files(tmp_path_factory):
+    """Folder with the files that pages speak of."""
+    folder = tmp_path_factory.mktemp("files")
     for name, record in FILES.items():
         (folder / name).write_text(yaml.safe_dump(record))
     heights = profile()
@@ -160,6 +164,13 @@ def desk(tmp_path_factory):
     (folder / "campaigns").mkdir()
     for path in (ROOT / "campaigns").glob("*.yaml"):
         (folder / "campaigns" / path.name).write_text(yaml.safe_dump(smaller(yaml.safe_load(path.read_text()))))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def desk(undrawn, files, tmp_path_factory):
+    """The same with the results of two commands of the README."""
+    folder = shutil.copytree(files, tmp_path_factory.mktemp("desk"), dirs_exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         typed(["solve", "scene.yaml", "-o", "contact.nc"])
@@ -169,18 +180,32 @@ def desk(tmp_path_factory):
     return folder
 
 
-@pytest.mark.filterwarnings("default")
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
-def test_every_block_and_command_of_a_page_does_what_it_says(page, desk, tmp_path, monkeypatch):
-    shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
-    reader, failed = Reader(tmp_path, page), []
+def failures(page, reader):
+    """Items of a page that a reader cannot follow, and why."""
+    failed = []
     for item in printed(page):
         try:
             reader.follow(item)
         except (Exception, SystemExit) as error:
             failed.append(f"{item}\n    {error!r}")
-    assert not failed, f"{len(failed)} of {len(printed(page))} fail:\n" + "\n".join(failed)
+    return "\n".join(failed)
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_every_file_on_a_page_is_good_and_every_option_exists(page, files, tmp_path, monkeypatch):
+    shutil.copytree(files, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    assert failures(page, Reader(tmp_path, page, runs=False)) == ""
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_every_block_and_command_of_a_page_does_what_it_says(page, desk, tmp_path, monkeypatch):
+    shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    assert failures(page, Reader(tmp_path, page, runs=True)) == ""
 
 
 CLUSTERS = next(page for page in PAGES if page.name == "clusters.md")

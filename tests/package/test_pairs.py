@@ -12,6 +12,8 @@ from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.scene.records import Numerics, Scene, Step
 from gfmd_numba.solvers.table import SOLVERS
 
+pytestmark = pytest.mark.long  # there are 9000 choices
+
 PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
 EPS = {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1 / 2}  # 64 nodes
 WALL, FRICTION = {"hard_wall": {}}, {"friction": {"coefficient": 0.3}}

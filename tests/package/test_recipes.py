@@ -154,6 +154,7 @@ def gfmd(tmp_path):
     return command_after((LAW, SOLVER, OBSERVABLE), FILES, tmp_path)
 
 
+@pytest.mark.long
 def test_a_law_a_solver_and_an_observable_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):
     gfmd("check", "contact.yaml")
     gfmd("solve", "contact.yaml", "-o", "contact.nc")

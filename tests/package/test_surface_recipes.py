@@ -173,6 +173,7 @@ def gfmd(tmp_path):
     return command_after(RECIPES, FILES, tmp_path)
 
 
+@pytest.mark.long
 def test_a_generator_a_spectrum_and_an_axis_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):
     for name in ("phases", "widths"):
         gfmd("run", f"{name}.yaml", "--workers=0")

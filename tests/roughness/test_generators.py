@@ -107,12 +107,14 @@ def excess_at_short_waves(**given):
     return np.mean(found[32:63] / theory[32:63]) - 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("given", [{"rms_height": 0.02}, {"rms_gradient": 0.5}], ids=lambda given: next(iter(given)))
 def test_a_scaled_ensemble_has_the_spectrum_of_theory(given):
     scatter = 1.0 / np.sqrt(300 * 31)  # of the mean of so many exponentially distributed powers
     assert abs(excess_at_short_waves(**given, scaling="ensemble")) < 4.0 * scatter
 
 
+@pytest.mark.long
 def test_surfaces_that_are_scaled_one_by_one_are_too_rough_at_short_waves():
     """As the long waves, which carry the height, are few."""
     assert excess_at_short_waves(rms_height=0.02) > 0.1

@@ -11,7 +11,7 @@ from gfmd_numba.roughness.processing import mirrored
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import SelfAffine
 
-SEEDS = 60
+SEEDS = {"some": range(15), "more": range(15, 60)}
 COSINE = 1e-3 * np.cos(2 * np.pi * np.arange(256) / 256)
 
 
@@ -28,13 +28,14 @@ def ordinary(hurst, dimension, seed, points, roll_off, cut_on):
     return make(SurfaceFile(surface=surface, dimension=dimension, seed=seed)).heights
 
 
+@pytest.mark.parametrize("seeds", ["some", pytest.param("more", marks=pytest.mark.long)])
 @pytest.mark.parametrize("waves", ["all", "resolved", "few"])
 @pytest.mark.parametrize("hurst", [0.0, 0.3, 0.5, 0.8, 1.0])
 @pytest.mark.parametrize(("dimension", "points"), [(1, 512), (2, 48)])
-def test_ordinary_surfaces_are_plausible(dimension, points, hurst, waves):
+def test_ordinary_surfaces_are_plausible(dimension, points, hurst, waves, seeds):
     """60 seeds of each, down to Nyquist, on four points a wave, and with a few long waves; mirrored and small, too."""
     shortest = {"all": 2.1, "resolved": 4.0, "few": points / 4}[waves] / points
-    for seed in range(SEEDS):
+    for seed in SEEDS[seeds]:
         heights = ordinary(hurst, dimension, seed, points, 1.0, shortest)
         assert doubts(heights) == ()
         assert plausibility.of_surface(mirrored(1e-6 * heights), (2.0,) * dimension) == ()
@@ -101,5 +102,5 @@ def test_a_share_that_was_filled_is_told_from_the_threshold_on():
 @pytest.mark.parametrize("n", [12, 16, 32])
 def test_noise_on_few_points_is_plausible(n):
     """The largest of few steps is small; the seam, one of them, then exceeds it by half in one case of twenty."""
-    for seed in range(SEEDS):
+    for seed in range(60):
         assert doubts(1e-4 * np.random.default_rng(seed).normal(size=n)) == ()

@@ -63,6 +63,7 @@ def test_one_step_of_a_recursion_is_that_by_hand(method, old, new):
     assert (heights * np.roll(heights, 2, axis=1)).mean(axis=0) == pytest.approx(4 * [0.0, 0.25], abs=0.05)
 
 
+@pytest.mark.long
 def test_both_methods_have_the_same_spectrum_but_not_the_same_heights():
     """Averaged over positions. The variance varies with position: by 2, 18 % at H = 1/2, by 19, 22 % at H = 0.9."""
     for hurst, uneven in ((0.5, (0.02, 0.18)), (0.9, (0.19, 0.22))):

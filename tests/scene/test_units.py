@@ -248,6 +248,7 @@ def test_the_schema_says_of_each_field_which_quantity_it_is():
     assert TypeAdapter(WorkOfAdhesion).json_schema()["quantity"] == "energy per area"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("text", "loaded"), [(SCENE, True), (BARE, False)], ids=["with units", "without"])
 def test_only_a_file_with_units_loads_the_library_of_units(text, loaded, tmp_path):
     (tmp_path / "scene.yaml").write_text(text)

@@ -146,6 +146,7 @@ def test_a_traction_that_was_dropped_is_missed(tmp_path, name):
         gfmd_numba.body_fields(beside, body="counter_body")
 
 
+@pytest.mark.long
 def test_the_command_draws_the_section_and_planes_below_a_loaded_map(tmp_path):
     loaded(tmp_path).to_netcdf(tmp_path / "loaded.nc")
     for name, options in (("section", ()), ("planes", ("--plane", "-0.1"))):

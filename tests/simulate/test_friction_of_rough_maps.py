@@ -109,6 +109,7 @@ def test_each_order_is_off_by_what_the_next_one_adds():
     assert (expected[1:] < 0.5 * expected[:-1]).all()
 
 
+@pytest.mark.long
 def test_friction_at_a_higher_order_is_drawn_and_records_no_energy_of_flat_bodies(bumps):
     assert "energy_lost" not in bumps
     assert faults(plot_contact(bumps)) == []

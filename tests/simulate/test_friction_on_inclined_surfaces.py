@@ -62,6 +62,7 @@ def errors(found, expected):
     return max(abs(found[name].values[::OVER] - each).max() for name, each in zip(NAMES, expected, strict=True))
 
 
+@pytest.mark.long
 def test_a_punch_that_slides_on_a_rough_body_is_that_of_finite_elements():
     sliding, friction = 0.6 * SIZE, 0.3
     found = [under_punch(order, path=[{"sliding": sliding}]).isel(step=1) for order in range(3)]
@@ -116,6 +117,7 @@ def test_nodes_stick_and_slip_where_they_have_moved_to():
         before, touched = sideways - slid, touching
 
 
+@pytest.mark.long
 def test_a_cohesive_law_along_inclined_surfaces_is_that_of_finite_elements():
     """Forces are the derivatives of one energy, of the gap and of the slip along the surface that parts."""
     depth, sliding = 0.3 * SIZE, 0.1 * SIZE
@@ -132,6 +134,7 @@ def test_a_cohesive_law_along_inclined_surfaces_is_that_of_finite_elements():
     assert off[2] < 2e-6  # the mesh's own error
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
 def test_a_nearly_rigid_counter_body_is_a_rigid_punch(interface):
     facing = wave(X) - wave(X).mean()
@@ -162,9 +165,11 @@ def test_two_bodies_that_change_places_find_the_same(interface):
 
 @pytest.mark.parametrize("along", ["x", "y"])
 @pytest.mark.parametrize("pair", ["punch", "counter body"])
-@pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
-def test_ridges_are_profiles(along, pair, interface):
-    nx = 32
+@pytest.mark.parametrize(
+    ("interface", "nx"),
+    [pytest.param(FRICTION, 16, id="friction"), pytest.param(COHESION, 32, id="cohesion", marks=pytest.mark.long)],
+)
+def test_ridges_are_profiles(along, pair, interface, nx):
     x = np.arange(nx) / nx
     own, facing = -0.01 * np.cos(2 * np.pi * x), 0.004 * np.cos(6 * np.pi * (x - 0.07))
     suffix = "" if along == "x" else "_y"

@@ -75,6 +75,7 @@ def test_a_rough_punch_on_a_rough_body_is_that_of_finite_elements():
     np.testing.assert_allclose(found[2]["tangential_traction"], along, atol=1e-6 * abs(along).max())
 
 
+@pytest.mark.long
 def test_two_rough_bodies_are_those_of_finite_elements():
     upper = wave(X) - wave(X).mean()
     bodies = {"body": SLAB | {"roughness": heights(CREST)}, "counter_body": OTHER | {"roughness": heights(upper)}}

@@ -44,6 +44,7 @@ def test_the_energy_of_a_wave_is_the_work_of_its_load(westergaard):
     np.testing.assert_allclose(westergaard["elastic_energy"], work, rtol=5e-3)
 
 
+@pytest.mark.long
 def test_the_energy_of_a_rough_contact_rises_by_load_times_approach():
     loads = np.geomspace(0.01, 1.0, 60)
     found = load_curve(scene_file(), loads)
@@ -52,6 +53,7 @@ def test_the_energy_of_a_rough_contact_rises_by_load_times_approach():
     np.testing.assert_allclose(energy - energy[0], work, atol=2e-3 * energy[-1])
 
 
+@pytest.mark.long
 def test_the_stiffness_is_that_of_the_contact_held():
     """K = n / sum_ij (A_ff^-1)_ij over the open nodes; differences between the loads themselves are far from that."""
     loads = np.geomspace(1e-3, 0.5, 20)

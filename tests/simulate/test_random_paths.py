@@ -23,13 +23,13 @@ def hunt(kind, seeds):
 
 @pytest.mark.parametrize("kind", MODERATE)
 def test_random_paths_are_solved(kind):
-    assert hunt(kind, range(12)) == ([], [])
+    assert hunt(kind, range(4)) == ([], [])
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", MODERATE)
-def test_a_hundred_random_paths_are_solved(kind):
-    assert hunt(kind, range(100, 200)) == ([], [])
+def test_forty_random_paths_are_solved(kind):
+    assert hunt(kind, range(100, 140)) == ([], [])
 
 
 def test_what_would_jump_open_and_shut_at_a_rigid_mean_is_solved():

@@ -117,6 +117,7 @@ def small_disk(tmp_path):
     subprocess.run(["umount", disk], check=True)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no disk to mount")
 def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp_path):
     path, out, filler = campaign(tmp_path), small_disk / "out", small_disk / "filler"

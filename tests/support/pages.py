@@ -84,7 +84,7 @@ def options(command):
     return re.findall(r"(?<=[\s[])--[a-z][a-z-]*", command)
 
 
-_LARGEST = {1: 4096, 2: 64}  # nodes along a side that a test solves as printed
+_LARGEST = {1: 1024, 2: 32}  # nodes along a side that a test solves as printed
 _EPS = ("eps_c", "eps_f", "eps_t")
 
 

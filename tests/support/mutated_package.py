@@ -53,4 +53,5 @@ def _test(folder, options):
     import gfmd_numba
 
     found = Path(gfmd_numba.__file__).parents[1] == folder
-    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *options]) if found else 0)  # 0: nothing was killed
+    alone = ["-x", "-q", "-p", "no:cacheprovider", "-n", "0", "-m", ""]  # long ones as well
+    sys.exit(pytest.main([*alone, *options]) if found else 0)  # 0: nothing was killed

@@ -207,6 +207,7 @@ def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
     assert back.n_unused > 0
 
 
+@pytest.mark.long
 def test_a_plain_run_forgets_the_rounds(tmp_path, finished):
     """And those of a next run with a target are decided from the same results."""
     path, out = campaign(tmp_path), tmp_path / "out"

@@ -68,6 +68,7 @@ def wave(step, solver="auto"):
     return path, gfmd_numba.solve({"scene": scene, "path": steps, "numerics": {"solver": solver}})
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")  # of a wave for Johnson's closed form
 def test_the_area_of_a_loop_is_the_energy_lost_and_knows_no_step():
     found = {step: wave(step) for step in (8e-3, 2e-3, 5e-4)}

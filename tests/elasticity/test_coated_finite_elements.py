@@ -57,6 +57,7 @@ def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
     assert (np.log2(errors[:-1, :2] / errors[1:, :2]) > 1.7).all(), errors
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", STACKS)
 def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver(name):
     nx, delta, body, errors = 1024, 2e-3, STACKS[name], []

@@ -87,7 +87,6 @@ def inside(dataset, seeds):
     return count
 
 
-@pytest.mark.long
 def test_a_law_that_changes_beyond_the_levels_has_its_limit_in_the_interval(monkeypatch):
     """Of two powers the levels tell an exponent between them, and the slower one stays."""
     levels = [1 / 16, 1 / 32, 1 / 64, 1 / 128, 1 / 256]

@@ -12,6 +12,7 @@ LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096], "eps_f": [1 / 512, 1 / 1024,
 TARGETS = (0.3, 0.1, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [4, 5])
 def test_a_larger_error_costs_no_more(seed):
     """With a level that costs much and tells little, 10 % cost 8 % more than 5 %."""

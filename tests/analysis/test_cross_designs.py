@@ -128,6 +128,7 @@ def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, comm
     )
 
 
+@pytest.mark.long
 def test_a_cross_level_without_surfaces_stays_without(tmp_path):
     asked_for = {"realisations: 6": "realisations: {reference: 6, cross: [0, 6]}"}
     path = campaign_file(tmp_path, **ADDED, **FIXED, **asked_for)

@@ -153,6 +153,7 @@ def test_malformed_goals_are_refused(tmp_path, option):
     assert "gfmd allows a " in said.output
 
 
+@pytest.mark.long
 def test_a_budget_beyond_all_needs_asks_for_no_more_than_a_campaign_may(tmp_path):
     design = best_design(*pilot(), budget=1e9, fixed=ALPHA)
     assert most(design) == 10**6

@@ -68,6 +68,7 @@ def test_one_cross_level_leaves_the_other_pairs_open():
     assert min(unknown) > 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("hurst", "is_off"), [(0.8, False), (0.9, True), (1.0, True)])
 def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst, is_off):
     """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so.

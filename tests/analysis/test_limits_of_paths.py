@@ -47,6 +47,7 @@ def loaded(tmp_path_factory):
     return gfmd_numba.run(LOADED | PATH, tmp_path_factory.mktemp("loaded") / "out", workers=0)
 
 
+@pytest.mark.long
 def test_a_step_has_the_limit_of_contacts_under_its_load(loaded, tmp_path):
     """Without friction and adhesion a contact does not remember how it was loaded."""
     fitted = fit_tfc(loaded, fixed=ALPHA)
@@ -84,6 +85,7 @@ def test_a_limit_is_drawn_over_the_steps_and_the_path_at_the_reference(loaded):
     assert sorted(line.get_ydata()[1] for line in lines if len(line.get_ydata()) == 3) == sorted(mean[:, 1].values)
 
 
+@pytest.mark.long
 def test_a_run_prints_limits_of_pull_off_and_of_every_step(tmp_path):
     (tmp_path / "pulled.yaml").write_text(yaml.safe_dump(PULLED))
     done = gfmd("run", tmp_path / "pulled.yaml", "-o", tmp_path / "out", "--workers", "0")

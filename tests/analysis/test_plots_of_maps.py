@@ -29,6 +29,7 @@ def panels(figure):
     return [axis.images[0] for axis in images], [axis for axis in figure.axes if axis.get_ylabel() == "Density"]
 
 
+@pytest.mark.long
 def test_heights_pressure_and_gap_are_drawn_in_their_units(rough, tmp_path):
     figure = plot_contact(rough)
     (heights, pressure, gap), _ = panels(figure)
@@ -63,6 +64,7 @@ def test_a_contact_under_a_displacement_is_not_called_a_step(rough):
     assert [text.get_text() for text in pressure.get_legend().get_texts()] == ["Simulation", "Persson"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("overlap", ["some nodes", "all nodes"])
 def test_surfaces_that_overlap_under_a_cohesive_law_are_counted_and_drawn(rough, overlap, tmp_path):
     shift = rough["gap"].mean() if overlap == "some nodes" else 2.0 * rough["gap"].max()

@@ -24,6 +24,7 @@ def study(dataset, name, curve=None):
     return chosen if curve is None else chosen.isel(point=chosen["curve"].values == curve)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("solver", ["active set newton", "conjugate gradients", "verlet", "gronbech jensen", "fire"])
 def test_kappa_converges_with_the_residual(measured, solver):
     found = study(measured[0], "solver residual", solver)

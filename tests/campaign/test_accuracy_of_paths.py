@@ -65,6 +65,7 @@ def test_the_error_of_a_path_is_that_of_the_load_where_it_is_largest(study):
     assert whole == pytest.approx(np.max(each, axis=0).tolist(), abs=1e-6)
 
 
+@pytest.mark.long
 def test_dividing_a_step_is_walking_the_path_in_so_many(tmp_path):
     """The study against campaigns whose files have the shorter steps."""
     points = list(study_of(plan(DRAGGED), 2).load_steps())
@@ -84,6 +85,7 @@ def test_the_steps_of_a_path_without_memory_are_not_divided():
     assert list(study_of(plan(LOADED), 2).load_steps()) == []
 
 
+@pytest.mark.long
 def test_under_tension_the_error_is_that_of_the_contact_area():
     points = list(study_of(plan(TENSION), 2).discretisation("eps_c"))
     assert {point.variable for point in points} == {"contact_area_fraction"}
@@ -93,6 +95,7 @@ def test_under_tension_the_error_is_that_of_the_contact_area():
     assert all(point.error > 0 for point in study_of(plan(TENSION), 2).sampling())
 
 
+@pytest.mark.long
 def test_the_command_prints_and_draws_what_a_path_is_off_by(tmp_path, monkeypatch):
     monkeypatch.setattr(Study, "solvers", lambda study: iter(()))  # the longest study, and one of many tests
     monkeypatch.chdir(tmp_path)  # a path longer than a line is never folded

@@ -71,6 +71,7 @@ def test_orders_are_not_studied_where_order_0_is_all_or_another_body():
     assert list(study_of(plan(of({"body": {"poissons_ratio": 0.3}, "roughness": ROUGH})), 2).orders()) == []
 
 
+@pytest.mark.long
 def test_the_command_prints_the_error_of_the_order_beside_that_of_the_grid(tmp_path, monkeypatch):
     monkeypatch.setattr(Study, "solvers", lambda study: iter(()))  # the longest study, and one of many tests
     monkeypatch.chdir(tmp_path)  # a path longer than a line is never folded

@@ -73,6 +73,7 @@ def test_a_value_within_a_mapping_is_put_there_alone():
     assert yaml.safe_load(with_values(text, {"b.d.g": "7"}))["b"]["d"] == {"e": 3, "g": 7}
 
 
+@pytest.mark.long
 def test_a_plan_adds_cross_levels_and_writes_them_with_their_surfaces(tmp_path):
     planned = tmp_path / "planned.yaml"
     said = gfmd("plan", campaign(tmp_path, **FIXED), "--target", "kappa=8%", "--write", planned)

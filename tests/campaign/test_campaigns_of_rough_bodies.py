@@ -123,6 +123,7 @@ def test_identity_follows_what_decides_the_numbers():
     assert identity(seed=5) != base
 
 
+@pytest.mark.long
 def test_a_stopped_run_is_resumed_to_the_same_numbers(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 2 * 256)
     campaign = of(TWO, realisations=4, grid={"counter_body_youngs_modulus": [70e9, 110e9]})

@@ -100,6 +100,7 @@ def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
     assert_as_solved(found, 0, 1, campaign["scene"], more | {"discretisation": reference})
 
 
+@pytest.mark.long
 def test_a_stopped_run_of_dragged_bodies_is_resumed_to_the_same_numbers(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 3 * 256)  # one realisation a block
     campaign = of("friction between two bodies", grid={"friction_coefficient": [0.1, 0.3]})

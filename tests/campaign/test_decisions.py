@@ -33,6 +33,7 @@ def decided(found, target, fit=EXACT, most=np.inf):
     return decide(found, judge(found, fit_tfc(found, fixed=fit.fixed), fit), target, fit, most)
 
 
+@pytest.mark.long
 def test_every_cross_level_has_realisations_of_its_own_wherever_it_stands():
     """A dear one that tells little keeps those of the pilot, whatever the order of the cases."""
     for levels in ((*CROSS, DEAR), (DEAR, *CROSS)):
@@ -45,6 +46,7 @@ def test_every_cross_level_has_realisations_of_its_own_wherever_it_stands():
         assert (counts[cheap] > HELD).any()
 
 
+@pytest.mark.long
 def test_the_order_of_cases_hardly_changes_the_price():
     """The search for the best numbers goes level after level, and ends near the best ones."""
     found = results(crossed(*CROSS))
@@ -68,6 +70,7 @@ def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     assert len(set(counts[(found["limit"] == "cross").values])) == 1
 
 
+@pytest.mark.long
 def test_interactions_that_no_cross_level_tells_ask_for_cross_levels():
     """Narrower ranges would not help."""
     for levels in ((), CROSS[:1]):

@@ -59,6 +59,7 @@ def gfmd(*words):
     return " ".join(done.output.split())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("load", LOADS)
 def test_a_design_holds_for_each_load_and_is_written_with_its_units(tmp_path, load):
     path, better = campaign(tmp_path, load), tmp_path / "better.yaml"
@@ -71,6 +72,7 @@ def test_a_design_holds_for_each_load_and_is_written_with_its_units(tmp_path, lo
     assert written.realisations.reference > given.realisations.reference
 
 
+@pytest.mark.long
 def test_a_target_is_reached_at_each_pressure(tmp_path):
     path, better = campaign(tmp_path, "pressure", **FINE), tmp_path / "better.yaml"
     gfmd("plan", path, "--target", "kappa=10%", "--write", better)
@@ -81,6 +83,7 @@ def test_a_target_is_reached_at_each_pressure(tmp_path):
     assert float(error.max()) > 0.02  # no more surfaces than it takes
 
 
+@pytest.mark.long
 def test_a_budget_buys_a_smaller_error_for_all_loads(tmp_path):
     path = campaign(tmp_path, "pressure", **FINE)
     told = [gfmd("plan", path, "--budget", budget) for budget in ("2s", "20s")]

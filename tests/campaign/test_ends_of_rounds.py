@@ -89,6 +89,7 @@ def test_a_budget_that_the_pilot_exceeds_is_refused(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_exponents_that_nobody_knows_end_a_run(tmp_path):
     """Two levels beside the reference do not tell an exponent and an error of it, however many surfaces they have."""
     wide = ONE | {"reference: {": "fit: {fixed: {eps_c: [0.2, 4], eps_f: [0.1, 4]}}\nlevels: only\nreference: {"}
@@ -160,6 +161,7 @@ def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkey
     assert all(1.2 < after / before < 4.5 for before, after in zip(prices(outcome), prices(outcome)[1:], strict=False))
 
 
+@pytest.mark.long
 def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
     """Blocks that are finished count, those of a half-finished level up to the first that is not."""
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 256 * 50)
@@ -202,6 +204,7 @@ def test_an_interrupt_in_the_pilot_is_one(tmp_path, monkeypatch):
     assert not isinstance(stopped.value, InterruptedRunError)
 
 
+@pytest.mark.long
 def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
     def boom(problem, chosen):
         if problem.surface.nodes > 16:  # kernels are compiled on less

@@ -128,6 +128,7 @@ def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
     assert subprocess.run(command, capture_output=True).returncode == 0
 
 
+@pytest.mark.long
 def test_a_lost_scheduler_is_told(tmp_path, sound):
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
 

@@ -14,6 +14,7 @@ from gfmd_numba.campaign.shards import Finished
 from support.campaigns import campaign
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_frozen_worker_of_a_cluster_is_replaced(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster_of_run, "_HEARTBEATS", 8.0)

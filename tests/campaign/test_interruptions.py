@@ -27,6 +27,7 @@ from gfmd_numba.storage.atomic_file import temporary
 from support.campaigns import TINY, campaign, numbers
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
     """SIGKILL as soon as the first shards are there; what is finished is not computed again."""
@@ -44,6 +45,7 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
     assert {shard: shard.stat().st_mtime_ns for shard in left} == left
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     """Ctrl-C reaches the workers, too, at any moment after the first shard."""

@@ -42,6 +42,7 @@ def slurm(tmp_path, monkeypatch):
         time.sleep(0.1)
 
 
+@pytest.mark.long
 def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_path, slurm):
     """The first before its worker comes, the second when it has done a block."""
     out, keys, readable = tmp_path / "out", [], []

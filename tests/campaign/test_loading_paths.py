@@ -39,6 +39,7 @@ def pulled(tmp_path_factory):
     return gfmd_numba.run(PULLED, tmp_path_factory.mktemp("pulled") / "out")
 
 
+@pytest.mark.long
 def test_the_numbers_are_those_of_gfmd_solve_step_by_step(dragged, pulled):
     """`gfmd solve` keeps the status and the effort of each step; a campaign has one of the path."""
     cases = ((dragged, DRAGGED, 0, "coefficient", 0.05), (pulled, PULLED, 1, "work_of_adhesion", 1e-4))
@@ -83,6 +84,7 @@ def test_a_campaign_without_a_path_has_no_steps(tmp_path):
     assert set(plain["kappa"].dims) == {"case", "realisation"}
 
 
+@pytest.mark.long
 def test_the_loss_of_a_cycle_is_the_area_of_the_loop_of_forces(dragged, pulled):
     """From one end of sliding to the other and back; pulled apart, the work alone: no energy is left at the ends."""
     cycle = slice(2, None)  # from 8e-4 to -8e-4 and back: the second state is that of the first load, the last again

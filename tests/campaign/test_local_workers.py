@@ -62,6 +62,7 @@ def says_nothing(port):
     return True
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere sockets of processes are hard to see")
 @pytest.mark.filterwarnings("ignore")
 def test_a_client_without_the_key_of_a_run_is_refused_everywhere(tmp_path):
@@ -83,6 +84,7 @@ def test_a_client_without_the_key_of_a_run_is_refused_everywhere(tmp_path):
         assert asyncio.run(admitted(client.scheduler.address, **friend))  # who has the key gets in by the same way
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "_HEARTBEATS", 8.0)
@@ -105,6 +107,7 @@ def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_pat
     assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path):
     path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 600\ncase_timeout: 6"}), tmp_path / "out"

@@ -54,6 +54,7 @@ def strangers(tmp_path):
             worker.wait()
 
 
+@pytest.mark.long
 def test_two_workers_without_the_output_directory_change_no_number(finished, tmp_path, strangers):
     path, failures = run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address=strangers))
     assert failures == {}

@@ -28,6 +28,7 @@ def test_a_clock_set_wrong_is_no_failure(tmp_path, shift):
     assert progress(out).done == found.blocks
 
 
+@pytest.mark.long
 def test_a_campaign_runs_without_a_home_or_a_compiler(tmp_path):
     """Nor a cache that can be written: a file stands where the folders should be. Kernels run as plain Python."""
     (tmp_path / "file").touch()

@@ -133,6 +133,7 @@ leaf = st.one_of(st.integers(), st.text("ab#:,'\"{}[]- \n", max_size=8), st.none
 tree = st.recursive(leaf, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from("pqr"), inner))
 
 
+@pytest.mark.long
 @settings(derandomize=True, deadline=None, max_examples=300)
 @given(st.dictionaries(st.sampled_from("abcdef"), tree, min_size=1), st.sampled_from([True, False, None]))
 def test_any_mapping_gets_the_new_values_and_keeps_the_others(data, style):

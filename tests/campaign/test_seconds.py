@@ -49,6 +49,7 @@ def gfmd(*arguments):
     return " ".join(done.output.split())
 
 
+@pytest.mark.long
 def test_a_fit_prints_what_the_contacts_took_where_cases_share_them(tmp_path, clock):
     """Each problem once, though three cases have it."""
     path = campaign(tmp_path, **SHARED | {"realisations: 6": "realisations: 60"})
@@ -66,6 +67,7 @@ def test_a_fit_prints_what_the_contacts_took_where_cases_share_them(tmp_path, cl
     assert told in gfmd("fit", tmp_path / "out")
 
 
+@pytest.mark.long
 def test_contacts_take_the_processor_time_that_the_results_tell(tmp_path, clock, monkeypatch):
     """By a clock of all threads, none of which works unseen."""
     monkeypatch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
@@ -76,6 +78,7 @@ def test_contacts_take_the_processor_time_that_the_results_tell(tmp_path, clock,
     assert gfmd_numba.open_campaign(tmp_path / "out").attrs["cpu_seconds"] == pytest.approx(clock[0], rel=0.1)
 
 
+@pytest.mark.long
 def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path, laws_that_hold):
     said = gfmd("run", campaign(tmp_path, **ONE), "-o", tmp_path / "out", "--workers=0", "--until=kappa=3%")
     results = gfmd_numba.open_campaign(tmp_path / "out")
@@ -85,6 +88,7 @@ def test_the_price_of_the_next_digit_is_a_hundred_times_that_of_the_run(tmp_path
     assert f"takes about {duration(100 * seconds)} of processor time for the contacts" in said
 
 
+@pytest.mark.long
 def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch, laws_that_hold):
     """On a machine that takes a nanosecond an operation: real seconds of so short a pilot tell what else ran."""
     now = [0.0]

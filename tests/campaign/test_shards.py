@@ -139,6 +139,7 @@ main(sys.argv[1:])
 """
 
 
+@pytest.mark.long
 def test_a_run_killed_between_bundles_resumes_to_the_same_numbers(finished, tmp_path):
     path, out = campaign(tmp_path), tmp_path / "out"
     command = [sys.executable, "-c", FEW_FILES, "run", str(path), "-o", str(out), "--workers=0"]

@@ -69,6 +69,7 @@ def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tmp_path, monkeypatch):
     path, out = campaign(tmp_path), tmp_path / "it's p_a;touch X"
     bad = next(plan(path).blocks)

@@ -117,6 +117,7 @@ def test_a_path_has_one_identity_and_one_result(effect):
             np.testing.assert_allclose(numbers[name], values[name], rtol=1e-13, err_msg=f"{system}: {name}")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("effect", ["adhesion", "friction"])
 def test_a_campaign_has_one_digest(effect, tmp_path):
     digests, cases = set(), set()
@@ -144,6 +145,7 @@ def test_check_and_plan_come_to_one_verdict_on_a_law(range_, code, tmp_path):
         assert ("does not resolve" in said.pop()) == (range_ == UNRESOLVED)
 
 
+@pytest.mark.long
 def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
     said = set()
     for system in SYSTEMS:

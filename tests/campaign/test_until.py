@@ -53,6 +53,7 @@ def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     np.testing.assert_array_equal(results["realisations"], last.realisations)
 
 
+@pytest.mark.long
 def test_the_pilot_has_twenty_realisations_of_the_finest_level_and_more_of_coarser_ones(reached, tmp_path):
     """Whatever the file asks for: levels without realisations are solved, too."""
     file = {"realisations: 6": "realisations: {reference: 3, eps_f: [0, 2, 2]}"}
@@ -173,6 +174,7 @@ def solved(monkeypatch):
     return counted
 
 
+@pytest.mark.long
 def test_a_finished_run_solves_nothing_again(reached, tmp_path, solved):
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     run_until(path, GOAL, out, HERE)
@@ -182,6 +184,7 @@ def test_a_finished_run_solves_nothing_again(reached, tmp_path, solved):
     assert opened(again).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 
 
+@pytest.mark.long
 def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
     """And what is more than the target asks for is told, and kept; cross levels that the file has not are solved."""
     many = campaign(tmp_path, **ONE | {"realisations: 6": "realisations: 600"})
@@ -219,6 +222,7 @@ def test_a_plain_run_forgets_the_rounds(tmp_path, finished):
     assert opened(again).attrs["content_sha256"] == digest
 
 
+@pytest.mark.long
 def test_every_group_has_numbers_of_its_own(tmp_path):
     outcome = run_until(campaign(tmp_path, **FIT), GOAL, tmp_path / "out", HERE)
     results = opened(outcome)

@@ -39,6 +39,7 @@ def until(campaign, folder, target):
     return gfmd_numba.run(campaign, folder / "out", until={campaign["fit"]["variable"]: target})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("variable", "base"), [("kappa", LOADED), ("hysteresis", DRAGGED)])
 def test_a_run_ends_with_the_error_of_every_step_or_of_the_path(tmp_path, variable, base):
     found = until(of(variable, base), tmp_path, 0.15)
@@ -53,6 +54,7 @@ def test_a_run_ends_with_the_error_of_every_step_or_of_the_path(tmp_path, variab
     assert found.attrs["until"] == f"{variable}=0.15"
 
 
+@pytest.mark.long
 def test_a_step_that_is_named_decides_alone(tmp_path):
     """At first touch there is no area and no pressure, and so no kappa."""
     ended = "not reached: kappa at step 0 of the path: .*`fit: {step: ...}` names a step"
@@ -70,6 +72,7 @@ def test_a_step_that_is_named_decides_alone(tmp_path):
     assert "kappa to 10.00%: reached" in done.output
 
 
+@pytest.mark.long
 def test_a_plan_with_a_target_predicts_the_error_of_the_worst_step():
     planned = plan(of(base=LOADED))
     found = design.pilot(planned)

@@ -14,7 +14,7 @@ from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_worker_count_changes_no_number(finished, tmp_path, workers):
     result = gfmd_numba.run(campaign(tmp_path), tmp_path / "out", workers)
     xr.testing.assert_identical(numbers(result), numbers(finished))
@@ -36,6 +36,7 @@ def test_a_wrong_scheduler_is_named(tmp_path, address):
     run_campaign(campaign(tmp_path), tmp_path / "out", Workers(0))  # a client that failed is not in the way
 
 
+@pytest.mark.long
 def test_a_script_without_a_main_guard_may_run_a_campaign(tmp_path):
     campaign(tmp_path)
     script = tmp_path / "script.py"

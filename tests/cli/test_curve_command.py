@@ -33,6 +33,7 @@ def table(file):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("realisations", [1, 3])
 def test_table_and_netcdf_have_the_same_numbers_and_units(scene, tmp_path, realisations):
     done = gfmd("curve", scene, "--loads", "1e-2:1:3", "--realisations", realisations, "-o", tmp_path / "c.nc")
@@ -127,6 +128,7 @@ def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
     assert not (tmp_path / "none.nc").exists()
 
 
+@pytest.mark.long
 def test_files_of_somebody_else_are_not_written_over(scene, tmp_path):
     for suffix in (".nc", ".csv", ".png"):
         file = tmp_path / f"mine{suffix}"

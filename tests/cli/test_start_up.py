@@ -29,6 +29,7 @@ print("whole")"""
     assert python(script) == "whole\n"
 
 
+@pytest.mark.long
 def test_a_module_that_needs_its_package_is_loaded_with_it():
     script = f"""import sys, pyfftw
 from importlib.machinery import PathFinder
@@ -88,6 +89,7 @@ def test_imports_are_not_looked_through_for_garbage(collecting):
         (gc.enable if before else gc.disable)()
 
 
+@pytest.mark.long
 def test_at_its_end_a_solve_looks_for_no_garbage(tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE)
     script = (

@@ -50,6 +50,7 @@ def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
     assert "channel along x" in done.output
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:The flow factor")
 @pytest.mark.parametrize("command", TRANSPORT)
 def test_what_crosses_a_contact_is_written_drawn_and_printed(folder, tmp_path, command):
@@ -65,6 +66,7 @@ def test_what_crosses_a_contact_is_written_drawn_and_printed(folder, tmp_path, c
     assert (tmp_path / "out.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:The flow factor")
 @pytest.mark.parametrize("command", TRANSPORT)
 def test_without_an_output_nothing_is_written_and_programs_read_json(folder, tmp_path, monkeypatch, command):
@@ -92,6 +94,7 @@ def test_what_is_not_finite_is_null_in_json(folder, tmp_path):
     assert "conductance                 inf" in gfmd("conductance", tmp_path / "closed.nc").stdout
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:The flow factor")
 @pytest.mark.parametrize("command", ["statistics", *TRANSPORT])
 def test_the_steps_of_a_path_are_a_table(folder, tmp_path, command):
@@ -135,6 +138,7 @@ def test_the_results_themselves_are_not_overwritten(folder, command):
     assert "which is an input" in unfolded(done.stderr)
 
 
+@pytest.mark.long
 def test_a_unit_that_somebody_wrote_is_escaped(folder, tmp_path):
     altered = xr.load_dataset(folder / "map.nc")
     altered["gap"].attrs["units"] = "\x1b[2J"

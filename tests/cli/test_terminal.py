@@ -54,6 +54,7 @@ status small
 surface surface.yaml -o surface.nc
 verify small
 """
+LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +90,14 @@ def folder(undrawn, tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("command", [*COMMANDS.strip().splitlines(), "-h", *(f"{name} -h" for name in main.commands)])
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(pytest.param(line, marks=LONG if line.startswith(("accuracy", "doctor")) else ()) for line in LINES),
+        "-h",
+        *(f"{name} -h" for name in main.commands),
+    ],
+)
 def test_everything_fits_80_columns(folder, monkeypatch, command):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(progress, "_PATIENCE", 0.0)
@@ -101,7 +109,7 @@ def test_everything_fits_80_columns(folder, monkeypatch, command):
 
 def test_every_command_is_looked_at():
     printing_json = {"schema"}  # for editors
-    assert {command.split()[0] for command in COMMANDS.strip().splitlines()} | printing_json == set(main.commands)
+    assert {command.split()[0] for command in LINES} | printing_json == set(main.commands)
 
 
 def test_a_parameter_of_all_rows_stands_above_the_table_once(capsys):

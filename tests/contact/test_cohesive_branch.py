@@ -102,6 +102,7 @@ LOOPS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.long
 @LOOPS
 @pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")
 def test_the_energy_lost_in_a_loop_knows_no_step(positions, key):

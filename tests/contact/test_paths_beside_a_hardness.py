@@ -232,6 +232,7 @@ def labels_of(file):
     return [axis.get_xlabel() + axis.get_ylabel() + axis.get_title() for axis in drawn]
 
 
+@pytest.mark.long
 def test_the_picture_of_a_map_outlines_what_is_flattened():
     file = scene(HARD, dimension=2) | {"discretisation": {"eps_c": 1 / 16, "eps_f": 1 / 4, "eps_t": 1 / 2}}
     labels = labels_of(file)

@@ -104,6 +104,7 @@ def largest_drag(nodes):
     return most, LAW.slip_softening / body.k11[-1]
 
 
+@pytest.mark.long
 def test_the_drag_that_a_wave_bears_is_off_by_what_x_says():
     (exact, _), *others = map(largest_drag, (1024, 512, 256, 152))
     found = {x: drag / exact - 1 for drag, x in others}

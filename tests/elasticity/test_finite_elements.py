@@ -49,6 +49,7 @@ def test_rough_top_is_a_slab_of_its_height():
     np.testing.assert_allclose(mesh.traction(solution), -0.01 * stiffness.uniform(0.3, 0.6), rtol=1e-10)
 
 
+@pytest.mark.long
 def test_contact_of_a_wavy_punch_converges_to_that_of_the_spectral_solver():
     nx, delta, body, errors = 1024, 2e-3, ElasticBody(0.3, 0.5), []
     wall = 0.005 * (1 - np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5))) - delta

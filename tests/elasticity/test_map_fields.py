@@ -224,6 +224,7 @@ def test_waves_that_are_left_out_at_a_depth_are_not_missed(monkeypatch):
     np.testing.assert_allclose(found, whole, atol=1e-14 * abs(whole).max())
 
 
+@pytest.mark.long
 def test_a_section_never_holds_the_volume_in_memory():
     n, levels = 512, 40
     body = ElasticBody(0.3, 0.5)

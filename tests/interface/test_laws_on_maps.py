@@ -100,6 +100,7 @@ def pull_off(nodes, radius_of_contact, tabor, step):
     return most, 2.0 * np.pi * work
 
 
+@pytest.mark.long
 def test_pull_off_of_a_paraboloid_goes_from_dmt_to_jkr():
     """2 pi w R where Tabor's parameter is small, 3/2 pi w R where it is large: the rest falls as its power -3/2.
 

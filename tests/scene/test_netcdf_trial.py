@@ -35,6 +35,7 @@ def hasty(monkeypatch):
     monkeypatch.setattr(netcdf_trial, "START", 2)
 
 
+@pytest.mark.long
 def test_a_file_without_end_is_refused(tmp_path, hasty):
     (tmp_path / "p.nc").write_bytes(zlib.decompress(base64.b64decode(ENDLESS)))
     with pytest.raises(ValueError, match="no netCDF file, or a damaged one"):

@@ -56,6 +56,7 @@ def test_steep_bodies_that_just_touch_are_at_rest():
     assert not contact.displacement.any()
 
 
+@pytest.mark.long
 def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
     file = tmp_path / "two.yaml"
     file.write_text(

@@ -223,6 +223,7 @@ def test_sections_and_planes_on_the_command_line(contact, tmp_path, options, dim
     assert output.with_suffix(".png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path):
     contact.to_netcdf(tmp_path / "contact.nc")
     for options, message in (

@@ -25,6 +25,7 @@ def solved(order, roughness, loading, path, friction, residual=1e-9):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 def test_a_sinusoid_that_a_level_punch_slides_over_is_that_of_finite_elements():
     """Slip everywhere: each node of the true surface is pulled by friction times what it presses."""

@@ -72,6 +72,7 @@ def test_a_rough_ridge_rubs_as_its_profile_does(order, along):
     close(found["next_order"], expected["next_order"], expected["next_order"], "next_order")
 
 
+@pytest.mark.long
 def test_a_map_turned_by_a_right_angle_rubs_like_itself(bumps):
     """Turned, its y is the x of the map before, and its x is minus the y; node 0 stays node 0."""
     rotated = np.roll(np.rot90(BUMPS), 1, axis=0)
@@ -130,6 +131,7 @@ def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_
         assert np.isfinite(field).all()
 
 
+@pytest.mark.long
 def test_sections_planes_and_the_largest_stress_of_a_map_of_higher_order_are_of_one_field(bumps):
     z = [-0.01, -0.2, -0.5]
     planes = gfmd_numba.body_fields(bumps, planes=z)

@@ -81,6 +81,7 @@ def test_a_punch_that_slides_on_a_rough_body_is_that_of_finite_elements():
     assert float(found[2]["mean_tangential_traction"] / found[2]["mean_pressure"]) == pytest.approx(dragged, rel=2e-3)
 
 
+@pytest.mark.long
 def test_nodes_stick_and_slip_where_they_have_moved_to():
     """Finite elements under the tractions found move as found, and each node obeys Coulomb's law on its slope."""
     path = [{"sliding": 2e-4}, {"sliding": 1e-3}, {"displacement": 3e-3}]
@@ -223,6 +224,7 @@ def test_fields_inside_bear_each_traction_once(interface, tmp_path):
         np.testing.assert_allclose(inside[f"displacement_{component}"], found[name], atol=1e-12)
 
 
+@pytest.mark.long
 def test_what_slips_across_the_slope_is_expected_to_be_off_by_half_its_square():
     """Coulomb compares forces on the surface; a slab of shear modulus 0.35 E* moves along y by the rest."""
     nx, size = 64, 0.02

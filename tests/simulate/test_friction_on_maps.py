@@ -74,6 +74,7 @@ def test_the_elastic_energy_is_of_all_three_displacements(dragged):
     np.testing.assert_allclose(dragged["elastic_energy"], energy, rtol=1e-9)
 
 
+@pytest.mark.long
 def test_friction_on_a_map_is_drawn(dragged):
     figure = plot_contact(dragged)
     labels = [axis.get_xlabel() or axis.get_ylabel() for axis in figure.axes]

@@ -120,6 +120,7 @@ def flattened(nx, dimension, load, hardness, shifts):
     return pressed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("dimension", "shares"), [(1, (0.1, 0.3, 0.5, 0.85)), (2, (0.2, 0.4, 1.0))])
 def test_the_area_of_a_flattened_sinusoid_does_not_depend_on_the_grid(dimension, shares):
     """Fringes far below, near and above a node: at most half of the error of counted nodes is left."""

@@ -261,6 +261,7 @@ def test_steep_bodies_are_doubted():
         assert "above the 0.03" in gfmd_numba.solve(steep).attrs["validity"]
 
 
+@pytest.mark.long
 def test_commands_check_solve_and_draw_a_loaded_rough_body(tmp_path):
     saved(tmp_path, heights=surface(X), wave=tractions(X)[0])
     body = ROUGH["body"] | {"roughness": {"method": "measured", "units": {"z": "L_x"}, "file": "heights.npy"}}

@@ -124,6 +124,7 @@ def test_a_hardness_bounds_the_pressure_of_the_true_surface_as_on_finite_element
     assert float(found[2]["plastic_area_fraction"]) == pytest.approx((pressure > 0.999 * HARDNESS).mean(), abs=0.01)
 
 
+@pytest.mark.long
 def test_a_cohesive_law_acts_on_the_true_surface_as_on_finite_elements():
     """Dragged by the punch, so that slip counts where the topography carries the nodes along x."""
     law = XuNeedlemanLaw(*LAW.values())

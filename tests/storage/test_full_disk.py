@@ -70,7 +70,10 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != ".lock"}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(name, marks=() if name in ("solve", "collect", "init") else pytest.mark.long) for name in COMMANDS],
+)
 def test_a_full_disk_is_one_message_and_harms_no_file(folder, monkeypatch, command):
     monkeypatch.chdir(folder)
     point = Point("surfaces", "one", 4.0, 0.1, 1.0, float("nan"), 0)

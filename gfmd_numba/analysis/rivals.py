@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.analysis.fit_warnings import inseparable
-from gfmd_numba.analysis.laws import Given
+from gfmd_numba.analysis.laws import Given, choices
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
+from gfmd_numba.theory.exponents import exponent_ranges
 
 _FEWEST = 4  # levels of a limit, of which one may be left out
 _SIGNIFICANT = 2.0  # standard deviations by which a rival may differ by chance
@@ -37,8 +37,9 @@ class Rival:
 
 
 def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
-    """Yield the fits without the coarsest or finest level of a limit, and with the range of an asserted exponent."""
-    expected = exponent_ranges(groups[0].dimension, max(group.parameters.get("hurst", np.nan) for group in groups))
+    """Yield the fits without the coarsest or finest level of a limit, by theory, and without asserted exponents."""
+    hursts = [group.parameters.get("hurst", np.nan) for group in groups]
+    expected = exponent_ranges(groups[0].dimension, max(hursts))
     for limit in LIMITS:
         levels = _levels(groups, limit)
         if len(levels) >= _FEWEST:
@@ -46,19 +47,17 @@ def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
                 if (fewer := _without(groups, limit, level)) is not None:
                     yield Rival(f"without the {name} level of {limit}, {fractions(np.array([level]))}", fewer, given)
         low, high = given.get(limit, (0.0, 1.0))
-        if low == high and len(levels) > 2:
-            yield _without_assertion(groups, given, limit, expected[limit])
-
-
-def _without_assertion(groups: Sequence[Group], given: Given, limit: str, expected: tuple[float, float]) -> Rival:
-    """Return the fit by the law from theory where an asserted exponent stands for it, else by a range of exponents."""
-    hursts = {group.parameters.get("hurst", np.nan) for group in groups}
-    if limit == "eps_f" and len(hursts) == 1 and has_slope_law(groups[0].variable, *hursts):
+        asserted = limit if low == high else ""
         others = {name: each for name, each in given.items() if name != limit}
-        return Rival("by the law of the unseen slope", list(groups), others, asserted=limit, from_theory=True)
-    low, high = expected
-    what = f"with an exponent of {limit} between {low:g} and {high:g}, as the levels tell it,"
-    return Rival(what, list(groups), {**given, limit: expected}, asserted=limit)
+        by_theory = {law.name for laws in choices([limit], groups[0].variable, hursts, others) for law in laws.values()}
+        by_fit = {law.name for laws in choices([limit], groups[0].variable, hursts, given) for law in laws.values()}
+        if by_theory != by_fit:
+            yield Rival("by the law of the unseen slope alone", list(groups), others, asserted, from_theory=True)
+        elif asserted and len(levels) > 2:
+            what = "with an exponent of {} between {:g} and {:g}, as the levels tell it,".format(
+                limit, *expected[limit]
+            )
+            yield Rival(what, list(groups), {**given, limit: expected[limit]}, asserted)
 
 
 def without_coarsest(groups: Sequence[Group]) -> tuple[str, list[Group]] | None:

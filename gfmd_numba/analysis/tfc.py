@@ -291,7 +291,7 @@ def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]
         if rival.from_theory:
             value, variance = other.limit_of(index)
             found = with_error(value, float(np.sqrt(variance)))
-            said = f"{rival.what}, without the given exponent, {group.variable}_tfc is {found}"
+            said = f"{rival.what}, without what is given of the exponent, {group.variable}_tfc is {found}"
             lines.append(f"{said}: the error includes this")
     return lines
 

@@ -60,8 +60,10 @@ def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does()
     of_surfaces = [np.sqrt(fit["kappa_tfc_error"] ** 2 - part(fit, "extrapolation") ** 2) for fit in (by_law, asserted)]
     assert of_surfaces[1] > 0.99 * of_surfaces[0]
     assert part(asserted, "rivals") > 0.0
-    assert "by the law of the unseen slope, without the given exponent, kappa_tfc is" in asserted["message"].item()
-    assert "without the given exponent" not in by_law["message"].item()
+    said = "by the law of the unseen slope alone, without what is given of the exponent, kappa_tfc is"
+    assert said in asserted["message"].item()
+    assert said in fit_tfc(dataset, fixed={"eps_f": OF_TWO_POWERS})["message"].item()
+    assert said not in by_law["message"].item()
 
 
 def test_rivals_keep_all_limits():

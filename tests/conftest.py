@@ -1,4 +1,4 @@
-"""How many processes share the tests, how many threads each of them has, and pictures that nobody looks at."""
+"""What all tests share: processes and their threads, pictures that nobody looks at, laws that hold."""
 
 import io
 import os
@@ -34,4 +34,14 @@ def undrawn():
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", write)
+        yield
+
+
+@pytest.fixture(scope="module")
+def laws_that_hold():
+    """Fits without doubts about the laws of limits, so that surfaces alone decide about their errors and about runs."""
+    from support.doubts import without_doubts
+
+    with pytest.MonkeyPatch.context() as patch:
+        without_doubts(patch)
         yield

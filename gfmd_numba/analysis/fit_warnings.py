@@ -14,6 +14,7 @@ from gfmd_numba.theory.exponents import exponent_ranges
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
 _AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
+_WORTH_A_CROSS_LEVEL = 0.2  # of the error: less hardly adds to it
 _COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
 # ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
 _LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
@@ -116,15 +117,16 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
 
 
 def additivity(group: Group, error: Reals) -> list[str]:
-    """Return a line where no cross level tells by how much corrections together differ from their sum."""
+    """Return a line where no cross level tells by how much corrections together differ from their sum, if it counts."""
     unknown = Estimates(error).interaction
     off = {name: abs(group.log_ratio(name)) > 1e-9 for name in group.levels}
     pairs = [(number, pair) for number, pair in enumerate(PAIRS) if set(pair) <= set(off)]
     open_ones = [number for number, (first, second) in pairs if not (off[first] & off[second]).any()]
-    if not open_ones:
+    open_part = float(np.hypot.reduce(unknown[open_ones])) if open_ones else 0.0
+    if open_part <= _WORTH_A_CROSS_LEVEL * Estimates(error).tfc:
         return []
     which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
-    difference = group.shown(float(np.hypot.reduce(unknown[open_ones])))
+    difference = group.shown(open_part)
     return [
         f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
         f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"

@@ -6,7 +6,6 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
 from support.campaigns import campaign
-from support.doubts import without_doubts
 
 
 @pytest.fixture(scope="module")
@@ -21,11 +20,3 @@ def finished(tmp_path_factory):
 def empty_cache(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
     (tmp_path / "cache").mkdir()
-
-
-@pytest.fixture(scope="module")
-def laws_that_hold():
-    """Fits without doubts about the laws of limits, so that surfaces alone decide how a run goes on."""
-    with pytest.MonkeyPatch.context() as patch:
-        without_doubts(patch)
-        yield

@@ -19,6 +19,8 @@ from gfmd_numba.campaign.outcome import Outcome
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 ONE = {
     "reference: {": "levels: only\nfit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",
     "grid: {hurst: [0.3, 0.8]}": "",
@@ -29,7 +31,7 @@ FINER = ONE | {"reference: {": "fit: {exponents: free, fixed: {eps_c: [1, 2], ep
 
 
 @pytest.fixture(scope="module")
-def reached(tmp_path_factory):
+def reached(tmp_path_factory, laws_that_hold):
     folder = tmp_path_factory.mktemp("reached")
     done = gfmd("run", campaign(folder, **ONE), "-o", folder / "out", "--workers=0", "--until=kappa=4%")
     assert done.exit_code == 0, done.output

@@ -34,6 +34,7 @@ def test_kappa_converges_with_the_residual(measured, solver):
     assert (np.diff(found["transforms"]) >= 0).all()
 
 
+@pytest.mark.long
 def test_counting_needs_a_finer_grid_than_correcting(measured):
     counted, corrected = (study(measured[0], "eps_c", curve) for curve in ("counted", "corrected on average"))
     assert (np.diff(counted["error"]) < 0).all()

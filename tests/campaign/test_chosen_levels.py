@@ -87,6 +87,7 @@ def test_finer_levels_keep_the_old_ones(limit, dimension):
     assert number[max(new, key=np.prod)] == max(number.values()) <= 400
 
 
+@pytest.mark.long
 def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     first, *_, last = refined.rounds.rounds
     assert refined.reached

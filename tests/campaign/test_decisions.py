@@ -79,6 +79,7 @@ def test_interactions_that_no_cross_level_tells_ask_for_cross_levels():
     assert decided(results(crossed(*CROSS)), 0.01).target_price > 0
 
 
+@pytest.mark.long
 def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
     one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=HELD))
     with pytest.raises(UnknownExponentsError, match=r"exponents are not known better than that; .* narrower ranges"):

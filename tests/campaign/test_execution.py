@@ -171,6 +171,7 @@ def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
         pass
 
 
+@pytest.mark.long
 def test_workers_with_other_packages_are_refused(tmp_path, monkeypatch):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
         address = cluster.scheduler_address

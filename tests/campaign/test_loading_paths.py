@@ -57,6 +57,7 @@ def test_the_numbers_are_those_of_gfmd_solve_step_by_step(dragged, pulled):
         assert found["residual"] == alone["residual"].max()
 
 
+@pytest.mark.long
 def test_a_step_tells_what_it_prescribed(dragged, pulled):
     np.testing.assert_array_equal(dragged["step_sliding"], [[0.0] + [step["sliding"] for step in DRAGGED["path"]]] * 2)
     assert (dragged["step_load"] == 0.05).all()
@@ -209,6 +210,7 @@ def test_a_block_of_a_path_is_as_much_work_as_any_other():
     assert max(block.stop - block.first for block in plain.blocks) // 7 == max(sizes)
 
 
+@pytest.mark.long
 def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     written = campaign(tmp_path, yaml.safe_dump(PULLED | {"realisations": 1}))

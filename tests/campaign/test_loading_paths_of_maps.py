@@ -29,6 +29,7 @@ def fields():
     return gfmd_numba.solve({"scene": SCENE, "discretisation": EPS, "seed": 3, "realisation": 1, "path": PATH})
 
 
+@pytest.mark.long
 def test_forces_along_both_axes_are_means_of_the_tractions(dragged, fields):
     assert (dragged["status"] == 0).all()
     np.testing.assert_array_equal(dragged["step_sliding"][0], [0.0, 0.02, 0.02, 0.02])

@@ -80,6 +80,7 @@ def test_the_size_of_results_counts_what_is_recorded_along_a_path():
     assert planned.file_bytes > 3 * alone.file_bytes  # three loads, and more of each
 
 
+@pytest.mark.long
 def test_nothing_left_to_do_needs_no_memory(tmp_path, free):
     path = campaign(tmp_path)
     assert gfmd("run", path, "-o", tmp_path / "out", "--workers=0").exit_code == 0

@@ -108,6 +108,7 @@ def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch, laws_th
     np.testing.assert_allclose(told, took, rtol=0.1)  # a round's surfaces take other numbers of transforms
 
 
+@pytest.mark.long
 def test_surfaces_that_were_not_asked_for_are_not_paid_for(tmp_path):
     """A run of fewer realisations after one of many takes its share of their seconds."""
     out = tmp_path / "out"

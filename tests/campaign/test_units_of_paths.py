@@ -92,6 +92,7 @@ def without_numbers(said):
     return re.sub(r"'?-?\d[\d.e+-]*( [µumn]?m\b| [MGk]?Pa\b| m?J/m\^2)?'?", "0", said)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("effect", ["adhesion", "friction"])
 def test_a_path_has_one_identity_and_one_result(effect):
     found = {}

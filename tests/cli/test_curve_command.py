@@ -101,6 +101,7 @@ def test_loads_that_fail_are_marked_and_exit_with_3(scene, tmp_path, monkeypatch
     assert "nan" not in done.stdout
 
 
+@pytest.mark.long
 def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
     solve = curve.solve_curve
 

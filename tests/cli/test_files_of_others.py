@@ -168,6 +168,7 @@ def test_a_table_of_ours_that_was_edited_is_its_editors(tmp_path, edit):
     assert foreign(table)
 
 
+@pytest.mark.long
 def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
     asked = ("curve", scene, "--loads", "0.05,0.1", "-o", tmp_path / "c.nc")
     for _ in range(2):

@@ -95,6 +95,7 @@ def test_netcdf_of_unknown_units_is_refused(tmp_path, units, x_units, said):
         made(netcdf(tmp_path, units, x_units))
 
 
+@pytest.mark.long
 def test_netcdf_is_in_the_units_it_states(tmp_path):
     assert made(netcdf(tmp_path, "m", "m"))["x"].units == "m"
     with pytest.warns(UserWarning, match="below 0.0002, is smoother than polished glass"):

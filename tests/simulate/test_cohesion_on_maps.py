@@ -93,6 +93,7 @@ def test_a_campaign_of_maps_drags_a_cohesive_contact(tmp_path):
     assert (abs(result["hysteresis"]) < 1e-6 * work).all()
 
 
+@pytest.mark.long
 def test_a_cohesive_map_is_drawn(dragged):
     figure = plot_contact(dragged)
     texts = [text.get_text() for axis in figure.axes for text in (axis.xaxis.label, axis.yaxis.label)]

@@ -88,6 +88,7 @@ def test_a_map_turned_by_a_right_angle_rubs_like_itself(bumps):
         close(back(name), bumps[name + "_y"], bumps[name], name)
 
 
+@pytest.mark.long
 def test_sticking_nodes_of_the_true_surface_move_with_the_punch_in_both_directions(bumps):
     found = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}, {"sliding_y": 3e-4}], friction=2.0)
     pressure, slip = found["pressure"].values, found["slip"].values

@@ -56,6 +56,7 @@ def off(found, expected, prefix=""):
 pytestmark = pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 
 
+@pytest.mark.long
 def test_a_rough_punch_on_a_rough_body_is_that_of_finite_elements():
     found = [solved(order, body=SLAB | {"roughness": heights(CREST)}, roughness=heights(wave(X))) for order in range(3)]
     body, top = mesh(CREST, SLAB), (CREST + wave(X)).max() - 0.5 * SIZE
@@ -183,6 +184,7 @@ def test_both_bodies_bear_the_same_forces_and_fields_know_them():
         gfmd_numba.body_fields(found.drop_vars("counter_body_pressure"), [0.0], "counter_body")
 
 
+@pytest.mark.long
 def test_a_smooth_body_below_a_nearly_rigid_one_follows_the_inclined_punch():
     """A rigid punch on a smooth body is the linear theory instead, whose pressure acts along z."""
     stiff, deep = {"youngs_modulus": 1e7, "poissons_ratio": 0.2, "aspect_ratio": 1.0}, 3.0 * SIZE

@@ -126,6 +126,7 @@ def test_a_full_contact_is_infinitely_stiff(tmp_path):
     assert float(found["n_segments"][1]) == 0
 
 
+@pytest.mark.long
 def test_realisations_give_their_mean_and_its_error():
     loads = [0.02, 0.2]
     found = load_curve(scene_file(), loads, 4)

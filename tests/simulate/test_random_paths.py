@@ -28,8 +28,8 @@ def test_random_paths_are_solved(kind):
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", MODERATE)
-def test_forty_random_paths_are_solved(kind):
-    assert hunt(kind, range(100, 140)) == ([], [])
+def test_more_random_paths_are_solved(kind):
+    assert hunt(kind, range(100, 110 if kind == "rigid" else 140)) == ([], [])  # those take ten times as long
 
 
 def test_what_would_jump_open_and_shut_at_a_rigid_mean_is_solved():

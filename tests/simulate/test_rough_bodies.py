@@ -50,6 +50,7 @@ def test_fields_of_a_rough_body_bear_its_pressure_on_the_true_surface():
     np.testing.assert_allclose(inside.displacement_1[0], contact.tangential_displacement, atol=1e-12)
 
 
+@pytest.mark.long
 def test_flattened_sinusoid_of_a_scene_is_that_of_finite_elements(tmp_path):
     nx, columns = 1024, 128
     heights = -0.005 * np.cos(2 * np.pi * np.arange(nx) / nx)

@@ -65,7 +65,8 @@ def off(found, tangential, normal):
 CLEARANCE = (HEIGHTS.max() - HEIGHTS - DEPTH)[::OVER]
 
 
-@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.long), 0.4])
+@pytest.mark.long
+@pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_prescribed_tractions_act_on_the_true_surface_as_on_finite_elements(friction, tmp_path):
     rubbing = {"interface": WALL | {"friction": {"coefficient": friction}}, "path": [{"sliding": 0.1}]}
     parts = {"boundary": boundary(tmp_path)} | (rubbing if friction else {})
@@ -110,6 +111,7 @@ def test_a_node_sticks_where_the_tractions_had_brought_it_on_the_true_surface(tm
     )
 
 
+@pytest.mark.long
 def test_a_hardness_bounds_the_pressure_of_the_true_surface_as_on_finite_elements():
     found = [solved(order, interface={"hard_wall": {"hardness": HARDNESS}}) for order in (0, 1, 2)]
     solution = mesh().press(CLEARANCE, found[2]["pressure"].values[::OVER] > 0.0, hardness=HARDNESS)

@@ -155,4 +155,4 @@ def test_runs_that_converge_are_left_alone(solver, monkeypatch):
 @pytest.mark.long
 @SOLVERS
 def test_many_runs_that_converge_are_left_alone(solver, monkeypatch):
-    check(monkeypatch, solver, 30)
+    check(monkeypatch, solver, 15)

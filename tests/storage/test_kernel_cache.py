@@ -77,6 +77,7 @@ def test_kernels_are_compiled_once(compiled):
     assert compile_in(compiled) == (1, "")
 
 
+@pytest.mark.long
 def test_a_cache_is_for_its_user_alone_whatever_the_umask(tmp_path):
     cache = tmp_path / "new" / "cache"
     compile_in(cache, before=lambda: os.umask(0))
@@ -161,6 +162,7 @@ def test_no_cache_is_no_failure(tmp_path):
     assert compile_in(tmp_path / "file" / "cache", HOME=str(tmp_path / "file"))[0] == 0
 
 
+@pytest.mark.long
 def test_a_full_cache_disk_is_no_failure(tmp_path):
     assert compile_in(tmp_path, before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))) == (0, "")
     assert files(tmp_path) == []

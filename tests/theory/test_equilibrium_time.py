@@ -107,6 +107,7 @@ def slope(x, y):
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
+@pytest.mark.long
 def test_the_fastest_damping_of_a_half_space_is_found_by_marching():
     """(6.105), (6.106), Tab. 6.1 and Fig. 6.22: powers of L_x, E* and dt, found without any formula for the damping."""
     k = np.array([1, 2, 3, 10, 30])

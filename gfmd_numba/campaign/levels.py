@@ -32,6 +32,7 @@ def first_levels(dimension: int) -> list[Level]:
         (c, finest, 2 * t),
         (c, coarse, t / 2),
         (c / 2, coarse, t),
+        (c / 4, coarse, t),
         (c / 2, finest, 2 * t),
         (c, coarse, 2 * t),
         (c, coarser, t / 2),

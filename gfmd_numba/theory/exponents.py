@@ -12,7 +12,7 @@ _OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E
 
 def has_slope_law(variable: str, hurst: float) -> bool:
     """Whether the share of g^2 that contacts do not see gives the law of a variable in eps_f, without an exponent."""
-    return variable in _OF_THE_SLOPE and 0.0 < hurst <= 1.0
+    return variable in _OF_THE_SLOPE and 0.0 <= hurst <= 1.0
 
 
 def exponent_ranges(dimension: int, hurst: float = nan) -> Mapping[str, tuple[float, float]]:

@@ -51,6 +51,7 @@ COMMANDS = {
         "exponents": "shared",
         "fixed": ["eps_c=1", "eps_f=0.5:1"],
         "output": things.new("fit.nc"),
+        "function": None,
     },
     "init": lambda things: {"file": things.new("new.yaml")},
     "leakage": lambda things: {

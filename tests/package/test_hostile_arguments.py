@@ -84,6 +84,7 @@ FUNCTIONS = {
         "fixed": EXPONENTS,
     },
     "gfmd_numba.analysis.select_limit": lambda things: {"dataset": things.results(), "limit": "eps_c"},
+    "gfmd_numba.analysis.smooth_function": lambda things: {"fit": things.fit_of_loads()},
 }
 FUNCTIONS |= {  # the same functions, seen from another room
     f"gfmd_numba.analysis.{name}": FUNCTIONS[f"gfmd_numba.{name}"]

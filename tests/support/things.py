@@ -85,6 +85,11 @@ class Things:
         return gfmd_numba.fit_tfc(self.results(), fixed=EXPONENTS)
 
     @cache  # noqa: B019
+    def fit_of_loads(self):
+        grid = {"reduced_pressure": [0.05, 0.1, 0.2]}
+        return gfmd_numba.fit_tfc(gfmd_numba.run(CAMPAIGN | {"grid": grid}, self.folder / "loads"), fixed=EXPONENTS)
+
+    @cache  # noqa: B019
     def curve(self):
         return gfmd_numba.load_curve(SCENE, [0.1, 0.2])
 

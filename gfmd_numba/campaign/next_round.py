@@ -26,6 +26,7 @@ from gfmd_numba.campaign.rounds import Round, Rounds
 
 REACHED = "reached"
 _SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
+_SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
@@ -67,9 +68,19 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     worth = of_laws if large < of_laws < inf else large  # surfaces are worth no more than the laws
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
     another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
-    if may_refine and (another.ended or another.now.target_price is None):  # surfaces alone do not do
-        finer = _refined(state, results, doubts, 0.0)
-    return another if finer is None else finer
+    finer = _refined(state, results, doubts, 0.0) if may_refine else None
+    return another if finer is None or _is_cheaper(another, finer, price) else finer
+
+
+def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
+    """Whether more surfaces are a better next round than finer levels, which tell more about the laws.
+
+    Surfaces reach the target for the price that is expected, and finer levels need not reach it in one round.
+    """
+    if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
+        return False
+    dear = (levels.now.price or 0.0) - spent > _SHARE_OF_PRICE * (surfaces.now.target_price - spent)
+    return bool(levels.ended) or dear
 
 
 @dataclass(frozen=True)

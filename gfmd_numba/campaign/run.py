@@ -108,10 +108,7 @@ def finish(
 
     if not todo:
         return True
-    if workers.cluster is not None:
-        check_memory_of_jobs(todo, workers.cluster)
-    elif not workers.elsewhere:
-        check_memory(todo, workers.count)
+    check_room(todo, workers)
     begun = time.perf_counter()
     compile_kernels(planned.problems)
     predicted = planned.predicted_cost(_PILOT_SECONDS)
@@ -123,6 +120,14 @@ def finish(
     execute(tasks(todo, predicted, workers.most), directory, workers, planned.campaign.case_timeout, finished)
     note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
     return not (new and choice.fail_fast)
+
+
+def check_room(todo: list[Block], workers: Workers) -> None:
+    """Raise InputError unless the memory of workers does for blocks."""
+    if workers.cluster is not None:
+        check_memory_of_jobs(todo, workers.cluster)
+    elif not workers.elsewhere:
+        check_memory(todo, workers.count)
 
 
 def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:

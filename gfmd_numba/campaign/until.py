@@ -1,7 +1,7 @@
 """A campaign that runs until its limit is known to a relative error: a pilot, and rounds that results decide."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,6 +26,7 @@ from gfmd_numba.campaign.run import (
     ALL,
     Choice,
     Watch,
+    check_room,
     directory_of,
     failed,
     finish,
@@ -106,32 +107,11 @@ class _Run:
 
     def all_rounds(self, workers: Workers) -> Outcome:
         """Run rounds until they end."""
-        state = _begun(self.planned, self.goal, self.directory)
-        choice = self.choice
+        states = self._rounds(workers)
+        state = next(states)
         try:
-            with ExitStack() as stack:
-                while not state.ended:
-                    rounds.write(self.directory, state)  # what is decided stands before it is done
-                    todo, done = self._blocks(state, choice)
-                    if todo:
-                        workers = stack.enter_context(started(workers, self.directory))
-                    planned = self.of(state.now)
-                    if self.told is not None:
-                        self.told(state, planned, sum(block.stop - block.first for block in todo))
-                    progress = self.watch(len(todo) + done, done) if self.watch else None
-                    try:
-                        whole = finish(planned, todo, self.directory, workers, progress, choice)
-                    except InputError as error:  # the levels of a later round are ours, and may not fit the memory
-                        if len(state.rounds) == 1:
-                            raise
-                        affordable = state.model_copy(update={"rounds": state.rounds[:-1]})
-                        state = affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
-                        break
-                    if whole:
-                        state = self._judged(state, planned)
-                    else:
-                        state = state.ending(f"not {REACHED}: the run stopped at the first failure")
-                    choice = replace(choice, retry_failed=False)  # once is enough
+            for following in states:
+                state = following
             return self._collected(state, self.of(state.now))
         except KeyboardInterrupt:
             if len(state.rounds) == 1:  # there is nothing to extrapolate from
@@ -146,6 +126,33 @@ class _Run:
                 partial = self.of(state.now)
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
             raise InterruptedRunError(self._collected(interrupted, partial)) from None
+
+    def _rounds(self, workers: Workers) -> Generator[Rounds, None, None]:
+        """Run round after round. Yield what is decided before each round, its last one, and what is left at the end.
+
+        Raises InputError for a pilot that does not fit the memory.
+        """
+        state, choice = _begun(self.planned, self.goal, self.directory), self.choice
+        with ExitStack() as stack:
+            while not state.ended:
+                todo, done = self._blocks(state, choice)
+                state = _within_memory(state, todo, workers)
+                if state.ended:
+                    break
+                yield state
+                rounds.write(self.directory, state)  # what is decided stands before it is done
+                if todo:
+                    workers = stack.enter_context(started(workers, self.directory))
+                planned = self.of(state.now)
+                if self.told is not None:
+                    self.told(state, planned, sum(block.stop - block.first for block in todo))
+                progress = self.watch(len(todo) + done, done) if self.watch else None
+                if finish(planned, todo, self.directory, workers, progress, choice):
+                    state = self._judged(state, planned)
+                else:
+                    state = state.ending(f"not {REACHED}: the run stopped at the first failure")
+                choice = replace(choice, retry_failed=False)  # once is enough
+        yield state
 
     def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
         """Blocks of a round that are to be done, and the number of others."""
@@ -204,3 +211,16 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
     counts = tuple(case.realisations for case in planned.cases)
     first = Round(realisations=counts, levels=levels_of(planned), is_last=False)
     return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))
+
+
+def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds:
+    """Rounds that end before the last one if its levels, which are ours, do not fit the memory."""
+    try:
+        if todo:
+            check_room(todo, workers)
+    except InputError as error:
+        if len(state.rounds) == 1:
+            raise
+        affordable = state.model_copy(update={"rounds": state.rounds[:-1]})
+        return affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
+    return state

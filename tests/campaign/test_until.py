@@ -242,3 +242,9 @@ def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     assert opened(outcome).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
     run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert started == [1]  # with nothing left to do none is needed
+
+
+def test_no_worker_starts_before_the_memory_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setattr(execution, "local", lambda count: pytest.fail("started"))
+    with pytest.raises(InputError, match=r"--workers: you gave 1000000, .* gfmd allows at most \d+"):
+        run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1_000_000))

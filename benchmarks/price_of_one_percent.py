@@ -1,13 +1,11 @@
-"""What one per cent of kappa_TFC costs, all errors in: the thesis's procedure and the one here, same solver.
+"""What one per cent of kappa_TFC costs by the thesis's procedure, all errors in, with the solver of gfmd.
 
 python benchmarks/price_of_one_percent.py kappa-line-contact/kappa-line-contact.nc
 
 The thesis: ten discretisations, independent surfaces and equal numbers at each, counted area, lines through each limit
 (alpha = 1, as its tables 4.3 to 4.7 have them). Its error at any number of surfaces is that of the mean of many, which
 more surfaces do not mend, and scatter. It is told against the limit in the file, from far finer levels. Beside it what
-its surfaces would give to a fit that knows ranges of the exponents only, as the one here. Here: corrected contact
-length, levels down the spectrum, for H = 0.8 around a finer reference, where corrections are small enough to add up,
-and the numbers of a plan for one per cent.
+its surfaces would give to a fit that knows ranges of the exponents only.
 """
 
 import sys
@@ -18,9 +16,6 @@ import numpy as np
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import design as accuracy
-from gfmd_numba.campaign.cross_levels import with_cross_levels
-from gfmd_numba.campaign.plan import plan
 
 SCENE = """
 name: price
@@ -36,19 +31,10 @@ THESIS = """
 reference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}
 limits: {eps_c: [1, 1/4, 1/8], eps_f: [1/512, 1/2048, 1/4096], eps_t: [1, 1/4, 1/8]}
 """
-FIT = "fit: {fixed: {eps_c: [3/2, 5/2], eps_f: [1/5, 2], eps_t: [1/2, 3/2]}}"
-COARSE = """
-reference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}
-limits: {eps_c: [1/4, 1/8], eps_f: [1/64, 1/256, 1/4096, 1/16384], eps_t: [1, 1/4]}
-"""
-FINE = """
-reference: {eps_c: 1/2, eps_f: 1/16384, eps_t: 1/2}
-limits: {eps_c: [1/4, 1/8], eps_f: [1/64, 1/256, 1/1024, 1/4096], eps_t: [1, 1/4]}
-"""
-HERE = {0.3: COARSE + FIT, 0.5: COARSE + FIT, 0.8: FINE + FIT}
+HURSTS = (0.3, 0.5, 0.8)
 LINES = {"eps_c": 1.0, "eps_f": 1.0, "eps_t": 1.0}
 RANGES = {"eps_c": (0.7, 1.5), "eps_f": (0.2, 2.0), "eps_t": (0.5, 1.5)}  # of counted areas
-POOL, TARGET, REPEATS = 240, 0.01, 6
+POOL, TARGET = 240, 0.01
 
 
 def independent(dataset, rng):
@@ -80,39 +66,16 @@ def thesis(folder, hurst, limit):
         f"  1 % by lines {price:.0f} s, were they not off {30 * seconds * (scatter / TARGET) ** 2:.0f} s; "
         f"by a fit with ranges of exponents {POOL * seconds * (ranged / TARGET) ** 2:.0f} s"
     )
-    return seconds
-
-
-def here(folder, hurst, limit):
-    path = folder / "here.yaml"
-    path.write_text(SCENE.format(seed=5, realisations=30, hurst=hurst) + HERE[hurst])
-    planned = with_cross_levels(plan(path))
-    design = accuracy.design(planned, accuracy.pilot(planned), TARGET, None)
-    text, _ = accuracy.rewritten(planned, design, TARGET)
-    off, claimed, seconds = [], [], []
-    for seed in range(REPEATS):
-        path.write_text(text.replace("seed: 5", f"seed: {100 + seed}"))
-        dataset = gfmd_numba.run(path, folder / f"here-{hurst}-{seed}")
-        fit = fit_tfc(dataset, fixed={name: ends for name, ends in planned.campaign.fit.fixed if ends})
-        off.append(fit["kappa_tfc"].item() / limit - 1)
-        claimed.append((fit["kappa_tfc_error"] / fit["kappa_tfc"]).item())
-        seconds.append(dataset.attrs["cpu_seconds"])
-    print(
-        f"  here {np.median(seconds):.1f} s ({accuracy.asked(planned, design)}): off by "
-        f"{100 * np.sqrt(np.mean(np.square(off))):.2f} % (rms of {REPEATS}), said {100 * np.median(claimed):.2f} %",
-        flush=True,
-    )
 
 
 def main():
     known = gfmd_numba.open_campaign(sys.argv[1])
     known = known.isel(case=np.flatnonzero(known["reduced_pressure"] == 0.007))
     limits = fit_tfc(known, exponents="free", fixed={"eps_c": (1.5, 2.5), "eps_f": (0.2, 2.0), "eps_t": (0.5, 1.5)})
-    for hurst in HERE:
+    for hurst in HURSTS:
         limit = limits["kappa_tfc"].values[limits["hurst"].values == hurst][0]
         with tempfile.TemporaryDirectory() as folder:
             thesis(Path(folder), hurst, limit)
-            here(Path(folder), hurst, limit)
 
 
 if __name__ == "__main__":

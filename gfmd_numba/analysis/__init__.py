@@ -1,6 +1,6 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
-from gfmd_numba.analysis.allocation import Design, best_design, cheapest_design
+from gfmd_numba.analysis.allocation import Design, cheapest_design
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.forms import UnusableDataError
@@ -25,7 +25,6 @@ __all__ = [
     "Design",
     "Prediction",
     "UnusableDataError",
-    "best_design",
     "cheapest_design",
     "contact_statistics",
     "contact_stiffness",

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.arguments import Budget, Fixed, Seconds, Target, Variable, checked
+from gfmd_numba.analysis.arguments import Fixed, Seconds, Target, Variable, checked
 from gfmd_numba.analysis.ensembles import FEWEST, Ensemble, Level, ensembles, level_of_case, levels_of, relative_errors
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.selection import CROSS, LIMITS
@@ -84,31 +84,6 @@ def cheapest_design(
             f"the cheapest; gfmd allows a larger one, as {_MOST} are the most"
         )
     return _described(choice, counts)
-
-
-@checked
-def best_design(
-    pilot: Annotated[xr.Dataset, CAMPAIGN],
-    seconds: Seconds,
-    budget: Budget,
-    variable: Variable = "kappa",
-    fixed: Fixed | None = None,
-) -> Design:
-    """Return the realisations with the least error that cost no more than `budget` seconds of processor time.
-
-    UnusableDataError where the fewest realisations that make sense cost more.
-    """
-    choice = _choice(pilot, seconds, variable, fixed)
-    shares = choice.price**-0.5
-    for level in np.argsort(-choice.price):  # the dearest levels go first
-        if FEWEST * choice.price[shares > 0].sum() > budget and _may_go(choice, shares, level):
-            shares[level] = 0.0
-    least = FEWEST * choice.price[shares > 0].sum()
-    if least > budget:
-        raise UnusableDataError(
-            f"you gave a budget of {budget:.3g} s; gfmd allows at least {least:.3g} s of processor time"
-        )
-    return _described(choice, np.floor(_counts(choice, _best_shares(choice, shares, budget), budget)))
 
 
 def _choice(
@@ -206,7 +181,6 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
-    counts = counts.clip(max=_MOST)
     worst = max(choice.ensembles, key=lambda ensemble: relative_errors(ensemble, counts)[0])
     total, sampling = relative_errors(worst, counts)
     names = np.array([name for name, _ in choice.levels])

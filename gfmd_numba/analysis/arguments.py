@@ -81,7 +81,6 @@ Fixed = Annotated[Mapping[str, float | Sequence[float]], Kind(Mapping[_Limit, _E
 Flag = Annotated[bool, Kind(bool, "True or False")]
 Seconds = Annotated[Sequence[float], Kind(_each_case(1e15), "a time in s for each case")]
 Counts = Annotated[Sequence[float], Kind(_each_case(1e9), "a number of realisations for each case, at most 1e9")]
-Budget = Annotated[float, Kind(Annotated[float, Field(gt=0, le=1e15)], "a time above 0, in s")]
 TARGET = Kind(Annotated[float, Field(gt=0, lt=1)], "a relative error above 0 and below 1, like 0.01 for 1 %")
 Target = Annotated[float, TARGET]
 

@@ -22,7 +22,7 @@ class Prediction:
 
     `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
     the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
-    `cheapest_design` promises: a plan is made once, where a run can go on.
+    `cheapest_design` promises: a design is chosen once, where a run can go on.
     """
 
     error: float

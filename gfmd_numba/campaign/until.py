@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Callable, Generator
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
@@ -56,6 +57,15 @@ class Outcome:
         return self.rounds.ended == REACHED
 
 
+@dataclass(frozen=True)
+class FirstDecision:
+    """What a pilot has led to: its rounds, the last of which has not run unless they ended, and that one's plan."""
+
+    rounds: Rounds
+    planned: Plan
+    failures: Failures
+
+
 class InterruptedRunError(KeyboardInterrupt):
     """Ctrl-C, after which the finished work has been collected."""
 
@@ -78,21 +88,45 @@ def run_until(
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
     InterruptedRunError for Ctrl-C after the pilot.
     """
+    workers = workers or Workers()
+    run = _prepared(source, goal, output, workers, watch, choice, told)
+    with stopped_by_errors_of_the_system(), run.claimed():
+        return run.all_rounds(workers)
+
+
+def first_decision(
+    source: Source, goal: Goal, workers: Workers, watch: Watch | None = None, told: Told | None = None
+) -> FirstDecision:
+    """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
+
+    Raises as `run_until` does.
+    """
+    with TemporaryDirectory(prefix="gfmd-") as folder:
+        run = _prepared(source, goal, folder, workers, watch, ALL, told)
+        with run.claimed():
+            return run.first_round(workers)
+
+
+def _prepared(
+    source: Source | Campaign,
+    goal: Goal,
+    output: str | Path | None,
+    workers: Workers,
+    watch: Watch | None,
+    choice: Choice,
+    told: Told | None,
+) -> "_Run":
+    """Run that can be: raises InputError for a goal or workers that cannot."""
     planned = rounds.pilot_plan(plan(source, {goal.variable: goal.target}), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
-    workers = workers or Workers()
     check(workers, directory)
-    with (
-        stopped_by_errors_of_the_system(),
-        claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
-    ):
-        return _Run(planned, goal, directory, watch, choice, told).all_rounds(workers)
+    return _Run(planned, goal, directory, watch, choice, told)
 
 
 @dataclass(frozen=True)
 class _Run:
-    """A run with a goal in a directory that is claimed; its plan is that of the pilot."""
+    """A run with a goal in a directory, whose rounds run once that is claimed; its plan is that of the pilot."""
 
     planned: Plan
     goal: Goal
@@ -104,6 +138,19 @@ class _Run:
     def of(self, now: Round) -> Plan:
         """Plan of a round."""
         return in_round(self.planned, now)
+
+    def claimed(self) -> AbstractContextManager[None]:
+        """Hold the directory for the run; raises InputError if it is not to be had."""
+        document = self.planned.document
+        return claimed(self.directory, self.planned.campaign.name, document.text, document.folder)
+
+    def first_round(self, workers: Workers) -> FirstDecision:
+        """Run the pilot alone, and give what it decides."""
+        with closing(self._rounds(workers)) as states:
+            next(states)
+            state = next(states)
+        failures = failed(self.planned.blocks_in(self.directory), self.directory)
+        return FirstDecision(state, self.of(state.now), failures)
 
     def all_rounds(self, workers: Workers) -> Outcome:
         """Run rounds until they end."""
@@ -128,7 +175,7 @@ class _Run:
             raise InterruptedRunError(self._collected(interrupted, partial)) from None
 
     def _rounds(self, workers: Workers) -> Generator[Rounds, None, None]:
-        """Run round after round. Yield what is decided before each round, its last one, and what is left at the end.
+        """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
 
         Raises InputError for a pilot that does not fit the memory.
         """

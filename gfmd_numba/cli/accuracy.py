@@ -13,7 +13,6 @@ from gfmd_numba.cli.arguments import check_output, file_argument, picture_beside
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
 
 if TYPE_CHECKING:
@@ -35,13 +34,10 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
     processor time: solver and residual, precision, time step and damping, each discretisation, the number of surfaces,
     the length of the steps of a loading path, the order in the slope of rough bodies, and a slab in place of a
-    half-space. If the campaign has limits, the last lines say what an error of 10, 3, 1 and
-    0.3 % in the limit costs.
+    half-space. `gfmd plan --target` tells what an error of the limit costs.
     """
-    from gfmd_numba.analysis import UnusableDataError, plot_accuracy
-    from gfmd_numba.campaign import design as targets
+    from gfmd_numba.analysis import plot_accuracy
     from gfmd_numba.campaign import study_points, work_precision
-    from gfmd_numba.campaign.cross_levels import with_cross_levels
     from gfmd_numba.campaign.plan import plan
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
@@ -60,17 +56,6 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
         write_picture(picture, plot_accuracy(dataset), dpi=120)
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
-    if {case.limit for case in planned.cases} != {"reference"}:
-        planned = with_cross_levels(planned)  # as `gfmd plan --target` does
-        with waiting("planning what 10, 3, 1 and 0.3 % cost"):
-            found = targets.pilot(planned)
-        for goal in (0.1, 0.03, 0.01, 0.003):
-            try:
-                seconds = targets.design(planned, found, goal, None).seconds
-                click.echo(f"price    {goal:.1%}: {duration(seconds)} of processor time for the contacts")
-            except UnusableDataError as error:
-                say("price", f"{goal:.1%}: {error}")
-                break
     click.echo(f"results  {printable(results)}")
     click.echo(f"picture  {printable(picture)}")
 

@@ -112,10 +112,10 @@ def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None
 
 
 target_option = click.option(
-    "--target", callback=_target_given, metavar="kappa=X%", help="Plan for this error of the limit"
-)
-budget_option = click.option(
-    "--budget", callback=_budget_given, metavar="TIME", help="Plan for this wall time, like 20min"
+    "--target",
+    callback=_target_given,
+    metavar="kappa=X%",
+    help="Run the pilot of `gfmd run --until`, and say what the next round would take",
 )
 until_option = click.option(
     "--until",
@@ -123,8 +123,8 @@ until_option = click.option(
     metavar="kappa=X%",
     help="Run until the limit has this error. gfmd chooses the numbers of realisations; those in FILE are not used",
 )
-processor_time_option = click.option(
-    "--budget", callback=_budget_given, metavar="TIME", help="Processor time that --until may spend, like 20min"
+budget_option = click.option(
+    "--budget", callback=_budget_given, metavar="TIME", help="Processor time that the rounds may take, like 20min"
 )
 
 

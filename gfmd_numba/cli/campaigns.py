@@ -12,9 +12,9 @@ import click
 from gfmd_numba.cli.arguments import (
     LIMITS,
     OF_PATHS,
+    budget_option,
     conditions_option,
     file_argument,
-    processor_time_option,
     until_option,
 )
 from gfmd_numba.cli.fits import draw, draw_second, fit_options, second_picture
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
-@processor_time_option
+@budget_option
 def run(
     file: Path,
     output: Path | None,

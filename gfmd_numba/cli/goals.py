@@ -25,10 +25,7 @@ def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
 def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
     for number in dataset["round"].values.tolist():
         one = {name: float(dataset[f"round_{name}"].sel(round=number)) for name in _OF_A_ROUND}
-        found = "without an error"
-        if not isnan(one["error"]):
-            sure = one["error"] * one["error_factor"]
-            found = f"error {one['error']:.2%} (with 90 % probability below {sure:.2%})"
+        found = said_of_error(one["error"], one["error_factor"])
         asked = f"{one['predicted_error']:.2%} expected"
         if isnan(one["predicted_error"]):
             asked = "finer levels" if number else "the pilot"
@@ -44,6 +41,13 @@ def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
     else:
         price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
     say("price", f"the next digit, {digit:.2%}, {price}")
+
+
+def said_of_error(error: float, factor: float) -> str:
+    """Return the error after a round, and what it does not exceed with 90 % probability; nan: none is known."""
+    if isnan(error):
+        return "without an error"
+    return f"error {error:.2%} (with 90 % probability below {error * factor:.2%})"
 
 
 def _left_open(fitted: xr.Dataset) -> float:

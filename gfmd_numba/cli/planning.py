@@ -1,23 +1,28 @@
-"""The command that plans a campaign: its size, its cost, and the design that reaches an accuracy."""
+"""The command that plans a campaign: its size, its cost, and the first round of a run to an accuracy."""
 
 from __future__ import annotations
 
-import os
+import sys
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import budget_option, file_argument, target_option
-from gfmd_numba.cli.group import main
+from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, target_option
+from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.goals import said_of_error
+from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.readable import dimensions
 from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import duration
-from gfmd_numba.text.printable import printable
+from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration
 
 if TYPE_CHECKING:
+    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
+    from gfmd_numba.campaign.rounds import Rounds
+    from gfmd_numba.campaign.until import FirstDecision
 
 
 @main.command()
@@ -27,7 +32,7 @@ if TYPE_CHECKING:
     default=2,
     show_default=True,
     type=click.IntRange(0),
-    help="Number of local worker processes to plan for",
+    help="Number of local worker processes to plan for, which solve the pilot of a target",
 )
 @click.option(
     "--pilot",
@@ -38,21 +43,24 @@ if TYPE_CHECKING:
 )
 @target_option
 @budget_option
-@click.option("--write", type=click.Path(dir_okay=False, path_type=Path), help="New file for the planned campaign")
-def plan(
-    file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None, write: Path | None
-) -> None:
+def plan(file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None) -> None:
     """Predict size and cost of the campaign in FILE.
 
-    Without --target and --budget, the command plans for the realisations in FILE. With one of them, it chooses the
-    numbers of realisations that reach the error, or that make the best of the time.
+    Without --target, the command plans for the realisations in FILE, or for the first round of a run that chooses them.
+
+    With --target, it runs the pilot of `gfmd run --until`, keeps none of its results, and says what that run would do
+    next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
+    on the results of later rounds, and is told only where the pilot can tell.
     """
     from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
-    from gfmd_numba.scene import InputError
+    from gfmd_numba.cli.until import goal_in, options_named
 
-    planned = plan_campaign(file)
+    _check_options(target, budget)
+    with options_named("target"):
+        goal = None if target is None else goal_in(file, target, budget)
+    planned = plan_campaign(file, None if goal is None else {goal.variable: goal.target})
     distinct = len(planned.problems)
     click.echo(f"campaign      {planned.campaign.name}")
     click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
@@ -60,9 +68,10 @@ def plan(
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
     chosen = is_without_levels(planned.document, planned.campaign)
-    if chosen:
+    if chosen and goal is None:
         first = "what follows is the first round; from its results, the run chooses finer levels and more surfaces"
-        say("levels", f"{first}; `gfmd run --budget TIME` bounds what it may take", width=14)
+        bounds = "`gfmd run --budget TIME` bounds what it may take"
+        say("levels", f"{first}; `gfmd plan --target` runs it and tells what comes next; {bounds}", width=14)
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)
@@ -70,15 +79,9 @@ def plan(
         click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
     for doubt in (*planned.validity.splitlines(), *refused_limits(planned)):
         say("gfmd:", doubt, width=6, err=True)
-    if chosen and (target or budget):
-        option = "--target" if target else "--budget"
-        raise InputError(
-            f"{option}: you gave a campaign without levels, which nobody can plan before there are results; gfmd "
-            "allows `gfmd run --until`, which chooses them, or levels under `reference` and `limits`"
-        )
-    if target or budget:
-        _check_target(planned, target[0] if target else "")
-        _show_design(planned, target[1] if target else None, budget, workers, write)
+    well = True
+    if goal is not None:
+        well = _show_decision(_run_pilot(file, goal, workers), workers)
     else:
         _show_size(planned, workers)
         if pilot:
@@ -87,6 +90,8 @@ def plan(
         say(effect.state, f"{effect.name}: {effect.reason}", width=14)
     if len(planned.effects) > _MOST_EFFECTS:
         click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more effects of that kind")
+    if not well:
+        sys.exit(SOME_FAILED)
 
 
 _MOST_EFFECTS = 50
@@ -131,55 +136,92 @@ def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tup
     say("of CPU time", shown, width=14)
 
 
-def _check_target(planned: Plan, name: str) -> None:
-    from gfmd_numba.scene import InputError
-
-    fitted = planned.campaign.fit.variable
-    if name not in ("", fitted):
-        raise InputError(
-            f"--target: you gave {name}; gfmd allows {fitted}, as the campaign fits that (another: `fit: "
-            f"{{variable: ...}}`)"
+def _check_options(target: object, budget: float | None) -> None:
+    """Raise a usage error for options that do not go together."""
+    if target is None and budget is not None:
+        raise click.UsageError(
+            "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
+            "bounds a run)"
         )
+    given = click.get_current_context().get_parameter_source("pilot")
+    if target is not None and given is click.core.ParameterSource.COMMANDLINE:
+        raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
-def _show_design(planned: Plan, target: float | None, budget: float | None, workers: int, write: Path | None) -> None:
-    from gfmd_numba.analysis import UnusableDataError
-    from gfmd_numba.campaign import design as accuracy
-    from gfmd_numba.campaign.cross_levels import added, with_cross_levels
-    from gfmd_numba.campaign.overhead import UNSURE
-    from gfmd_numba.scene import InputError
-    from gfmd_numba.storage.atomic_file import create
+def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
+    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.until import first_decision
+    from gfmd_numba.cli.until import options_named, rounds_shown
 
-    if write is not None and (os.path.lexists(write) or not write.parent.is_dir()):
-        raise InputError(f"--write: you gave {printable(write)}; gfmd allows a new file in an existing folder")
-    planned = with_cross_levels(planned)
-    if crossed := added(planned):
-        say("added", f"cross levels {crossed}, to see whether corrections add up", width=14)
     try:
-        with waiting("planning from a pilot"):
-            found = accuracy.pilot(planned)
-            chosen = accuracy.design(planned, found, target, None if budget is None else budget * max(1, workers))
-    except UnusableDataError as error:
-        raise InputError(f"{'--target' if target else '--budget'}: {error}") from None
-    variable = planned.campaign.fit.variable
-    click.echo(f"realisations  {accuracy.asked(planned, chosen)}")
-    parts = f"sampling {chosen.sampling:.2%}, exponents {chosen.exponents:.2%}"
-    told = f"{chosen.error:.2%} of {variable} in the limit ({parts}), mostly from {chosen.limiting}"
-    say("error", told, width=14)
-    say("promised", accuracy.promise(found), width=14)
-    designed = accuracy.designed(planned, chosen)
-    _show_size(designed, workers)
-    walls = chosen.seconds / max(1, workers), UNSURE * chosen.seconds / max(1, workers)
-    _show_times(designed, workers, (chosen.seconds, UNSURE * chosen.seconds), walls)
-    click.echo(f"residual      {accuracy.loosest_residual(planned, chosen.error):g} is enough for the solver")
-    for goal in (0.1, 0.03, 0.01, 0.003):
-        try:
-            with waiting(f"planning for {goal:.1%}"):
-                price = f"{duration(accuracy.design(planned, found, goal, None).seconds)} for the contacts"
-        except UnusableDataError:
-            price = "cannot be reached with these levels"
-        click.echo(f"price         {goal:.1%}: {price}")
-    if write is not None:
-        text, name = accuracy.rewritten(planned, chosen, target)
-        create(write, text.encode())
-        say("campaign", f"{write}, named {name} (the results of {planned.campaign.name} stay)", width=14)
+        with options_named("target"), rounds_shown() as (watch, told):
+            return first_decision(file, goal, Workers(workers), watch, told)
+    except KeyboardInterrupt:
+        say("gfmd:", "interrupted; a plan keeps no results", width=6, err=True)
+        sys.exit(INTERRUPTED)
+
+
+def _show_decision(decided: FirstDecision, workers: int) -> bool:
+    """Print what a pilot has found and what follows; False if the target cannot be reached, or some blocks failed."""
+    from gfmd_numba.campaign.next_round import REACHED
+
+    state, pilot = decided.rounds, decided.rounds.rounds[0]
+    found = said_of_error(pilot.error or nan, pilot.error_factor or nan)
+    spent = f"{duration(pilot.cpu_seconds or 0.0)} of processor time for the contacts"
+    say("pilot", f"{state.goal.variable} in the limit: {found}; {spent}", width=14)
+    how = state.ended or "not reached by the pilot"
+    if how == REACHED:
+        how = "reached by the pilot, after which `gfmd run --until` ends"
+    say("target", f"{state.goal.target:.2%}: {how}", width=14)
+    if not state.ended:
+        _show_next_round(state, decided.planned)
+        _show_size(decided.planned, workers)
+    for block, failure in decided.failures.items():
+        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
+    return state.ended in ("", REACHED) and not decided.failures
+
+
+def _show_next_round(state: Rounds, planned: Plan) -> None:
+    """Print what was decided for the round after the pilot, and of what follows only what is known."""
+    from gfmd_numba.cli.until import levels_of
+
+    pilot, now = state.rounds
+    refined = now.levels != pilot.levels
+    say("round 1", f"finer levels, {levels_of(now)}" if refined else "more realisations of the same levels", width=14)
+    expected = "no error is predicted for levels without results"
+    if now.predicted_error is not None:
+        expected = f"{now.predicted_error:.2%} of {state.goal.variable} in the limit is expected after round 1"
+    say("error", expected, width=14)
+    if state.seconds_per_price is not None and now.price is not None:
+        so_far = duration(now.price * state.seconds_per_price)
+        say("CPU time", f"about {so_far} for the contacts of the pilot and of round 1", width=14)
+        in_all = "nobody can know yet what the target takes, because what follows depends on the results of round 1"
+        if now.target_price is not None:
+            seconds = duration(now.target_price * state.seconds_per_price)
+            in_all = f"about {seconds} for all contacts until the target is reached, as far as the pilot can tell"
+        say("", in_all, width=14)
+    _show_realisations(state, planned)
+
+
+def _show_realisations(state: Rounds, planned: Plan) -> None:
+    """Print how many realisations each level of each group has in the pilot, and in the round after it."""
+    import numpy as np
+    import xarray as xr
+
+    from gfmd_numba.analysis.selection import fractions
+    from gfmd_numba.campaign.coordinates import described_coordinates
+
+    pilot, now = state.rounds
+    dataset = xr.Dataset(coords=described_coordinates(planned.cases[0].scene, planned.cases))
+    shown = dataset.isel(case=slice(MOST_ROWS))
+    parameters = cells_of_parameters(shown, dataset)
+    for name in LIMITS.keys() & parameters.keys():
+        parameters[name] = [fractions(np.array([eps])) for eps in shown[name].values]
+    before = dict(zip(pilot.cases, pilot.realisations, strict=True))
+    realisations = {
+        "pilot": [str(before.get(case, 0)) for case in now.cases[:MOST_ROWS]],
+        "round 1": list(map(str, now.realisations[:MOST_ROWS])),
+    }
+    print_table("realisations of each level", parameters, realisations)
+    if len(now.cases) > MOST_ROWS:
+        say("note", f"{len(now.cases) - MOST_ROWS} more levels are not shown", width=14)

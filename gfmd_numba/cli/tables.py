@@ -94,8 +94,7 @@ def show_target(fitted: xr.Dataset, target: float) -> None:
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
     say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
     if missed:
-        promised = "a plan promises each group of its pilot the target with 90 % probability, not with certainty"
-        say("note", f"{promised}: plan this campaign again for more realisations")
+        say("note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it")
 
 
 def show_means(dataset: xr.Dataset, variable: str) -> None:

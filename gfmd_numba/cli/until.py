@@ -17,10 +17,11 @@ from gfmd_numba.cli.tables import duration
 if TYPE_CHECKING:
     from gfmd_numba.campaign.block_work import Failures
     from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice
-    from gfmd_numba.campaign.until import Outcome
+    from gfmd_numba.campaign.run import Choice, Watch
+    from gfmd_numba.campaign.until import Outcome, Told
 
     Show = Callable[[Path, Failures], bool]
 
@@ -50,40 +51,52 @@ def run_rounds(
 
     Where Ctrl-C stops it, the best estimate is shown first.
     """
-    from gfmd_numba.campaign.file import load_campaign
-    from gfmd_numba.campaign.goal import goal_of
     from gfmd_numba.campaign.until import InterruptedRunError, run_until
 
-    variable, target = until
-    with _options_named():
-        goal = goal_of({variable or load_campaign(file, {"kappa": target})[0].fit.variable: target}, budget)
-    caption = ["blocks"]
-
-    def told(rounds: Rounds, planned: Plan, left: int) -> None:
-        caption[0] = _tell(rounds, planned, left)
-
     try:
-        with _options_named(), progress_bar(lambda: caption[0]) as watch:
-            outcome = run_until(file, goal, output, workers, watch, choice, told)
+        with options_named("until"), rounds_shown() as (watch, told):
+            outcome = run_until(file, goal_in(file, until, budget), output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
         _show(interrupted.outcome, show)
         raise
     return _show(outcome, show) and outcome.reached
 
 
+def goal_in(file: Path, until: tuple[str, float], budget: float | None) -> Goal:
+    """Return the goal of a campaign in a file: without a name, an error of what the campaign fits."""
+    from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.campaign.goal import goal_of
+
+    variable, target = until
+    return goal_of({variable or load_campaign(file, {"kappa": target})[0].fit.variable: target}, budget)
+
+
 @contextmanager
-def _options_named() -> Iterator[None]:
+def options_named(target: str) -> Iterator[None]:
     """Name the options of the command in errors that name the arguments of the Python function."""
     from gfmd_numba.text.input_error import InputError
 
+    named = {"until": f"--{target}:", "budget": "--budget:"}
     try:
         yield
     except InputError as error:
-        lines = (sub(r"^(until|budget):", r"--\1:", str(line)) for line in error.args)
+        lines = (sub(r"^(until|budget):", lambda found: named[found[1]], str(line)) for line in error.args)
         raise InputError(*lines, more=error.more) from None
 
 
-def _levels(now: Round) -> str:
+@contextmanager
+def rounds_shown() -> Iterator[tuple[Watch, Told]]:
+    """Show the rounds of a run, each with its progress, by the two functions that are given."""
+    caption = ["blocks"]
+
+    def told(rounds: Rounds, planned: Plan, left: int) -> None:
+        caption[0] = _tell(rounds, planned, left)
+
+    with progress_bar(lambda: caption[0]) as watch:
+        yield watch, told
+
+
+def levels_of(now: Round) -> str:
     """Return how fine the levels of a round are."""
     import numpy as np
 
@@ -103,7 +116,7 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     number, now = len(rounds.rounds) - 1, rounds.now
     chosen = is_without_levels(planned.document, planned.campaign)
     if left and now.levels != (rounds.rounds[-2].levels if number else ()) and (number or chosen):
-        say("levels", _levels(now), err=True)
+        say("levels", levels_of(now), err=True)
     if number == 0:
         if left and not chosen and (crossed := added(planned)):
             say("added", f"cross levels {crossed}, to see whether corrections add up", err=True)

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
-from support.campaigns import campaign as campaign_file
-from support.command_line import gfmd, unfolded
+from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
 from support.cross_levels import crossed
 from support.synthetic_campaigns import ALPHA, CROSS, noisy
 
@@ -37,8 +35,6 @@ def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is
     *cheap, dear = cheapest_design(*priced(crossed(*CROSS, DEAR)), target=0.01, fixed=ALPHA).cross
     assert min(cheap) >= 20
     assert dear == 0
-    budget = best_design(*priced(crossed(DEAR, *CROSS)), budget=10.0, fixed=ALPHA).cross
-    assert budget[0] == 0 < min(budget[1:])
 
 
 def test_an_accuracy_that_interactions_forbid_asks_for_cross_levels():
@@ -96,43 +92,3 @@ def test_a_cross_level_is_one_whatever_eps_the_grid_varies():
     assert (grid["limit"] == "cross").sum() == 2
     dataset, seconds = priced(grid)
     assert len(cheapest_design(dataset, seconds, target=0.05, fixed=ALPHA).cross) == 1
-
-
-ADDED = {"1/16, 1/32]}": "1/16, 1/32], cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_c: 1/8, eps_f: 1/32}]}"}
-FIXED = {"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"}
-
-
-@pytest.mark.long
-def test_a_campaign_with_cross_levels_is_rewritten_and_reaches_its_target(tmp_path):
-    path = campaign_file(tmp_path, **ADDED, **FIXED)
-    planned = tmp_path / "planned.yaml"
-    said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
-    assert said.exit_code == 0, said.output
-    (line,) = [line for line in said.output.splitlines() if line.startswith("realisations ")]
-    assert ", cross: [" in line
-    assert f"realisations: {{{line.partition(' ')[2].strip()}}}\n" in planned.read_text()
-    ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
-    assert ran.exit_code == 0, ran.output
-    assert "reached by all groups" in ran.output
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("command", ["plan", "accuracy"])
-def test_cross_levels_alone_are_no_limit_to_plan_for(tmp_path, monkeypatch, command):
-    monkeypatch.chdir(tmp_path)
-    only = {"eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]": "cross: [{eps_c: 1/2, eps_f: 1/8}]"}
-    said = gfmd(command, campaign_file(tmp_path, **only), *(["--target=8%"] if command == "plan" else []))
-    assert said.exit_code == (2 if command == "plan" else 0), said.output
-    assert "2 cases cannot tell eps_c, eps_f apart: add cases in which only one of them differs" in unfolded(
-        said.output
-    )
-
-
-@pytest.mark.long
-def test_a_cross_level_without_surfaces_stays_without(tmp_path):
-    asked_for = {"realisations: 6": "realisations: {reference: 6, cross: [0, 6]}"}
-    path = campaign_file(tmp_path, **ADDED, **FIXED, **asked_for)
-    said = gfmd("plan", path, "--target", "kappa=8%", "--write", tmp_path / "planned.yaml")
-    assert said.exit_code == 0, said.output
-    assert "cross: [0, " in said.output
-    assert "cross: [0, " in (tmp_path / "planned.yaml").read_text()

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.analysis import UnusableDataError, best_design, cheapest_design, fit_tfc
-from support.campaigns import campaign as campaign_file
-from support.command_line import gfmd
+from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
 from support.expected_interactions import drawn
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
@@ -98,14 +96,6 @@ def test_half_the_error_costs_four_times_as_much():
     assert fine.seconds / coarse.seconds == pytest.approx(4.0, rel=0.1)
 
 
-def test_the_best_design_of_a_budget_is_the_cheapest_of_its_error():
-    dataset, seconds = pilot()
-    best = best_design(dataset, seconds, budget=10.0, fixed=ALPHA)
-    assert 9.0 < best.seconds <= 10.0
-    cheapest = cheapest_design(dataset, seconds, target=best.error, fixed=ALPHA)
-    assert cheapest.seconds == pytest.approx(best.seconds, rel=0.1)
-
-
 def test_what_cannot_be_reached_is_told():
     ranges = {"eps_c": (1, 2), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2)}
     dataset, seconds = pilot()
@@ -113,51 +103,5 @@ def test_what_cannot_be_reached_is_told():
         UnusableDataError, match=r"you gave a target of 0.01%, where 1000000 realisations of all cases leave"
     ):
         cheapest_design(dataset, seconds, target=0.0001, fixed=ranges)
-    with pytest.raises(UnusableDataError, match=r"you gave a budget of 0.001 s; gfmd allows at least"):
-        best_design(dataset, seconds, budget=0.001, fixed=ranges)
     with pytest.raises(UnusableDataError, match=r"you gave a pilot of 4 good realisations; gfmd allows at least 20"):
         cheapest_design(dataset.isel(realisation=slice(4)), seconds, target=0.1, fixed=ranges)
-
-
-@pytest.mark.long
-def test_a_campaign_is_rewritten_for_its_target_and_reaches_it(tmp_path):
-    fixed = "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\n"
-    path = campaign_file(tmp_path, **{"reference:": fixed + "reference:"})
-    planned = tmp_path / "planned.yaml"
-    said = gfmd("plan", path, "--target", "kappa=8%", "--write", planned)
-    assert said.exit_code == 0, said.output
-    for line in ("realisations  reference: ", "error ", "residual ", "price         1.0%: "):
-        assert line in said.output
-    assert "\ntarget: {kappa: 0.08}" in planned.read_text()
-    ran = gfmd("run", planned, "-o", tmp_path / "out", "--workers=0")
-    assert ran.exit_code == 0, ran.output
-    assert "reached by all groups" in ran.output
-    again = gfmd("plan", planned, "--target", "kappa=5%", "--write", tmp_path / "again.yaml")
-    assert again.exit_code == 0
-    assert (tmp_path / "again.yaml").read_text().count("target:") == 1
-    assert gfmd("plan", path, "--budget", "10s").exit_code == 0
-
-
-def test_a_target_of_something_else_than_is_fitted_is_refused(tmp_path):
-    said = gfmd("plan", campaign_file(tmp_path), "--target=kappa_r=2%")
-    assert said.exit_code == 2
-    assert "--target: you gave kappa_r; gfmd allows kappa, as the campaign fits that" in said.output
-
-
-@pytest.mark.parametrize(
-    "option", ["--target=kappa=2x", "--target=0", "--target=200%", "--budget=soon", "--budget=3 kg"]
-)
-def test_malformed_goals_are_refused(tmp_path, option):
-    said = gfmd("plan", campaign_file(tmp_path), option)
-    assert said.exit_code == 2
-    assert "gfmd allows a " in said.output
-
-
-@pytest.mark.long
-def test_a_budget_beyond_all_needs_asks_for_no_more_than_a_campaign_may(tmp_path):
-    design = best_design(*pilot(), budget=1e9, fixed=ALPHA)
-    assert most(design) == 10**6
-    path = campaign_file(tmp_path, **{"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"})
-    planned = gfmd("plan", path, "--budget=3 days")
-    assert planned.exit_code == 0, planned.output
-    assert "realisations  reference: 1000000" in planned.stdout

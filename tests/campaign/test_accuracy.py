@@ -51,7 +51,3 @@ def test_damping_and_time_step_change_the_cost_but_not_the_result(measured):
 def test_sampling_error_falls_as_the_root_of_the_number(measured):
     found = study(measured[0], "surfaces")
     np.testing.assert_allclose(found["error"] * np.sqrt(found["setting"]), found["error"][0].item() * 2, rtol=1e-12)
-
-
-def test_the_price_of_the_limit_is_told(measured):
-    assert "price    10.0%: " in measured[1]

@@ -67,10 +67,6 @@ def test_every_point_of_maps_has_an_error_and_a_time(measured):
     assert (measured[0]["failed"] == 0).all()
 
 
-def test_the_price_of_the_limit_of_maps_is_told(measured):
-    assert "price    10.0%: " in measured[1]
-
-
 @pytest.mark.parametrize(("nodes", "expected"), [(2**12, 16), (2**16, 8), (2**20, 4)])
 def test_a_study_of_a_large_grid_has_fewer_surfaces(tmp_path, nodes, expected):
     eps = f"reference: {{eps_c: 1/4, eps_f: 1/{int(nodes**0.5) // 16}, eps_t: 1/2}}\n"

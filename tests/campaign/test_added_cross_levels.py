@@ -1,19 +1,15 @@
-"""Cross levels that a plan for an accuracy adds to a campaign without any, and writes into its file."""
+"""Cross levels that a run to an accuracy adds to a campaign without any, and names as a file would."""
 
 import pytest
-import yaml
 
 from gfmd_numba.campaign.cross_levels import as_written, with_cross_levels
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.rewriting import with_values
 from support.campaigns import TINY, campaign
-from support.command_line import gfmd, unfolded
+from support.command_line import gfmd
 
 LIMITS = "limits: {eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]}"
 THREE = {LIMITS: "limits: {eps_c: [1, 1/2, 1/8], eps_f: [1/32, 1/8], eps_t: [1/2, 1, 1/4]}"}
-ADDED = ({"eps_c": 1 / 2, "eps_f": 1 / 8},)
-FIXED = {"reference:": "fit: {fixed: {eps_c: 1, eps_f: 0.7}}\nreference:"}
 
 
 def added(folder, changes):
@@ -64,28 +60,6 @@ def test_values_are_written_as_fractions(tmp_path, value):
     cross = f"limits: {{cross: [{{eps_f: {value}, eps_t: 1/8}}]}}"
     found = load_campaign(campaign(tmp_path, TINY.replace("reference:", f"{cross}\nreference:")))[0]
     assert as_written(found) == f"[{{eps_f: {value.replace('0.4', '2/5')}, eps_t: 1/8}}]"
-
-
-def test_a_value_within_a_mapping_is_put_there_alone():
-    text = "a: 1   # one\nb:\n  c: [2]   # two\n  d:\n    e: 3\nf: 4\n"
-    assert with_values(text, {"b.x": "[5]"}) == text.replace("    e: 3\n", "    e: 3\n  x: [5]\n")
-    assert with_values(text, {"b.c": "[5]"}) == text.replace("[2]", "[5]")
-    assert yaml.safe_load(with_values(text, {"b.d.g": "7"}))["b"]["d"] == {"e": 3, "g": 7}
-
-
-@pytest.mark.long
-def test_a_plan_adds_cross_levels_and_writes_them_with_their_surfaces(tmp_path):
-    planned = tmp_path / "planned.yaml"
-    said = gfmd("plan", campaign(tmp_path, **FIXED), "--target", "kappa=8%", "--write", planned)
-    assert said.exit_code == 0, said.output
-    assert "added cross levels [{eps_c: 1/2, eps_f: 1/8}], to see whether corrections add up" in unfolded(said.output)
-    found = load_campaign(planned)[0]
-    assert found.limits.crossed == ADDED
-    (number,) = found.realisations.cross
-    assert f"cross: [{number}]" in said.output
-    again = gfmd("plan", planned, "--target", "kappa=8%")
-    assert again.exit_code == 0
-    assert "added" not in again.output
 
 
 def test_a_plan_without_a_target_adds_nothing(tmp_path):

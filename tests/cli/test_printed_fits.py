@@ -3,9 +3,10 @@
 import re
 
 import numpy as np
+import xarray as xr
 
 from gfmd_numba import fit_tfc
-from gfmd_numba.cli.tables import show_fit
+from gfmd_numba.cli.tables import show_fit, show_target
 from support.command_line import unfolded
 from support.synthetic_campaigns import ALPHA, campaign, noisy
 
@@ -72,3 +73,11 @@ def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
     assert "nm: add `cross` to the limits" in said
     show_fit(of_kappa)
     assert "(in " not in capsys.readouterr().out
+
+
+def test_a_missed_target_is_told_with_what_reaches_it(capsys):
+    limits = {"kappa_tfc": ("group", [2.0, 2.0]), "kappa_tfc_error": ("group", [0.1, 0.2])}
+    show_target(xr.Dataset(limits, attrs={"variable": "kappa"}), 0.08)
+    said = unfolded(capsys.readouterr().out)
+    assert "5.00%, 10.00%; missed by 1 of 2 groups" in said
+    assert "`gfmd run --until` goes on" in said

@@ -38,7 +38,7 @@ init new.yaml
 leakage map.nc -o leakage.nc
 leakage steps.nc
 plan campaign.yaml --pilot=0.1
-plan campaign.yaml --target=10% --write planned.yaml
+plan campaign.yaml --target=3% --workers=0
 plot small
 run broken.yaml --workers=0
 run campaign.yaml --workers=0

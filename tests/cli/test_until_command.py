@@ -139,7 +139,7 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
         "Run until the limit has this error. gfmd chooses the numbers of realisations; those in FILE are not used"
         in said
     )
-    assert "Processor time that --until may spend, like 20min" in said
+    assert "Processor time that the rounds may take, like 20min" in said
 
 
 @pytest.mark.long

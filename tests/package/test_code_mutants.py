@@ -15,7 +15,7 @@ SURVIVORS = {  # file and what stands instead, which no test of its file sees
     ("allocation.py", "price[np.setdiff1d(number, fitted)] = 0.1"),  # what tells nothing is not bought at any price
 }
 SEEN = 0.9  # share of the mutants
-SLOW = "residual_changes or rewritten or accuracy"  # tests that solve contacts
+SLOW = "residual_changes"  # tests that solve contacts
 
 
 def test_every_mutant_changes_one_place():
@@ -31,7 +31,7 @@ def test_mutants_are_killed(tmp_path):
 
     def survives(number, file, there, instead, tests):
         tested = ROOT / "tests" / "analysis" / f"{tests}.py"
-        return lives(tmp_path / str(number), f"{PACKAGE}/{file}", there, instead, [tested, "-k", f"not ({SLOW})"])
+        return lives(tmp_path / str(number), f"{PACKAGE}/{file}", there, instead, [tested, "-k", f"not {SLOW}"])
 
     assert survives("none", "laws.py", "", "", "test_laws")  # what is no mistake passes
     with ThreadPool(os.cpu_count()) as pool:

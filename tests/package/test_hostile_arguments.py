@@ -44,13 +44,6 @@ FUNCTIONS = {
     "gfmd_numba.gap_percolation": lambda things: {"dataset": things.map()},
     "gfmd_numba.leakage": lambda things: {"dataset": things.map()},
     "gfmd_numba.contact_conductance": lambda things: {"contact": things.contact()},
-    "gfmd_numba.analysis.best_design": lambda things: {
-        "pilot": things.results(),
-        "seconds": [0.01] * 10,
-        "budget": 10.0,
-        "variable": "kappa",
-        "fixed": EXPONENTS,
-    },
     "gfmd_numba.analysis.cheapest_design": lambda things: {
         "pilot": things.results(),
         "seconds": [0.01] * 10,

@@ -65,7 +65,6 @@ COMMANDS = {
         "pilot": "0",
         "target": None,
         "budget": None,
-        "write": None,
     },
     "plot": lambda things: {
         "results": things.file("results.nc", things.results()),

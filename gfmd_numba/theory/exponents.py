@@ -18,10 +18,10 @@ def has_slope_law(variable: str, hurst: float) -> bool:
 def exponent_ranges(dimension: int, hurst: float = nan) -> Mapping[str, tuple[float, float]]:
     """Return the range of each exponent of kappa and areas, by the dimension of the surfaces and the Hurst exponent.
 
-    In eps_c: 2.0 to 3.0 of corrected contact lengths between 1/2 and 1/8 (H = 0 to 0.5, p* = 0.001 to 0.05, half-spaces
-    and a slab), less of corrected areas. In eps_f: the part of g^2 beyond a wave falls
-    with its index to the power 2 - 2 H, and corrections with that or with the part of a wave that contacts miss,
-    whichever falls more slowly. In eps_t: 1, as of edges. A Hurst exponent that is nan is not known.
+    In eps_c: of corrected contact lengths 2 to 3, as measured between 1/2 and 1/8 (H = 0 to 0.5, p* = 0.001 to 0.05,
+    half-spaces and a slab), of corrected areas less. In eps_f: the part of g^2 beyond a wave falls with its index to
+    the power 2 - 2 H, and corrections with that or with the part of a wave that contacts miss, whichever falls more
+    slowly. In eps_t: 1, as of edges. A Hurst exponent that is nan is not known.
     """
     slowest = 0.2 if isnan(hurst) else round(max(0.1, _SLACK * min(2.0 - 2.0 * hurst, _STEEPEST)), 2)
     return {

@@ -145,16 +145,29 @@ def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most:
     first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
     another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False)
     counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
-    price = 0.0
-    for case, count in zip(another.cases, counts, strict=True):
-        group, level = case
+    alike = _alike(now, results["case_id"].values.tolist())
+    priced: dict[tuple[int, Level], float] = {}
+    for (group, level), count in zip(another.cases, counts, strict=True):
         like = now.levels[group][0]  # whose contacts take as many transforms
         finer = price_of_transform(nodes_of(level, dimension)) / price_of_transform(nodes_of(like, dimension))
-        price += count * prices.get(case, prices[group, like] * float(finer))
+        each = prices.get((group, level), prices[group, like] * float(finer))
+        problem = (alike[group], level)
+        priced[problem] = max(priced.get(problem, 0.0), count * each)
+    price = sum(priced.values())
     if state.goal.budget is not None and price * (state.seconds_per_price or 0.0) > state.goal.budget:
         return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
     another = another.model_copy(update={"realisations": tuple(counts), "price": price})
     return state.model_copy(update={"rounds": (*state.rounds, another)})
+
+
+def _alike(now: Round, identities: Sequence[str]) -> list[int]:
+    """Return for each group the first one with the same problems, which are solved once for both."""
+    of_case = dict(zip(now.cases, identities, strict=True))
+    first: dict[tuple[str, ...], int] = {}
+    return [
+        first.setdefault(tuple(of_case[group, level] for level in levels), group)
+        for group, levels in enumerate(now.levels)
+    ]
 
 
 def _with_another(

@@ -105,6 +105,13 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     assert (verify(refined.results.parent).missing, verify(refined.results.parent).foreign) == (0, [])
 
 
+def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):
+    twice = run_until(COARSE | {"grid": {"poissons_ratio": [0.3, 0.33]}}, GOAL, tmp_path / "out", HERE)
+    prices = [[each.price for each in outcome.rounds.rounds] for outcome in (refined, twice)]
+    assert len(prices[0]) > 1
+    assert prices[1] == pytest.approx(prices[0])
+
+
 def test_levels_only_adds_none_and_says_what_is_in_the_way(tmp_path):
     outcome = run_until(COARSE | {"levels": "only"}, GOAL, tmp_path / "out", HERE)
     assert {each.levels for each in outcome.rounds.rounds} == {outcome.rounds.rounds[0].levels}

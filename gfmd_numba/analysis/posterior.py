@@ -129,7 +129,7 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
     """
     share = np.exp(choice.log_weight - logsumexp(choice.log_weight))
     at = np.array(
-        [_position(parameter, node) for parameter, node in zip(choice.parameters, choice.nodes.T, strict=True)]
+        [parameter.positions(node) for parameter, node in zip(choice.parameters, choice.nodes.T, strict=True)]
     )
     mean = at @ share
     before = known_before(means, choice.laws)
@@ -146,7 +146,3 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
     widths = np.array([np.diff(choice.parameters[index].ends)[0] for index in moving])
     known = np.concatenate([certainty(means, choice.laws, before), 12.0 / widths**2])
     return at_nodes[0], slopes, known, float(coefficients[0])
-
-
-def _position(parameter: Parameter, values: Reals) -> Reals:
-    return np.log(values) if parameter.logarithmic else values

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gfmd_numba.analysis.laws import choices, power, unseen_slope
+from gfmd_numba.analysis.laws import Parameter, choices, power, unseen_slope
 
 PARAMETERS = [(1.0, 0.5), (3.0, 1.0), (30.0, 3.0), (200.0, 1 / 3)]  # k_c and m
 
@@ -89,3 +89,12 @@ def test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed(varia
     assert [laws["eps_f"].whole for laws in found] == from_theory
     assert not any(laws[limit].whole for laws in found for limit in ("eps_c", "eps_t"))
     assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], variable, hursts, {}) if "eps_f" in laws] == []
+
+
+def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution():
+    parameter = Parameter("eps_f", 0.01, 100.0, logarithmic=True, usual=(0.8, 1.5))
+    even = np.linspace(*parameter.ends, 100_001)[1:-1]  # all as likely
+    logarithms = np.log(parameter.values(even))
+    assert np.mean(logarithms) == pytest.approx(np.log(0.8), abs=1e-3)
+    assert np.std(logarithms) == pytest.approx(np.log(1.5), rel=1e-3)
+    assert parameter.positions(parameter.values(even)) == pytest.approx(even)

@@ -281,11 +281,11 @@ def _begun(campaign: Campaign) -> Campaign:
     if not (campaign.chooses_levels and needed):
         return campaign
     dimension = campaign.scene.dimension
-    reference, *others = first_levels(dimension)
+    surfaces = campaign.scene.surfaces.values()
+    anisotropies = values_of(campaign.grid, "anisotropy") or [getattr(each, "anisotropy", None) for each in surfaces]
+    reference, *others = first_levels(dimension, max(each or 1.0 for each in anisotropies))
     (variable,) = campaign.target or {}
-    hursts = values_of(campaign.grid, "hurst") or [
-        getattr(surface, "hurst", nan) for surface in campaign.scene.surfaces.values()
-    ]
+    hursts = values_of(campaign.grid, "hurst") or [getattr(each, "hurst", nan) for each in surfaces]
     ranges = dict(exponent_ranges(dimension, max(hursts)))
     if all(has_slope_law(variable, hurst) for hurst in hursts):
         del ranges["eps_f"]

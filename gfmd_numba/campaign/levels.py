@@ -19,10 +19,15 @@ _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
 STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
-def first_levels(dimension: int) -> list[Level]:
-    """Return the levels that a run begins with, the reference first: cheap ones, from which others follow."""
+def first_levels(dimension: int, anisotropy: float = 1.0) -> list[Level]:
+    """Return the levels that a run begins with, the reference first: cheap ones, from which others follow.
+
+    The longest waves along y of maps with an anisotropy above 1 fit the period at each of them.
+    """
     finest, step = 1 / 1024 if dimension == 1 else 1 / 32, STEP[dimension]
     c, t = 1 / 2, 1 / 4 if dimension == 1 else 1 / 2
+    while 2.0 * t * anisotropy > 1.0:
+        t /= 2.0
     coarse, coarser = step * finest, step**2 * finest
     return [
         (c, finest, t),

@@ -57,6 +57,15 @@ def test_a_campaign_of_a_target_alone_begins_with_first_levels(dimension):
     assert yaml.safe_load(document.text).keys() == SHORT.keys()  # what is chosen is not in the user's file
 
 
+@pytest.mark.parametrize("given", [{"scene": 3.0}, {"grid": [1.5, 4.0]}])
+def test_the_longest_waves_of_anisotropic_maps_fit_the_first_levels(given):
+    anisotropic = SCENE["roughness"] | ({"anisotropy": given["scene"]} if "scene" in given else {})
+    grid = {"grid": {"anisotropy": given["grid"]}} if "grid" in given else {}
+    found, _ = load_campaign(SHORT | {"scene": SCENE | {"dimension": 2, "roughness": anisotropic}} | grid)
+    coarsest = max(placed.discretisation.eps_t for placed in found.discretisations())
+    assert coarsest == 1 / 4
+
+
 def test_a_campaign_without_a_target_needs_levels():
     without = {key: value for key, value in SHORT.items() if key != "target"} | {"realisations": 2}
     with pytest.raises(InputError, match=r"reference: you gave .*; gfmd (allows|needs) .* a `target` like"):

@@ -1,5 +1,7 @@
 """What the distance from the finest level adds to the error of a limit, and what rival fits add to it."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -62,8 +64,16 @@ def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does()
     assert part(asserted, "rivals") > 0.0
     said = "by the law of the unseen slope alone, without what is given of the exponent, kappa_tfc is"
     assert said in asserted["message"].item()
-    assert said in fit_tfc(dataset, fixed={"eps_f": OF_TWO_POWERS})["message"].item()
+    both = fit_tfc(dataset, fixed={"eps_f": OF_TWO_POWERS})
+    assert said in both["message"].item()
     assert said not in by_law["message"].item()
+    by_each = re.findall(
+        r"([\d.]+)±([\d.]+) by (a power of eps_f|the law of the unseen slope) ", both["message"].item()
+    )
+    assert len(by_each) == 2
+    for value, error, _ in by_each:
+        assert abs(float(value) - both["kappa_tfc"].item()) < 5 * both["kappa_tfc_error"].item()
+        assert 0.0 < float(error) < 2 * both["kappa_tfc_error"].item()
 
 
 def test_rivals_keep_all_limits():

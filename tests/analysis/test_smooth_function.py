@@ -126,3 +126,16 @@ def test_without_the_library_the_command_says_how_to_get_it(fitted, tmp_path, mo
     assert "--function: you have no scikit-learn, which it needs; gfmd allows it after `pip install" in said
     assert not isinstance(result.exception, ModuleNotFoundError)
     assert not (tmp_path / "x.csv").exists()
+
+
+def test_the_table_of_three_parameters_is_no_larger_than_one_can_use():
+    each = [
+        fit(HURSTS[::2], PRESSURES[::2], seed=seed).assign_coords(aspect_ratio=("group", [ratio] * 9))
+        for seed, ratio in enumerate((0.1, 0.3, 1.0))
+    ]
+    dataset = xr.concat(each, "group", combine_attrs="override")
+    for rank, name in enumerate(("hurst", "reduced_pressure", "aspect_ratio")):
+        dataset[name].attrs = {"axis": "physics", "units": "1", "rank": rank}
+    found = smooth_function(dataset)
+    assert len(found["kappa_tfc"].dims) == 3
+    assert 20_000 < found["kappa_tfc"].size <= 40_000

@@ -57,6 +57,16 @@ def test_a_campaign_of_a_target_alone_begins_with_first_levels(dimension):
     assert yaml.safe_load(document.text).keys() == SHORT.keys()  # what is chosen is not in the user's file
 
 
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_first_levels_lie_around_the_cheapest_reference_of_the_finest_waves(dimension):
+    reference, *others = first_levels(dimension)
+    step, (c, f, t) = STEP[dimension], reference
+    assert {level[0] for level in others} == {c, c / 2, c / 4}
+    assert {level[1] for level in others} == {f, step * f, step**2 * f}
+    assert {level[2] for level in others} == {2 * t, t, t / 2}
+    assert sum(1 / np.prod(level) > 2 / np.prod(reference) for level in others) == 0  # none costs far more
+
+
 @pytest.mark.parametrize("given", [{"scene": 3.0}, {"grid": [1.5, 4.0]}])
 def test_the_longest_waves_of_anisotropic_maps_fit_the_first_levels(given):
     anisotropic = SCENE["roughness"] | ({"anisotropy": given["scene"]} if "scene" in given else {})
@@ -102,6 +112,11 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     assert refined.reached
     assert last.error <= 0.05
     assert set(first.levels[0]) < set(last.levels[0])
+    before = refined.rounds.rounds[:-1]
+    finer = [
+        after for each, after in zip(before, refined.rounds.rounds[1:], strict=True) if each.levels != after.levels
+    ]
+    assert not any(each.is_last or each.predicted_error for each in finer)  # nobody knows what new levels will tell
     assert last.levels[0][0][1] < first.levels[0][0][1]
     results = gfmd_numba.open_campaign(refined.results)
     assert results["is_reference"].values.tolist() == [True] + [False] * (len(last.levels[0]) - 1)

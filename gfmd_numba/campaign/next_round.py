@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import hypot, inf, sqrt
 
 import numpy as np
@@ -25,9 +26,10 @@ from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds
 
 REACHED = "reached"
-_SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
+_SHARE_OF_DOUBTS = 0.9  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
+_FUTILE = 2  # rounds with finer levels, after which a law should describe the means
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
 
@@ -59,6 +61,8 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     if which := [f"{name}: {fit.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
+    if may_refine and not described and (why := _indescribable(state.rounds, fitted)):
+        return state.ending(f"not {REACHED}: {why}")
     finer = _refined(state, results, doubts, large) if may_refine else None
     if finer is not None:
         return finer
@@ -70,6 +74,19 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
     finer = _refined(state, results, doubts, 0.0) if may_refine else None
     return another if finer is None or _is_cheaper(another, finer, price) else finer
+
+
+def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset) -> str:
+    """Why even finer levels are not worth their price where no law describes the means, or nothing."""
+    latest = rounds[-1 - _FUTILE :]
+    if len(latest) <= _FUTILE or any(one.levels == following.levels for one, following in pairwise(latest)):
+        return ""
+    misfit = float(fitted["misfit"].max())
+    missed = f" (misfit {misfit:.2g})" if misfit > _MISFIT else ""
+    return (
+        f"no law of the limits describes the means{missed}, although the levels became finer {_FUTILE} times; gfmd "
+        "allows levels and ranges of exponents of your own"
+    )
 
 
 def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:

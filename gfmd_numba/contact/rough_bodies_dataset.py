@@ -109,7 +109,7 @@ def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[s
 def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
     """What a contact of inclined surfaces bears on their own axes, which friction compares."""
     found = contact.equilibrium
-    assert found.tangential is not None  # beside what rubs
+    assert found.tangential is not None  # where something rubs
     yield "surface_pressure", "contact pressure along the normal of the touching surface", found.pressure[0]
     yield from _by_axis(
         "surface_traction", "traction on the body along the touching surface", found.tangential.traction[0]

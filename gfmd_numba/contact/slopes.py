@@ -162,7 +162,7 @@ class Slopes:
     def _shifted(self, responses: Responses) -> Reals:
         response = responses[0]  # of the lower body: a level punch does not move, nor what no traction is prescribed on
         along = response.u1 if isinstance(response, Response) else response.along
-        assert along is not None  # beside what rubs
+        assert along is not None  # where something rubs
         return along / self.gradient
 
     def _off_bound(self, contact: Contact, met: Meeting) -> float:
@@ -172,7 +172,7 @@ class Slopes:
         and by a ratio larger by half the square of the slope across it, which no order knows.
         """
         found = contact.equilibrium
-        assert found.tangential is not None  # beside friction
+        assert found.tangential is not None  # as there is friction
         traction = found.tangential.traction[0]
         if traction.ndim == 1:  # a profile knows no direction across
             return 0.0

@@ -1,4 +1,4 @@
-"""Semismooth Newton method for Coulomb friction on a hard wall beside a law of the gap, on profiles and maps."""
+"""Semismooth Newton method for Coulomb friction on a hard wall with a law of the gap, on profiles and maps."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ _FAINT = 1e-6  # slope of the law times the largest compliance below which its t
 
 
 class FrictionalLawNewton:
-    """Tractions and displacements of a batch, found as `FrictionalNewton` finds tractions beside a hard wall alone.
+    """Tractions and displacements of a batch, found as `FrictionalNewton` finds tractions on a hard wall alone.
 
     Before the first step, and where steps come no closer, the normal contact descends its energy under the
     tangential tractions found last (`TruncatedNewton`), so that an adhesive contact stays on its branch. A step of
@@ -46,7 +46,7 @@ class FrictionalLawNewton:
         punch, stiffness, start, law = batch.punch, batch.all_stiffness, batch.start, batch.interface.normal_law
         rows, shape = len(punch), punch.shape[1:]
         if batch.interface.friction is None or law is None or not batch.interface.hard_wall:
-            raise ValueError("this solver knows friction beside a law of the gap alone")
+            raise ValueError("this solver knows friction with a law of the gap only")
         self._friction, self._law, self._batch = batch.interface.friction, law, batch
         self._products: CoupledProducts | MapProducts
         self._near: ProfileTractions | MapTractions

@@ -35,7 +35,7 @@ _DIRECTIONS = 40  # of the linear solution, at most
 
 
 def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
-    """Begin the method for profiles or for maps, or for either beside a law of the gap."""
+    """Begin the method for profiles or for maps, or for either with a law of the gap."""
     if batch.interface.normal_law is not None:
         return FrictionalLawNewton(batch, options)
     return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)

@@ -1,4 +1,4 @@
-"""What Newton's method guesses of a contact with friction beside a law of the gap, and where the law is linear next."""
+"""What Newton's method guesses of a contact with friction and a law of the gap, and where the law is linear next."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""The linear problem of friction beside a law of the gap, once it is guessed which nodes touch, stick and slip.
+"""The linear problem of friction with a law of the gap, once it is guessed which nodes touch, stick and slip.
 
 Unknown are the pressure of the wall on touching nodes and minus the traction of the law on others, both tangential
 tractions on sticking nodes, and on maps the traction of a slipping node across its slip, as in `map_stick_slip`. The

@@ -23,7 +23,7 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double precision
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
+_NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
 
 
 class TruncatedNewton:

@@ -1,4 +1,4 @@
-"""Friction that needs more than one Newton's method at orders above 0: sticking, beside a law of the gap, by dynamics.
+"""Friction that needs more than one Newton's method at orders above 0: sticking, with a law of the gap, by dynamics.
 
 Finite elements whose nodes stick, very large coefficients, laws without strength, and one solver against the other.
 """
@@ -101,7 +101,7 @@ def test_sticking_is_friction_of_a_very_large_coefficient(order, dimension):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_a_law_beside_friction_too_weak_to_matter_is_that_of_the_frictionless_contact(law):
+def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact(law):
     loads = {"loading": {"displacement": 4e-4}, "law": LAWS[law]}
     rubbed, smooth, bare = (
         solved(1, 2, 1e-9, **loads),

@@ -136,13 +136,13 @@ def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes
     assert dynamics.status[0] == 0
     together, _ = given_surface(problem.surface.drawn(0)[0], problem.surface.rms_gradient)
     newton = replace(problem.numerics, solver="frictional_newton", time_step=None, damping=None)
-    carried = found.added.shifted[np.newaxis]
+    carried = found.correction.shifted[np.newaxis]
     same = solution.solve(
         replace(problem, surface=together, numerics=newton),
         range(1),
         None,
         sliding,
-        found.added.raised[np.newaxis],
+        found.correction.raised[np.newaxis],
         0.0 * carried,
         again=dynamics,
     ).equilibrium

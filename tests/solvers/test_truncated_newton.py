@@ -150,7 +150,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
         np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
 
 
-def test_a_start_in_which_the_law_repels_beyond_all_measure_is_let_go():
+def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():
     punch, body = surface(128)
     start = Start(punch + 20.0, punch, punch)
     found = equilibrate(punch, body, 0.05, Options("truncated_newton"), REPULSION, start)

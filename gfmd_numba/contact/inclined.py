@@ -52,7 +52,7 @@ class Pairing:
     `way` `[component, (y,) x]` is how far each has moved along the plane against it, `slope` its slope there. Beyond
     what level surfaces would do under the same tractions, both are closer by `raised` `[(y,) x]`, and the nodes have
     moved along the plane against what they meet by `shifted`, of the shape of `way`. `across` `[component, component,
-    (y,) x]` is what a law that holds both across a gap takes account of besides, None without one.
+    (y,) x]` is what a law that holds both across a gap counts in addition, None without one.
     """
 
     way: Reals

@@ -22,7 +22,7 @@ class Preconditioner(Protocol):
 
     normal_of_a_node: float  # stiffness of a node among others that are held
     tangential_of_a_node: float
-    takes_law: bool  # whether nodes may have a compliance of their own besides, of either sign
+    takes_law: bool  # whether nodes may have a compliance of their own in addition, of either sign
 
     def order(self, flags: Flags) -> Indices:
         """Return the nodes in the order in which `factor` takes them."""
@@ -31,7 +31,7 @@ class Preconditioner(Protocol):
     def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
         """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
 
-        `own` `[node]` are the compliances besides.
+        `own` `[node]` are the compliances that each node has in addition.
         """
         ...
 

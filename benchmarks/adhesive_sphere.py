@@ -1,4 +1,4 @@
-"""Pull-off of a paraboloid over Tabor's parameter and the grid, beside 3/2 pi w R (JKR) and 2 pi w R (DMT).
+"""Pull-off of a paraboloid over Tabor's parameter and the grid, compared with 3/2 pi w R (JKR) and 2 pi w R (DMT).
 
 The punch is drawn off in steps of the range, and where the tension is largest in steps of a quarter of it. Its work of
 adhesion gives JKR's contact a radius of 0.1 L_x at pull-off, where the images of the period change the curvature of the

@@ -1,4 +1,4 @@
-"""Pull-off of Johnson's adhesive wave over Tabor's parameter and the grid, and transforms beside damped dynamics.
+"""Pull-off of Johnson's adhesive wave over Tabor's parameter and the grid, and transforms against damped dynamics.
 
 Between two closed forms, of a rigid body (small Tabor parameters) and of a law of short range (Johnson, large ones),
 pull-off is compared with that of a fine grid. `--quick` leaves out the finest grids.
@@ -64,7 +64,7 @@ def rough(nodes):
 
 
 grids = (2048, 512) if "--quick" in sys.argv else (16384, 8192, 2048, 512)
-print("Johnson's wave, residual 1e-8: pull-off on the finest grid beside closed forms, on others beside that")
+print("Johnson's wave, residual 1e-8: pull-off on the finest grid against closed forms, on others against that")
 print(
     " nodes  w/E* L_x  Tabor       x   short range     rigid     fine   transforms a step: median, 90 %, jump  dynamics"
 )

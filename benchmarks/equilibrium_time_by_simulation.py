@@ -1,7 +1,7 @@
 """Figs 6.20-6.23, Tabs 6.1 and 6.2, (6.105)-(6.108): the fastest damping by marching modes; PNG path as argument.
 
 Modes start from the step (6.98), u = 0.01 / (1 + k) of L_x, and are marched until |u| <= 1e-16 L_x for good (6.99). The
-damping with the least equilibrium time is searched; no analytic expression enters, they are only printed beside.
+damping with the least equilibrium time is searched; no analytic expression enters, they are printed for comparison.
 Units are those of 6.5.1: lengths in grid spacings, L_x = nx, unit mass; E = 0.7 stands for 70 GPa (the unit of stress
 is not stated; 100 GPa gives times as printed in Fig. 6.20).
 """

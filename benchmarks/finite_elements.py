@@ -117,7 +117,7 @@ class Body:
         A level punch that slides along x on all touching nodes pulls each by `friction` times what it presses; an
         inclined one without friction by its slope, given in place of that for each node. An infinite friction holds
         them where they are on the unloaded body. `tractions` `[2, top node]`
-        along x and z act beside it, per length of x. Nodes that would bear more than the `hardness` per length of x
+        along x and z act too, per length of x. Nodes that would bear more than the `hardness` per length of x
         bear that, and give way.
         """
         base = self.owned_label[1] <= self.owned_label[1].min() + 1e-12

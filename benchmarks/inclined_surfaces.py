@@ -1,4 +1,4 @@
-"""Inclined surfaces that touch, slide, or hold each other by a law, beside finite elements: tables of two-step.md."""
+"""Inclined surfaces that touch, slide, or hold each other by a law, against finite elements: tables of two-step.md."""
 
 import warnings
 

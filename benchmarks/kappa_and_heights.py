@@ -67,7 +67,7 @@ def share(values, fitted):
 
 
 def level(data):
-    """Mean kappa and that of Gaussian heights `[2]`, both resampled `[RESAMPLED, 2]`, and what stands beside them."""
+    """Mean kappa and that of Gaussian heights `[2]`, both resampled `[RESAMPLED, 2]`, and the columns next to them."""
     up, down, skewness, kurtosis = data
     mean, turned = 0.5 * (up + down), 0.5 * (up - down)
     terms = np.column_stack([np.ones_like(mean), skewness**2, kurtosis - 3.0])
@@ -81,11 +81,11 @@ def level(data):
     slope = (turned * skewness).sum() / (skewness**2).sum()
     nearly = mean[(abs(skewness) < 0.25) & (abs(kurtosis - 3.0) < 0.3)]
     of_nearly = f"{nearly.mean():.3f} ± {nearly.std(ddof=1) / np.sqrt(len(nearly)):.3f}" if len(nearly) >= 20 else "-"
-    beside = (
+    columns = (
         f"{kurtosis.mean():.2f} ± {kurtosis.std():.2f}   {skewness.std():.2f}   {explained:5.1%}   {slope:6.3f}   "
         f"{share(turned, slope * skewness):5.1%}   {len(mean):5} {len(nearly):4}   {of_nearly}"
     )
-    return np.array(both(slice(None))), drawn, beside
+    return np.array(both(slice(None))), drawn, columns
 
 
 def main(surfaces=8000):
@@ -94,10 +94,10 @@ def main(surfaces=8000):
         print("d kappa/d skewness, share of what turning does, surfaces, the nearly Gaussian among them, their kappa")
         levels = {}
         for periods in PERIODS:
-            value, drawn, beside = levels[periods] = level(pairs(make, periods, surfaces // periods))
+            value, drawn, columns = levels[periods] = level(pairs(make, periods, surfaces // periods))
             errors = drawn.std(axis=0)
             cells = "".join(f"   {v:.3f} ± {error:.3f}" for v, error in zip(value, errors, strict=True))
-            print(f"{periods:7}{cells}   {beside}", flush=True)
+            print(f"{periods:7}{cells}   {columns}", flush=True)
         last, drawn_last, _ = levels[PERIODS[-1]]
         for periods in PERIODS[:2]:
             change, changes = levels[periods][0] - last, levels[periods][1] - drawn_last

@@ -3,7 +3,7 @@
 `python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
 are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction, friction_and_law (of
 attraction), friction_and_repulsion, rigid_friction_and_law, three in which touching nodes stick: sticking,
-sticking_and_law and rigid_sticking, and hardness (beside an exponential law). A further argument names a solver in
+sticking_and_law and rigid_sticking, and hardness (with an exponential law). A further argument names a solver in
 place of the automatic one.
 """
 

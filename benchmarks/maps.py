@@ -1,4 +1,4 @@
-"""Maps: kappa beside the literature, and time, memory and transforms up to 4096^2. `peers.py` has other codes.
+"""Maps: kappa against the literature, and time, memory and transforms up to 4096^2. `peers.py` has other codes.
 
 `python benchmarks/maps.py` prints everything, and `python benchmarks/maps.py 2048 0.8 0.007` solves one map of that
 size, H and p*, for its time and memory. One thread each.
@@ -45,7 +45,7 @@ def with_error(values):
     return f"{values.mean():7.3f} ({values.std(ddof=1) / np.sqrt(len(values)):.3f})"
 
 
-def kappa_beside_the_literature():
+def kappa_against_the_literature():
     print(f"kappa of {SURFACES} isotropic maps, L_x/lambda_l = 2, lambda_l/lambda_s = 32, the same on each grid;")
     print("Prodanov, Dapp & Mueser (2014) in the TFC limit: 1.93 to 2.16; theory: Persson 1.60, Bush et al. 2.51")
     print("   H      p*  1/eps_c  kappa (error)   counted   kappa_r    area   Nayak   clusters")
@@ -161,7 +161,7 @@ def main():
         for hurst in ("0.8", "0.3"):
             for size in ("512", "1024", "2048", "4096"):
                 subprocess.run([sys.executable, __file__, size, hurst, load], check=True)
-    kappa_beside_the_literature()
+    kappa_against_the_literature()
     kappa_over_nayaks_parameter()
     kappa_over_anisotropy()
 

@@ -1,4 +1,4 @@
-"""Peak memory of one contact in bytes a node, beside what is counted before it is solved.
+"""Peak memory of one contact in bytes a node, against what is counted before it is solved.
 
 `python benchmarks/memory.py CASE LOG2_NODES [LOAD [COEFFICIENT]]` measures one case, each in its own process:
 `wall`, `law`, `soft`, `friction`, `cohesive`, with a dimension before it, like `2-friction 18 2 3`. `2-law 18 0.1 3`

@@ -1,4 +1,4 @@
-"""Tamaas and ContactMechanics beside the solver here: the same surfaces, to the same residual, in one run.
+"""Tamaas and ContactMechanics against the solver here: the same surfaces, to the same residual, in one run.
 
 python benchmarks/peers.py [--page docs/peers.md]; pip install tamaas ContactMechanics; what is missing is skipped.
 

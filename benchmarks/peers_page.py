@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 PAGE = """\
-# Beside other codes
+# Compared with other codes
 
 This page is for whoever has to choose a code for frictionless contacts of rough surfaces. It says how long other
 public Python codes take for the same contacts, to the same accuracy, and what those codes can do that gfmd-numba
@@ -67,7 +67,7 @@ materials. The [README](../README.md#how-it-compares) has a table of both sides.
 ## Codes that are not compared
 
 - **slippy** 0.5.2 asks for NumPy below 1.21 and uses a part of SciPy that was since removed, so it cannot be imported
-  beside the NumPy that gfmd-numba needs. pip installs its release 0.2.0 instead. Both turn pressure into displacement
+  with the NumPy that gfmd-numba needs. pip installs its release 0.2.0 instead. Both turn pressure into displacement
   by influence coefficients of loaded rectangles, not wave by wave. Their solution on the same nodes is therefore
   another one, and equal residuals cannot be had.
 - **tribology** 0.5.16 asks for NumPy 1.16 or older, which has no wheels for Python 3.11.

@@ -4,7 +4,7 @@ python benchmarks/price_of_one_percent.py kappa-line-contact/kappa-line-contact.
 
 The thesis: ten discretisations, independent surfaces and equal numbers at each, counted area, lines through each limit
 (alpha = 1, as its tables 4.3 to 4.7 have them). Its error at any number of surfaces is that of the mean of many, which
-more surfaces do not mend, and scatter. It is told against the limit in the file, from far finer levels. Beside it what
+more surfaces do not mend, and scatter. It is told against the limit in the file, from far finer levels. Next to it what
 its surfaces would give to a fit that knows ranges of the exponents only.
 """
 

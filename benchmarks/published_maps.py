@@ -1,4 +1,4 @@
-"""Contact areas of maps beside published ones, and the Contact-Mechanics Challenge without adhesion.
+"""Contact areas of maps against published ones, and the Contact-Mechanics Challenge without adhesion.
 
 `python benchmarks/published_maps.py` takes grids of 400^2 to 1024^2; `--larger` adds 1600^2 and 2048^2, `--challenge`
 solves the Challenge's surface with all its waves, which needs 4096^2. `--surfaces N` averages over N surfaces.
@@ -57,7 +57,7 @@ def mean_and_error(values):
     return values.mean(), values.std(ddof=1) / np.sqrt(len(values))
 
 
-def beside_published_areas(surfaces, larger):
+def against_published_areas(surfaces, larger):
     print("Contact areas of maps, H = 0.8, lambda_l/lambda_s = 100, no wave beyond lambda_l; scatter of surfaces in ()")
     print(
         "p/E*      L_x/lambda_l  nodes a wave  counted            corrected          published          off   Persson"
@@ -111,7 +111,7 @@ def main():
     asked = parser.parse_args()
     if asked.challenge:
         return whole_challenge(asked.surfaces)
-    beside_published_areas(asked.surfaces, asked.larger)
+    against_published_areas(asked.surfaces, asked.larger)
     challenge_without_adhesion(asked.surfaces, asked.larger)
 
 

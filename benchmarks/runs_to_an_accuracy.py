@@ -1,4 +1,4 @@
-"""How often runs without levels are right: campaigns of other seeds until 3 %, beside definitive values.
+"""How often runs without levels are right: campaigns of other seeds until 3 %, against definitive values.
 
 python benchmarks/runs_to_an_accuracy.py [seeds] [target]
 

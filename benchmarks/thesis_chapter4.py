@@ -1,4 +1,4 @@
-"""The thesis's tables 4.2 to 4.7 beside those of campaigns/thesis-chapter4.yaml: its own fits to numbers made anew.
+"""The thesis's tables 4.2 to 4.7 against those of campaigns/thesis-chapter4.yaml: its own fits to numbers made anew.
 
 usage: thesis_chapter4.py thesis-chapter4/thesis-chapter4.nc [picture.png]
 """

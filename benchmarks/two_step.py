@@ -1,4 +1,4 @@
-"""Two-step GFMD beside finite elements: the tables of TWO-STEP.md, and pictures of fields: python ... FOLDER"""
+"""Two-step GFMD against finite elements: the tables of TWO-STEP.md, and pictures of fields: python ... FOLDER"""
 
 import sys
 from pathlib import Path
@@ -80,7 +80,7 @@ def compare(case):
 
 
 def superpositions(case, meshes):
-    """Print what each way to superpose strains leaves of the stress error, beside that of the orders."""
+    """Print what each way to superpose strains leaves of the stress error, and what the orders leave."""
     mesh, solution, _ = meshes[1]
     levels = levels_of(mesh, solution)
     _, pressed, flat = two_step(case, 0)

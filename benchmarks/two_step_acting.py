@@ -1,4 +1,4 @@
-"""What acts on rough bodies to each order beside finite elements: layers, tractions, a hardness, a cohesive law."""
+"""What acts on rough bodies to each order, against finite elements: layers, tractions, a hardness, a cohesive law."""
 
 import tempfile
 import warnings

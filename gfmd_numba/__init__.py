@@ -103,7 +103,7 @@ def body_fields(
 
 
 def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Dataset:
-    """Make one rough surface and return its heights (m or L_x), and its statistics beside theory.
+    """Make one rough surface and return its heights (m or L_x), and its statistics with those of theory.
 
     `surface` is a file, a mapping of its content, or a record. Raises InputError for a description that makes no sense,
     or a measured file that cannot be used.
@@ -191,7 +191,7 @@ def fit_tfc(
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Return distributions of pressure, gap and sizes of contacts of a solved contact, beside Persson's theory.
+    """Return distributions of pressure, gap and sizes of contacts of a solved contact, with Persson's theory.
 
     `dataset` is what `solve` returns, or the path of its netCDF file. Raises InputError for anything else.
     """

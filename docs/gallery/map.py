@@ -1,7 +1,7 @@
 """The contact of a rough map: gap and pressure over an interface of two dimensions.
 
 The same scene as of a profile describes a map with `dimension: 2`. Nodes in contact are orange among the gaps, and
-surrounded by lines among the pressures. The distributions below stand beside Persson's theory.
+surrounded by lines among the pressures. The distributions below are compared with Persson's theory.
 """
 
 import gfmd_numba

@@ -1,4 +1,4 @@
-"""The contact area of line contacts beside Persson's theory.
+"""The contact area of line contacts compared with Persson's theory.
 
 The theory knows the surface only through its rms gradient. Line contacts have more area than it predicts at
 light loads, and the same in full contact.

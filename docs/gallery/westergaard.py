@@ -1,4 +1,4 @@
-"""A wave against an elastic half-space, beside Westergaard's closed form.
+"""A wave against an elastic half-space, compared with Westergaard's closed form.
 
 Westergaard solved this contact in 1939. The simulation takes the heights as an array. All lengths are in the
 period L_x and all stresses in E*, because the scene states neither a length nor a modulus.

@@ -22,7 +22,7 @@ FOLDERS = ("docs", "campaigns", "benchmarks", "tests")  # the pages, and what th
 
 
 def assemble(tree: Path) -> None:
-    """Copy the pages into an empty folder, as they link to each other, and print the reference beside them."""
+    """Copy the pages into an empty folder, as they link to each other, and print the reference next to them."""
     for page in PAGES:
         shutil.copy(ROOT / page, tree)
     for name in ("LICENSE", "CITATION.cff"):

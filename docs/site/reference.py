@@ -184,7 +184,7 @@ def gallery_page(folder: Path) -> str:
     """Return the page of the gallery: of each example its sentences, its picture and its code."""
     parts = [
         "# Gallery\n",
-        "Each example runs in a few seconds and draws the picture beside it. The tests run all of them.\n",
+        "Each example runs in a few seconds and draws the picture next to it. The tests run all of them.\n",
     ]
     for path in sorted(folder.glob("*.py")):
         title, _, sentences = (ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n")

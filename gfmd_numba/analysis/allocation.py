@@ -174,7 +174,7 @@ def _price_of(choice: _Choice, shares: Reals, target: float) -> float:
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
-    """Whether this is a cross level, or its limit keeps the two beside the reference that an exponent needs."""
+    """Whether this is a cross level, or its limit keeps the two that, with the reference, an exponent needs."""
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
     return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))

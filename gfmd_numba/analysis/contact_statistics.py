@@ -1,4 +1,4 @@
-"""Distributions of pressure and gap, sizes of contacts and Persson's theory beside them, of solved contacts."""
+"""Distributions of pressure and gap, sizes of contacts and Persson's theory for them, of solved contacts."""
 
 from collections.abc import Callable
 from typing import Annotated
@@ -73,7 +73,7 @@ _LONG_NAMES = {
     "area": "area of a contact cluster over L_x^2",
     "pressure_density": "density of the pressures of touching nodes, per node of the interface",
     "pressure_density_persson": "density of the pressures in contact by Persson's theory",
-    "gap_density": "density of the gaps beside the contact, per node of the interface",
+    "gap_density": "density of the gaps outside the contact, per node of the interface",
     "segments": "number of stretches of contact of about that length",
     "clusters": "number of contact clusters of about that area",
     "perimeter": "length of the edges of all contact clusters over L_x",

@@ -30,7 +30,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     `gap_connects` and `contact_connects` are 1 where open nodes, or touching ones, lead from one side of the period to
     the other; across that direction the map is periodic. `critical_gap` has the unit of the gap and is 0 without a
     channel. Regions, which may go around both periods, connect through the sides of nodes, not through corners: where
-    two contacts meet at a corner, neither they nor the gaps beside it are connected. Raises UnusableDataError for a
+    two contacts meet at a corner, neither they nor the gaps next to it are connected. Raises UnusableDataError for a
     dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)

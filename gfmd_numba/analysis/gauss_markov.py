@@ -56,9 +56,9 @@ def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals
 def inflation(scatter: Reals, of_means: Reals, influence: Reals, contrasts: int, fewest: int) -> float:
     """Return the factor on the variance of an estimate, for a covariance that is only estimated.
 
-    The estimate is the sum of the means times their `influence` (case). Beside the scatter of the means, it counts that
-    the weights of the `contrasts`, combinations of the means that have no influence, come from the same realisations,
-    which are the `fewest` of any case (Lavenberg and Welch 1981).
+    The estimate is the sum of the means times their `influence` (case). In addition to the scatter of the means, the
+    factor counts that the weights of the `contrasts`, combinations of the means that have no influence, come from the
+    same realisations, which are the `fewest` of any case (Lavenberg and Welch 1981).
     """
     ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
     return float(ratio * (1.0 + contrasts / fewest))
@@ -87,7 +87,7 @@ def _shrunk(centred: Reals) -> Reals:
     sample = centred.T @ centred / max(n - 1, 1)
     own = centred - centred.mean(axis=1, keepdims=True)
     residual = (own**2).sum(axis=0) / max(n - 1, 1)
-    # no case, the reference least of all, may look exact by chance, nor beside a huge common offset
+    # no case, the reference least of all, may look exact by chance, nor compared with a huge common offset
     residual = residual.clip(max(0.05 * residual.mean(), 1e-12 * sample.trace()))
     between = sample[~np.eye(n_cases, dtype=bool)].mean().clip(0)
     weight = n / (n + 2 * n_cases)

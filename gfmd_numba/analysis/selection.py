@@ -24,7 +24,7 @@ CROSS = "cross"  # in `limit` of a case that differs from the reference in sever
 # 12 % with 2.7 nodes a patch, 2 to 7 % with 5 and 2 % with 8 (H = 0.3 and 0.8, p* = 1e-4 to 0.05)
 FEWEST_NODES = 2
 
-# what a fit reads beside its variable and the coordinates
+# what a fit reads in addition to its variable and the coordinates
 _READ = (
     "kappa",
     "kappa_residual_error",

@@ -21,7 +21,7 @@ _PATH_STEP = {
 def steps_of(dataset: xr.Dataset, variable: str, step: int | None = None) -> list[xr.Dataset]:
     """Datasets `(case, realisation)` in which a variable of a path stands: one for each step, told by `path_step`.
 
-    With `step` that one alone. What is known of the path as a whole stands once, beside the contact of the step with
+    With `step` that one alone. What is known of the path as a whole stands once, with the contact of the step with
     the largest area. A dataset without a path stands for itself. UnusableDataError for a step that there is not.
     """
     along = {"case", "step"} <= set(dataset.dims)

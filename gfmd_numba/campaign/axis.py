@@ -16,7 +16,7 @@ Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
 class Axis:
     """A parameter of a grid: its key, the type of its values, and the place in the scene that they are put in.
 
-    `place` is empty for a discretisation, which stands beside the scene. `symbol` heads a column on the terminal,
+    `place` is empty for a discretisation, which stands next to the scene. `symbol` heads a column on the terminal,
     `label` is its TeX. `unit` is a kind of unit, as a scene's units are named by. Cases that differ in an axis that
     `forms_groups` are different physics, and never enter one fit. `coordinate_name` is its name in the dataset where
     that is not its key. `limit` is the name of the limit in which a discretisation goes to 0.
@@ -40,7 +40,7 @@ class Axis:
 
     @property
     def has_names(self) -> bool:
-        """Whether its values are names, which the dataset counts beside them."""
+        """Whether its values are names, which the dataset numbers as well."""
         return self.type is FileName
 
     @property

@@ -19,7 +19,7 @@ from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 
-SECONDS = "seconds"  # what each realisation of a block took, stored beside its measures
+SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
 
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]

@@ -33,7 +33,7 @@ Range = tuple[int, int]  # first realisation, and the one after the last
 
 @dataclass(frozen=True, slots=True)
 class GridPoint:
-    """Values at one point of a campaign's grid, beside the scene that is `common` to all, and what was `measured`.
+    """Values at one point of a campaign's grid, with the scene that is `common` to all, and what was `measured`.
 
     A scene takes more memory than all the rest of a case, and there may be a million: it is made when asked for.
     """
@@ -273,8 +273,8 @@ def block_bytes(problem: Problem, realisations: int) -> int:
     surface = problem.surface
     together = 1 if problem.path or problem.rough is not None else realisations
     dimension = len(surface.shape)
-    beside = () if problem.tractions is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *beside))
+    boundary = () if problem.tractions is None else ("boundary",)
+    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *boundary))
     if problem.rough is not None:
         arrays = max(arrays, arrays_of_topography(dimension, problem.rough.order))
     return arrays * 8 * together * surface.nodes

@@ -88,7 +88,7 @@ def _client_of(address: str, insecure: bool) -> Any:
     if not (private or insecure):
         raise InputError(
             f"--scheduler: you gave {address}, on which anyone on the way can read and change the work; "
-            "gfmd allows a tls:// address, one of this machine, or --insecure beside it"
+            "gfmd allows a tls:// address, one of this machine, or --insecure with it"
         )
     try:
         return Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed

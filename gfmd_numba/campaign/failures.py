@@ -1,4 +1,4 @@
-"""Why some blocks have no result: kept beside the shards until they are tried again."""
+"""Why some blocks have no result: kept next to the shards until they are tried again."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path

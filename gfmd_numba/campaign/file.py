@@ -239,8 +239,8 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
-    beside = () if campaign.scene.boundary is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*campaign.scene.interface.laws, *beside))
+    boundary = () if campaign.scene.boundary is None else ("boundary",)
+    arrays = arrays_per_realisation(dimension, (*campaign.scene.interface.laws, *boundary))
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)

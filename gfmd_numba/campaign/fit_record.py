@@ -38,7 +38,7 @@ class Fit(BaseModel):
         if n_steps == 0:
             raise broken_rule(("fit", "step"), "nothing without a path")
         if self.is_of_path:
-            raise broken_rule(("fit", "step"), f"nothing beside {self.variable}, which the path has as a whole")
+            raise broken_rule(("fit", "step"), f"nothing with {self.variable}, which the path has as a whole")
         if self.step > n_steps:
             raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
 
@@ -47,7 +47,7 @@ def check_recorded(document: Document, fit: Fit, scenes: Iterable[tuple[Scene, i
     """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for."""
     if not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
         needed = {
-            "hysteresis": "energy is lost by friction or attraction, and not known beside a boundary or at a "
+            "hysteresis": "energy is lost by friction or attraction, and not known with a boundary or at a "
             "topography_order above 0",
             "pull_off_pressure": "a punch is pulled off against attraction by a prescribed displacement",
         }[fit.variable]

@@ -72,7 +72,7 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
 def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
     """Raise InputError for values of a grid that, taken together, make no surface or one that does not fit its period.
 
-    What the grid varies stands in no case as the scene has it, so that each value is checked beside the grid's others.
+    A value of the grid takes the place of the scene's, so that each value is checked with the grid's others.
     """
     for values, locations in surfaces_of_grid(grid):
         fault = _surface_fault(scene, values)

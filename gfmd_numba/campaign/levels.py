@@ -58,9 +58,9 @@ def finer_levels(levels: Sequence[Level], limit: str, step: float) -> list[Level
         new = [_at(reference, axis, finest / 2), _at(_at(reference, _F, coarse), axis, finest / 2)]
         return list(dict.fromkeys([*levels, *new]))
     fine = _at(reference, _F, reference[_F] / step)
-    beside = [_at(fine, _T, 2 * fine[_T]), _at(reference, _T, reference[_T] / 2)]
+    of_eps_t = [_at(fine, _T, 2 * fine[_T]), _at(reference, _T, reference[_T] / 2)]
     varied = len({level[_T] for level in levels}) > 1
-    return list(dict.fromkeys([fine, *levels, *(beside if varied else ())]))
+    return list(dict.fromkeys([fine, *levels, *(of_eps_t if varied else ())]))
 
 
 def limits_around(reference: Level, levels: Iterable[Level]) -> Limits:

@@ -23,7 +23,7 @@ POINTS = (*PUNCH, "points")
 
 @dataclass(frozen=True)
 class MeasuredBodies:
-    """Measured surfaces by their places, beside one record of the punch, and what their files tell of a scene.
+    """Measured surfaces by their places, with one record of the punch, and what their files tell of a scene.
 
     `name` is what a grid calls the punch, if anything, and `period` L_x in m, None where lengths are in L_x. Faults of
     the surfaces stand at places of the `document`.

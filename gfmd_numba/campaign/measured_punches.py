@@ -106,7 +106,7 @@ def read_surfaces(
 ) -> tuple[Scene, dict[Place, MeasuredSurface]]:
     """Scene of the dimension and period that a record of the punch tells, and its measured surfaces.
 
-    An InputError names the value that is to blame: one of the grid beside the file, if without it all is well.
+    An InputError names the value that is to blame: one of the grid rather than the file, if all is well without it.
     """
     file = ("scene", *FILE)
     assert record.file is not None  # the campaign's promise
@@ -115,8 +115,8 @@ def read_surfaces(
         return _told(located, scene, document, read)
     except InputError:
         for place, at in document.elsewhere.items():
-            beside = place not in (file, file[:-1])
-            if beside and _is_usable(located.model_copy(update={str(place[-1]): None}), scene, document, read):
+            of_grid = place not in (file, file[:-1])
+            if of_grid and _is_usable(located.model_copy(update={str(place[-1]): None}), scene, document, read):
                 _told(located, scene, replace(document, elsewhere={**document.elsewhere, file: at}), read)
         raise
 

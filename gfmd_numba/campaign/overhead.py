@@ -1,4 +1,4 @@
-"""What a run takes beside its contacts: starting, workers, the results file, and the fit with its picture."""
+"""What a run takes in addition to its contacts: starting, workers, the results file, and the fit with its picture."""
 
 import json
 import subprocess
@@ -45,7 +45,7 @@ class Overhead:
 
 
 def overhead(planned: Plan) -> Overhead:
-    """Return what a run takes beside its contacts on this machine, its compiled kernels being in the cache."""
+    """Return what a run takes in addition to its contacts on this machine, with compiled kernels in the cache."""
     start = _start()
     extrapolated = any(case.limit != "reference" for case in planned.cases)
     fitted = _rehearsed(planned) + _PICTURE * start if extrapolated else 0.0

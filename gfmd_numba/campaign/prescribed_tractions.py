@@ -16,7 +16,7 @@ class PrescribedTractions:
         self._found: dict[str, Tractions] = {}
 
     def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
-        """Tractions beside a surface of that shape; raises InputError for files that do not fit it, or no balance."""
+        """Tractions on a surface of that shape; raises InputError for files that do not fit it, or no balance."""
         if self._boundary is None:
             return None
         if shape not in self._arrays:

@@ -55,7 +55,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     """Work-precision studies of the first reference case of a campaign, one thread, in this process.
 
     Without `realisations` a study has 16, fewer on a large grid or along a path, but 4 at least. Raises InputError for
-    a campaign of measured surfaces, or beside tractions from a file.
+    a campaign of measured surfaces, or with tractions from a file.
     """
     study = study_of(planned, realisations)
     yield from study.solvers()
@@ -143,7 +143,7 @@ class Study:
         return not any(refusals(self.case.scene, numerics, self.planned.campaign.path, {}))
 
     def _precision(self, exact: dict[str, Reals], solvers: list[str]) -> Iterator[Point]:
-        """Single precision beside double, as far down as its certificate goes."""
+        """Single precision compared with double, as far down as its certificate goes."""
         for solver in solvers:
             for precision in ("double", "single"):
                 for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):

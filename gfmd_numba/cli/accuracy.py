@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, picture_beside
+from gfmd_numba.cli.arguments import check_output, file_argument, picture_path
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
@@ -43,7 +43,7 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
-    picture = picture_beside(results)
+    picture = picture_path(results)
     check_output(results, file)
     points: list[study_points.Point] = []
     for point in work_precision.studies(planned, realisations):

@@ -157,12 +157,12 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
         )
 
 
-def picture_beside(output: Path) -> Path:
+def picture_path(output: Path) -> Path:
     """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    return beside(output, "picture", ".png")
+    return companion(output, "picture", ".png")
 
 
-def beside(output: Path, kind: str, suffix: str) -> Path:
+def companion(output: Path, kind: str, suffix: str) -> Path:
     """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
     from gfmd_numba.storage.atomic_file import foreign
     from gfmd_numba.text.input_error import InputError

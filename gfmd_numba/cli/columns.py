@@ -20,7 +20,7 @@ def print_table(title: str, parameters: Mapping[str, list[str]], values: Mapping
     """Print parameters and values of cases, cells by heading, no line longer than 80 columns.
 
     Parameters that all cases share stand above the table once. Values for which there is no room go below the others,
-    beside the parameters again; where those fill the line themselves, beside the number of the case.
+    next to the parameters again; where those fill the line themselves, next to the number of the case.
     """
     shared = {heading: cells[0] for heading, cells in parameters.items() if len(set(cells)) == 1}
     keys = [_column(heading, cells) for heading, cells in parameters.items() if heading not in shared]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, output_option, picture_beside
+from gfmd_numba.cli.arguments import check_output, file_argument, output_option, picture_path
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
@@ -134,8 +134,8 @@ def _ending(step: xr.Dataset) -> str:
 def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, plane: tuple[str, ...]) -> None:
     """Compute displacement, strain and stress inside a body.
 
-    FILE is a contact that `gfmd solve` wrote. Beside the netCDF file, the command writes a picture (.png) of the same
-    name. Below a map, the fields are on a vertical section, or on horizontal planes.
+    FILE is a contact that `gfmd solve` wrote. In addition to the netCDF file, the command writes a picture (.png) of
+    the same name. Below a map, the fields are on a vertical section, or on horizontal planes.
     """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
@@ -144,7 +144,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     from gfmd_numba.cli.places import in_words_of_options, largest_stress, place
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
-    picture = picture_beside(output)
+    picture = picture_path(output)
     check_output(output, file)
     contact = read_results(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
@@ -166,7 +166,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE.
 
-    The command writes and draws the heights, and their spectrum, autocorrelation and height distribution beside
+    The command writes and draws the heights, and their spectrum, autocorrelation and height distribution with
     those of theory. The picture (.png) has the name of the netCDF file.
     """
     from gfmd_numba.analysis import plot_surface
@@ -175,7 +175,7 @@ def surface(file: Path, output: Path) -> None:
     from gfmd_numba.simulate.surface import surface_dataset
     from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
-    picture = picture_beside(output)
+    picture = picture_path(output)
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))

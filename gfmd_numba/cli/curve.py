@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import beside, check_output, file_argument, output_option, picture_beside
+from gfmd_numba.cli.arguments import check_output, companion, file_argument, output_option, picture_path
 from gfmd_numba.cli.curve_table import columns, show
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
@@ -81,7 +81,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
 
     The command prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a
     unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
-    Beside the netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
+    In addition to the netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
@@ -89,7 +89,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
         from gfmd_numba.simulate.curve_dataset import curve_dataset
         from gfmd_numba.storage.atomic_file import write_dataset, write_table
 
-    picture, table = picture_beside(output), beside(output, "table", ".csv")
+    picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
     check_output(output, file, *input_files(described))
     for path in (picture, table):

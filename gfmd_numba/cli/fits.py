@@ -15,7 +15,7 @@ from gfmd_numba.cli.arguments import (
     check_output,
     exponents_option,
     fixed_option,
-    picture_beside,
+    picture_path,
     picture_suffixes,
     results_argument,
     variable_option,
@@ -120,7 +120,7 @@ def _write_function(fitted: xr.Dataset, path: Path) -> None:
 @exponents_option
 @fixed_option
 @click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture to write [beside RESULTS]"
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture to write [next to RESULTS]"
 )
 def plot(
     results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
@@ -136,7 +136,7 @@ def plot(
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    picture = output or picture_beside(file)
+    picture = output or picture_path(file)
     check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
     dataset = read_results(file)
     second = second_picture(dataset, picture)

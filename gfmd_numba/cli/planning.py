@@ -120,18 +120,18 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
 
 
 def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tuple[float, float]) -> None:
-    """Print what a run takes: likely times of the contacts, and those not exceeded, with all that is beside them."""
+    """Print what a run takes: likely times and those not exceeded, of the contacts and of all else."""
     from gfmd_numba.campaign.overhead import UNSURE, overhead
 
-    beside = overhead(planned)
+    extra = overhead(planned)
     for name, contacts, others in (
-        ("CPU time", cpu, beside.cpu_seconds(workers)),
-        ("wall time", wall, beside.wall_seconds(workers)),
+        ("CPU time", cpu, extra.cpu_seconds(workers)),
+        ("wall time", wall, extra.wall_seconds(workers)),
     ):
         at_most = duration(contacts[1] + UNSURE * others)
         click.echo(f"{name:13} {duration(contacts[0] + others)}, with 90 % probability below {at_most}")
-    parts = {"contacts": cpu[0], "start": beside.start, "workers": workers * beside.worker}
-    parts |= {"results": beside.results, "fit and picture": beside.fit}
+    parts = {"contacts": cpu[0], "start": extra.start, "workers": workers * extra.worker}
+    parts |= {"results": extra.results, "fit and picture": extra.fit}
     shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
     say("of CPU time", shown, width=14)
 

@@ -22,7 +22,7 @@ _WRITING = ", writing the results"
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Say what a command does once it has taken a second: beside a spinner on a terminal, as a line otherwise."""
+    """Say what a command does once it has taken a second: next to a spinner on a terminal, as a line otherwise."""
     shown = []
 
     def show() -> None:

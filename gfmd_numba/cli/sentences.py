@@ -1,4 +1,4 @@
-"""Sentences on the terminal: a label, and text folded to 80 columns beside it."""
+"""Sentences on the terminal: a label, and text folded to 80 columns next to it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SPACE = "\0"  # within a command, where no line may end: printable text has non
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
-    """Print a text beside its label, made harmless; only what cannot be folded, a path or command, goes beyond."""
+    """Print a text next to its label, made harmless; only what cannot be folded, a path or command, goes beyond."""
     whole = re.sub(r"`[^`]*`", lambda command: command[0].replace(" ", _SPACE), printable(text))
     folded = wrap(whole, COLUMNS - width, break_long_words=False, break_on_hyphens=False)
     lines = [line.replace(_SPACE, " ") for line in folded] or [""]

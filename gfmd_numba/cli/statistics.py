@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, json_option, output_option, picture_beside
+from gfmd_numba.cli.arguments import check_output, file_argument, json_option, output_option, picture_path
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.cli.fits import draw, naming
 from gfmd_numba.cli.group import main
@@ -42,7 +42,7 @@ _files_option = click.option(
     "-o",
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="netCDF file to write, and beside it a picture (.png) of the same name",
+    help="netCDF file to write, with a picture (.png) of the same name",
 )
 
 
@@ -105,7 +105,7 @@ def _measure(
     from gfmd_numba.cli.places import in_words_of_options
     from gfmd_numba.storage.atomic_file import write_dataset
 
-    picture = None if output is None else picture_beside(output)
+    picture = None if output is None else picture_path(output)
     if output is not None:
         check_output(output, file)
     contact = read_results(file)

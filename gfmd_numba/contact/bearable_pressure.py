@@ -31,7 +31,7 @@ def at_most(interface: Interface) -> str:
 
 
 def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]) -> None:
-    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness beside it cannot bear.
+    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness cannot bear.
 
     Surfaces of an rms height have no gradient before they are made: reduction refuses their reduced pressures.
     """

@@ -13,12 +13,13 @@ from gfmd_numba.interface.table import LAWS
 
 @dataclass(frozen=True)
 class Refusal:
-    """Two features that do not go together, what is allowed in place of the second, and why.
+    """Two features that do not go together: one that is `refused` where the other is `present`.
 
-    Because of the `solver`: that of the file, where others can do both, or all solvers.
+    `allowed` is what may take the place of the refused one. They are refused `because` of the `solver` where the one of
+    the file cannot do both, or none can.
     """
 
-    beside: str
+    present: str
     refused: str
     allowed: str
     because: Literal["physics", "solver", "without effect"]
@@ -32,16 +33,16 @@ _JUNCTIONS_GROW = (
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
-def _laws_beside_each_other() -> Iterator[Refusal]:
+def _laws_with_each_other() -> Iterator[Refusal]:
     """At most one law of the gap acts; a law of gap and slip acts alone, as it is both; a hard wall goes with all."""
     for first, second in combinations(_BEYOND_HARD_WALL, 2):
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:
             other = second if whole == first else first
-            allowed = f"one law of normal and tangential tractions, not {other} beside {whole}, which does both itself"
+            allowed = f"one law of normal and tangential tractions, not {other} with {whole}, which does both itself"
             yield Refusal(whole, other, allowed, "physics")
         elif LAWS[first].ability == LAWS[second].ability:
-            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} beside {first}", "solver")
+            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} with {first}", "solver")
 
 
 REFUSALS = (
@@ -57,9 +58,9 @@ REFUSALS = (
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
     Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
-    *_laws_beside_each_other(),
+    *_laws_with_each_other(),
     *(
-        Refusal("hardness", law, f"a hard_wall without hardness beside {law}, {_JUNCTIONS_GROW}", "physics")
+        Refusal("hardness", law, f"a hard_wall without hardness for {law}, {_JUNCTIONS_GROW}", "physics")
         for law in LAWS
         if LAWS[law].tangential
     ),
@@ -87,7 +88,7 @@ REFUSALS = (
     Refusal(
         "punch",
         "prescribed displacement",
-        "only tractions beside a punch, as the punch prescribes displacements (to make it stick: friction with "
+        "only tractions with a punch, as the punch prescribes displacements (to make it stick: friction with "
         "coefficient .inf); in a scene without roughness, interface and loading also displacements",
         "physics",
     ),
@@ -115,7 +116,7 @@ REFUSALS = (
     Refusal(
         "hardness on inclined surfaces",
         "higher topography_order",
-        "0, or nothing, beside a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
+        "0, or nothing, with a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
         "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
         "physics",
     ),

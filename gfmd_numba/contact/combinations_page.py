@@ -40,7 +40,7 @@ _SOLVERS = """\
 ## What each solver can do
 
 `auto` takes the first solver of the first line that can do all that a scene asks for. If you name a solver that cannot,
-`gfmd` refuses it and names those that can. The options `time_step` and `damping` are refused beside a solver without
+`gfmd` refuses it and names those that can. The options `time_step` and `damping` are refused with a solver without
 them.
 """
 PHRASES = {
@@ -75,7 +75,7 @@ PHRASES = {
     "topography_order": "`topography_order`",
     "tractions of a file": "tractions from a file",
     "hard wall": "a hard wall",
-    "hardness": "a hard wall with a `hardness`",
+    "hardness": "a hard wall of finite `hardness`",
     "normal law": "a law of the gap alone",
     "cohesive law": "a law of gap and slip",
     **{name: law.title for name, law in LAWS.items()},
@@ -95,7 +95,7 @@ def _section(reason: str) -> str:
 
 def _row(row: Refusal) -> str:
     allowed = row.allowed.replace("*", r"\*")
-    return _item(f"**{_capital(_phrase(row.refused))} beside {_phrase(row.beside)}.** Allowed: {allowed}.")
+    return _item(f"**{_capital(_phrase(row.refused))} with {_phrase(row.present)}.** Allowed: {allowed}.")
 
 
 def _solvers() -> Iterator[str]:

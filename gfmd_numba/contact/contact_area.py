@@ -54,11 +54,11 @@ def filled(contact: Contact) -> npt.NDArray[Any]:
 def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Elastic nodes with both plastic and open neighbours."""
     now = touching(contact)
-    beside_plastic, beside_open = (
+    next_to_plastic, next_to_open = (
         np.logical_or.reduce([np.roll(some, side, axis=axis) for axis in range(1, now.ndim) for side in (1, -1)])
         for some in (plastic, ~now)
     )
-    return np.asarray(now & ~plastic & beside_plastic & beside_open)
+    return np.asarray(now & ~plastic & next_to_plastic & next_to_open)
 
 
 def plastic_area_fraction(contact: Contact) -> Reals:

@@ -97,7 +97,7 @@ def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document)
 
 
 def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
-    """Raise InputError for a load that is beyond all measure beside the rms gradient and the moduli, or a hardness."""
+    """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness."""
     for place, scene in loaded:
         try:
             reduced_pressure(scene, surfaces.rms_gradient, contact_modulus(scene))

@@ -36,7 +36,7 @@ _STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 a
 
 @dataclass(frozen=True)
 class Edge:
-    """What the grid makes of an edge of contact: nodes counted too many, and the pressures beside it.
+    """What the grid makes of an edge of contact: nodes counted too many, and the pressures next to it.
 
     A touching stretch of N nodes of a profile is shorter than N node spacings, on average over its position by `excess`
     at each of its two ends. A contact on a map is smaller than its counted nodes by a share `of_sides` of a node for

@@ -120,5 +120,5 @@ def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None)
 
 
 def components(sideways: Reals, field: Reals) -> Reals:
-    """Tangential components `[component, node]` of the first realisation, beside a field `[(y,) x]`."""
+    """Tangential components `[component, node]` of the first realisation, for a field `[(y,) x]`."""
     return np.asarray(sideways[0].reshape(-1, field.size))

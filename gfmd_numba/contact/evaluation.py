@@ -51,7 +51,7 @@ def kappa_r(contact: Contact) -> Reals:
 
 
 def kappa_edges(contact: Contact) -> Reals:
-    """Area-load coefficient, each contact edge located from the pressures beside it `[realisation]`."""
+    """Area-load coefficient, each contact edge located from the pressures next to it `[realisation]`."""
     return _over_pressure(contact_area_fraction_edges(contact) * rms_gradient(contact), contact)
 
 

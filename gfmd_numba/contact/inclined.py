@@ -46,13 +46,13 @@ class Moved:
 
 
 @dataclass(frozen=True)
-class Meeting:
+class Pairing:
     """Where the nodes of `body` meet the surface above them.
 
     `way` `[component, (y,) x]` is how far each has moved along the plane against it, `slope` its slope there. Beyond
     what level surfaces would do under the same tractions, both are closer by `raised` `[(y,) x]`, and the nodes have
     moved along the plane against what they meet by `shifted`, of the shape of `way`. `across` `[component, component,
-    (y,) x]` is what a law that holds both across a gap takes account of besides, None without one.
+    (y,) x]` is what a law that holds both across a gap counts in addition, None without one.
     """
 
     way: Reals
@@ -62,8 +62,8 @@ class Meeting:
     across: Reals | None = None
 
     @classmethod
-    def before_contact(cls, shape: tuple[int, ...]) -> "Meeting":
-        """Meeting of nodes that have not moved, and do not press."""
+    def before_contact(cls, shape: tuple[int, ...]) -> "Pairing":
+        """Pairing of nodes that have not moved, and do not press."""
         none = np.zeros((len(shape), *shape))
         return cls(none, none, np.zeros(shape), none)
 
@@ -81,7 +81,7 @@ class Meeting:
         places = DisplacedNodes(self.way)
         return -np.stack([places.handed_back(each) for each in sideways]), places.handed_back(normal)
 
-    def held_across(self, gap: Reals) -> "Meeting":
+    def held_across(self, gap: Reals) -> "Pairing":
         """The same under a law of gap and slip that counts both along the surface, at gaps `[(y,) x]` along z.
 
         Surfaces that part along z also slip along an inclined surface, by the gap times the slope: `shifted` says so.
@@ -92,8 +92,8 @@ class Meeting:
         across = bend * gap + self.slope[:, np.newaxis] * self.slope
         return replace(self, shifted=self.shifted - self.slope * gap, across=across)
 
-    def difference(self, other: "Meeting") -> float:
-        """Largest change of a place from one meeting to another."""
+    def difference(self, other: "Pairing") -> float:
+        """Largest change of a place from one pairing to another."""
         return max(float(abs(self.way - other.way).max()), float(abs(self.raised - other.raised).max()))
 
 
@@ -127,10 +127,10 @@ def _components(shape: tuple[int, ...]) -> tuple[int, ...]:
     return shape if len(shape) == 1 else (2, *shape)
 
 
-def meet(
-    bodies: Sequence[_Body], punch: Reals | None, sliding: Reals, moved: Sequence[Moved], last: Meeting
-) -> Meeting:
-    """Meeting of surfaces that have `moved`; the way to the places of the counter body is that of the `last` one.
+def pair(
+    bodies: Sequence[_Body], punch: Reals | None, sliding: Reals, moved: Sequence[Moved], last: Pairing
+) -> Pairing:
+    """Pairing of surfaces that have `moved`; the way to the places of the counter body is that of the `last` one.
 
     `punch` are the heights `[(y,) x]` of a rigid one, peaks towards the body, None for a level one; `sliding`
     `[component]` is how far it, or the base of the counter body, has moved along the plane.
@@ -143,7 +143,7 @@ def meet(
         way = own.along - slid
         places = DisplacedNodes(way)
         slope = np.stack([places.values(each) for each in -_gradient(facing)])
-        return Meeting(way, slope, raised + places.values(facing) - facing, shifted)
+        return Pairing(way, slope, raised + places.values(facing) - facing, shifted)
     other, heights = moved[1], bodies[1].heights
     places = DisplacedNodes(last.way)
     raised += places.values(heights) - heights + _resolved(places.values(other.out) - other.level)
@@ -154,11 +154,11 @@ def meet(
     above = -_seen_in_space(_gradient(heights + other.out), other.along)
     above = np.stack([places.values(each) for each in above])
     slope = bodies[1].share * below + bodies[0].share * above
-    return Meeting(own.along - met - slid, slope, raised, shifted)
+    return Pairing(own.along - met - slid, slope, raised, shifted)
 
 
-def change(level: Sequence[Moved], inclined: Sequence[Moved], met: Meeting) -> float:
-    """Most that a meeting changes of displacements, which were those between level surfaces before (L_x)."""
+def change(level: Sequence[Moved], inclined: Sequence[Moved], met: Pairing) -> float:
+    """Most that a pairing changes of displacements, which were those between level surfaces before (L_x)."""
     both = zip(level, inclined, strict=True)
     own = (max(abs(a.along - b.along).max(), abs(a.out - b.out).max()) for a, b in both)
     return float(max(*own, abs(met.raised).max()))

@@ -86,7 +86,7 @@ OBSERVABLES = {
     "kappa_edges": Observable(
         "contact",
         "E*/stiffness",
-        "area-load coefficient a_r g E* / p, each contact edge located from the pressures beside it",
+        "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
         f"{_CONTACT}:kappa_edges",
         undefined_at_times=True,
     ),

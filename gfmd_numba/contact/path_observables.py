@@ -1,4 +1,4 @@
-"""The table of what is recorded along a loading path, beside the observables of each of its contacts; pure data."""
+"""The table of what a loading path records, in addition to the observables of each of its contacts; pure data."""
 
 from typing import Literal
 
@@ -47,7 +47,7 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
 
     The energy is known of flat bodies, and of rough or two elastic bodies where order 0 is all there is. What a
-    hardness takes beside nothing that attracts is plastic work, which is always known.
+    hardness takes where nothing attracts is plastic work, which is always known.
     """
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)

@@ -71,7 +71,8 @@ _LIKELY_LOADS = (1e-6, 0.3)  # E*
 def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:
     """Sentences about numbers of a scene and its path, or of a surface, that are implausible for what they are.
 
-    Numbers without units beside no length, or a length of 1, are in units of their own: they only have to fit together.
+    Without a length, or with a length of 1, numbers without units are in units of their own: they only have to fit
+    together.
     """
     given = [*_numbers(file), *_numbers(path, ("path",))]
     scales = _scales(file)
@@ -86,8 +87,8 @@ def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = (
     if any(place[-1] == "youngs_modulus" for place in uncommon):
         return sentences  # whatever is compared with it is in doubt already
     others = [(place, value, quantity) for place, value, quantity in given if place not in uncommon]
-    loads = dict(_beside_modulus(scales, others, of_its_own))
-    lengths = dict(_beside_period(scales, others))
+    loads = dict(_against_modulus(scales, others, of_its_own))
+    lengths = dict(_against_period(scales, others))
     return [*sentences, *loads.values(), *lengths.values()]
 
 
@@ -125,7 +126,7 @@ def _uncommon(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[Location
             yield place, f"{_told(place, value, quantity, scales)}, {what}{meant}"
 
 
-def _beside_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
+def _against_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
     """Names of loads, tractions and hardnesses far from what the contact modulus bears, and a sentence about each."""
     whole = f" (E* = {_readable(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
     for place, value, quantity in given:
@@ -141,7 +142,7 @@ def _beside_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) ->
             yield name, f"{told}, which makes {ratio:.2g} E*{whole}{meant}: write the unit you mean"
 
 
-def _beside_period(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[str, str]]:
+def _against_period(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[str, str]]:
     """Names of lengths beyond the period that should be far below it, and a sentence about each."""
     for place, value, quantity in given:
         name, periods = str(place[-1]), abs(value) / (scales.length or 1.0)

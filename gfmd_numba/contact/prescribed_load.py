@@ -19,7 +19,7 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
 
     A line load acts on the length L_x, a force on the area L_x^2. `contact_modulus` is that of the scene in Pa. Raises
-    ValueError for a load beyond all measure beside the gradient and the modulus, or one that a hardness cannot bear.
+    ValueError for a load beyond all measure for the gradient and the modulus, or one that a hardness cannot bear.
     """
     loading = scene.loading
     if loading.displacement is not None:
@@ -37,7 +37,7 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
 
 
 def reduced_load(scene: Scene, rms_gradient: float, contact_modulus: float) -> float:
-    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure beside its stiffness (g E*).
+    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
 
     Raises ValueError as `reduced_pressure` does.
     """

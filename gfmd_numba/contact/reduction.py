@@ -40,7 +40,7 @@ def reduce(
     """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
 
     `rough` are its bodies where topographies are followed: the surface is then the sum of theirs. Raises ValueError
-    for a load that is beyond all measure beside the rms gradient and the moduli, or that the hardness cannot carry.
+    for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot carry.
     """
     loading = scene.loading
     period, modulus = scene.length or 1.0, contact_modulus(scene)

@@ -67,7 +67,7 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
 
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
     for row in REFUSALS:
-        if row.beside in found and row.refused in found:
+        if row.present in found and row.refused in found:
             yield from ((location, row) for location in found[row.refused])
 
 

@@ -49,7 +49,7 @@ def add_bodies(
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
-        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.added.meeting)
+        along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.correction.pairing)
         own = (
             _of_profile(body, response, along, pressure)
             if isinstance(response, Response)
@@ -58,15 +58,15 @@ def add_bodies(
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
-        if pressed.added.meeting is None:
+        if pressed.correction.pairing is None:
             continue
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        along, pressure = tractions_on(body, without, pressed.contact, rms_gradient, pressed.added.meeting)
+        along, pressure = tractions_on(body, without, pressed.contact, rms_gradient, pressed.correction.pairing)
         assert along is not None  # between inclined surfaces
         for variable, long_name, values in _of_inclined(along, pressure, prefix):
             attributes = cf_attributes(long_name.format(whose), unit["pressure"])
             found[prefix + variable] = found["height"].dims, values * stress, attributes
-    if pressed.added.meeting is not None and problem.interface.couples:
+    if pressed.correction.pairing is not None and problem.interface.couples:
         scale = rms_gradient * contact_modulus(scene)
         for variable, long_name, values in _on_surface(pressed.contact):
             found[variable] = found["height"].dims, values * scale, cf_attributes(long_name, unit["pressure"])
@@ -109,7 +109,7 @@ def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[s
 def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
     """What a contact of inclined surfaces bears on their own axes, which friction compares."""
     found = contact.equilibrium
-    assert found.tangential is not None  # beside what rubs
+    assert found.tangential is not None  # where something rubs
     yield "surface_pressure", "contact pressure along the normal of the touching surface", found.pressure[0]
     yield from _by_axis(
         "surface_traction", "traction on the body along the touching surface", found.tangential.traction[0]

@@ -1,4 +1,4 @@
-"""What is recorded where topographies of deformable bodies are followed, beside the observables of all contacts."""
+"""What is recorded where topographies of deformable bodies are followed, in addition to what all contacts have."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -8,7 +8,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import inclined
 from gfmd_numba.contact.evaluation import gap
-from gfmd_numba.contact.inclined import Meeting, Moved
+from gfmd_numba.contact.inclined import Moved, Pairing
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.contact.solution import Contact
@@ -21,41 +21,41 @@ Responses = tuple[Response, ...] | tuple[MapResponse, ...]
 
 
 @dataclass(frozen=True)
-class Added:
+class SlopeCorrection:
     """What slopes add to the contact of flat bodies (g L_x, g E*).
 
     They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted` `[x]`,
     on maps `[component, y, x]`, which is 0 where nothing rubs. Tangential tractions bear `lifted` of the mean pressure.
-    `meeting` tells where inclined surfaces touch at orders above 0; None between level ones.
+    `pairing` tells where inclined surfaces touch at orders above 0; None between level ones.
     """
 
     raised: Reals
     shifted: Reals
     lifted: float = 0.0
-    meeting: Meeting | None = None
+    pairing: Pairing | None = None
 
     def state(self, gradient: float) -> tuple[Reals, ...]:
         """What the next round begins with, as displacements (g L_x)."""
         level = self.raised, self.shifted
-        if self.meeting is None:
+        if self.pairing is None:
             return level
         spacing = 1.0 / self.raised.shape[-1]
-        return *level, self.meeting.way / gradient, self.meeting.slope * (spacing / gradient)
+        return *level, self.pairing.way / gradient, self.pairing.slope * (spacing / gradient)
 
-    def of_state(self, state: tuple[Reals, ...], gradient: float) -> "Added":
+    def of_state(self, state: tuple[Reals, ...], gradient: float) -> "SlopeCorrection":
         """The same with another state."""
         raised, shifted, *met = state
-        if self.meeting is None:
+        if self.pairing is None:
             return replace(self, raised=raised, shifted=shifted)
         way, slope = met[0] * gradient, met[1] * (gradient * self.raised.shape[-1])
-        return replace(self, raised=raised, shifted=shifted, meeting=replace(self.meeting, way=way, slope=slope))
+        return replace(self, raised=raised, shifted=shifted, pairing=replace(self.pairing, way=way, slope=slope))
 
-    def difference(self, other: "Added", gradient: float, contact: Contact) -> float:
+    def difference(self, other: "SlopeCorrection", gradient: float, contact: Contact) -> float:
         """Largest change of a displacement from one to the other (g L_x); a part of the load counts as one of these."""
         found = contact.equilibrium
         moved = max(float(abs(self.raised - other.raised).max()), float(abs(self.shifted - other.shifted).max()))
-        if self.meeting is not None and other.meeting is not None:
-            moved = max(moved, self.meeting.difference(other.meeting) / gradient)
+        if self.pairing is not None and other.pairing is not None:
+            moved = max(moved, self.pairing.difference(other.pairing) / gradient)
         if self.lifted != other.lifted:
             share = abs(self.lifted - other.lifted) / float(abs(found.pressure).mean())
             moved = max(moved, share * float(abs(found.displacement).max()))
@@ -87,7 +87,7 @@ class Slopes:
         """Whether the surfaces that touch are: all but those of a rough body under a level rigid punch."""
         return self.punch is not None or len(self.bodies) > 1
 
-    def untouched(self) -> Added:
+    def untouched(self) -> SlopeCorrection:
         """What they add before there is a contact: what prescribed tractions do, which the punch then meets."""
         shape, tractions = self.problem.surface.shape, self.problem.tractions
         raised, shifted = np.zeros(shape), np.zeros(tangential_shape(np.zeros((1, *shape)))[1:])
@@ -98,20 +98,20 @@ class Slopes:
             raised = self._raised(responses)
             shifted = self._shifted(responses) if self.rub else shifted
         if self.order == 0 or not self.are_inclined:
-            return Added(raised, shifted)
-        meeting = Meeting.before_contact(shape)
-        moved = self.gradient * shifted.reshape(meeting.shifted.shape)
-        return Added(raised, shifted, meeting=replace(meeting, shifted=moved))
+            return SlopeCorrection(raised, shifted)
+        pairing = Pairing.before_contact(shape)
+        moved = self.gradient * shifted.reshape(pairing.shifted.shape)
+        return SlopeCorrection(raised, shifted, pairing=replace(pairing, shifted=moved))
 
-    def responses(self, contact: Contact, meeting: Meeting | None, order: int) -> Responses:
+    def responses(self, contact: Contact, pairing: Pairing | None, order: int) -> Responses:
         """Response of each body to the tractions of a contact."""
-        return self._respond([self._borne(body, contact, meeting) for body in self.bodies], order)
+        return self._respond([self._borne(body, contact, pairing) for body in self.bodies], order)
 
-    def after(self, contact: Contact, responses: Responses, last: Added) -> Added:
+    def after(self, contact: Contact, responses: Responses, last: SlopeCorrection) -> SlopeCorrection:
         """What they add, found from a contact that what they added `last` has led to."""
-        if last.meeting is None:
-            return Added(self._raised(responses), self._shifted(responses) if self.rub else last.shifted)
-        met = self._met(contact, responses, last.meeting)
+        if last.pairing is None:
+            return SlopeCorrection(self._raised(responses), self._shifted(responses) if self.rub else last.shifted)
+        met = self._met(contact, responses, last.pairing)
         if self.problem.interface.cohesive is not None:
             met = met.held_across(self.gradient * gap(contact)[0])
         shifted, lifted = last.shifted, 0.0
@@ -119,35 +119,35 @@ class Slopes:
             shifted = met.shifted.reshape(shifted.shape) / self.gradient
             if self.problem.mean_pressure is not None:
                 lifted = float(contact.equilibrium.pressure[0].mean() - in_plane(contact, met)[1].mean())
-        return Added(met.raised / self.gradient, shifted, lifted, met)
+        return SlopeCorrection(met.raised / self.gradient, shifted, lifted, met)
 
-    def next_order(self, contact: Contact, responses: Responses, meeting: Meeting | None) -> float:
+    def next_order(self, contact: Contact, responses: Responses, pairing: Pairing | None) -> float:
         """What the next order would add to any displacement (L_x)."""
-        error = float(sum(each.highest_order for each in self.responses(contact, meeting, self.order + 1)))
-        if meeting is not None and self.problem.interface.friction is not None:
-            error += self._off_bound(contact, meeting)
+        error = float(sum(each.highest_order for each in self.responses(contact, pairing, self.order + 1)))
+        if pairing is not None and self.problem.interface.friction is not None:
+            error += self._off_bound(contact, pairing)
         if self.order == 0 and self.are_inclined:
-            level = Meeting.before_contact(self.problem.surface.shape)
+            level = Pairing.before_contact(self.problem.surface.shape)
             met = self._met(contact, responses, level)
             flat, tilted = (self._moved(contact, responses, each) for each in (level, met))
             error += inclined.change(flat, tilted, met)
         return error
 
-    def _met(self, contact: Contact, responses: Responses, last: Meeting) -> Meeting:
+    def _met(self, contact: Contact, responses: Responses, last: Pairing) -> Pairing:
         moved = self._moved(contact, responses, last)
-        return inclined.meet(self.bodies, self.punch, self.sliding, moved, last)
+        return inclined.pair(self.bodies, self.punch, self.sliding, moved, last)
 
-    def _moved(self, contact: Contact, responses: Responses, meeting: Meeting) -> list[Moved]:
+    def _moved(self, contact: Contact, responses: Responses, pairing: Pairing) -> list[Moved]:
         """How the surface of each body has moved (L_x)."""
         every: Sequence[Response | MapResponse] = responses
         found = []
         for body, response in zip(self.bodies, every, strict=False):
-            level, tilted = (self._borne(body, contact, met) for met in (None, meeting))
+            level, tilted = (self._borne(body, contact, met) for met in (None, pairing))
             found.append(inclined.moved(body.elastic, level, tilted, response))
         return found
 
-    def _borne(self, body: RoughBody, contact: Contact, meeting: Meeting | None) -> tuple[Reals | None, Reals]:
-        return tractions_on(body, self.problem, contact, self.gradient, meeting)
+    def _borne(self, body: RoughBody, contact: Contact, pairing: Pairing | None) -> tuple[Reals | None, Reals]:
+        return tractions_on(body, self.problem, contact, self.gradient, pairing)
 
     def _respond(self, borne: Sequence[tuple[Reals | None, Reals]], order: int) -> Responses:
         each = list(zip(self.bodies, borne, strict=False))
@@ -162,17 +162,17 @@ class Slopes:
     def _shifted(self, responses: Responses) -> Reals:
         response = responses[0]  # of the lower body: a level punch does not move, nor what no traction is prescribed on
         along = response.u1 if isinstance(response, Response) else response.along
-        assert along is not None  # beside what rubs
+        assert along is not None  # where something rubs
         return along / self.gradient
 
-    def _off_bound(self, contact: Contact, met: Meeting) -> float:
+    def _off_bound(self, contact: Contact, met: Pairing) -> float:
         """How far nodes of a map that slip across the slope move under what they bear beyond the bound in the plane.
 
         Coulomb's law compares forces on the surface. Those in the plane are bounded by the same ratio along the slope,
         and by a ratio larger by half the square of the slope across it, which no order knows.
         """
         found = contact.equilibrium
-        assert found.tangential is not None  # beside friction
+        assert found.tangential is not None  # as there is friction
         traction = found.tangential.traction[0]
         if traction.ndim == 1:  # a profile knows no direction across
             return 0.0
@@ -186,7 +186,7 @@ class Slopes:
         return float(sum(max(float(abs(part).max()) for part in each) for each in moved))
 
 
-def in_plane(contact: Contact, met: Meeting) -> tuple[Reals, Reals]:
+def in_plane(contact: Contact, met: Pairing) -> tuple[Reals, Reals]:
     """Tractions of inclined surfaces along the plane, `[component, (y,) x]`, and the pressure out of it."""
     found = contact.equilibrium
     assert found.tangential is not None  # else the pressure is the same
@@ -194,20 +194,20 @@ def in_plane(contact: Contact, met: Meeting) -> tuple[Reals, Reals]:
 
 
 def tractions_on(
-    body: RoughBody, problem: Problem, contact: Contact, gradient: float, meeting: Meeting | None = None
+    body: RoughBody, problem: Problem, contact: Contact, gradient: float, pairing: Pairing | None = None
 ) -> tuple[Reals | None, Reals]:
     """Traction along the surface, on maps `[component, y, x]`, and pressure `[(y,) x]` on a body, in its own E*.
 
     None stands for no traction along the surface. Prescribed tractions act on the lower body. On inclined surfaces,
-    of which `meeting` tells, the tractions are those along the plane and out of it.
+    of which `pairing` tells, the tractions are those along the plane and out of it.
     """
     found, tangential = contact.equilibrium.pressure[0], contact.equilibrium.tangential
     pressure = gradient * found.astype(np.float64)  # the response is computed in double precision
     along = None if tangential is None else gradient * tangential.traction[0].astype(np.float64)
-    if meeting is None:
+    if pairing is None:
         along = None if along is None else body.side * along
     else:
-        along, pressure = meeting.tractions(along, pressure, body.side)
+        along, pressure = pairing.tractions(along, pressure, body.side)
         along = along[0] if pressure.ndim == 1 else along
     if problem.tractions is not None and body.side > 0:
         pressure = pressure - gradient * problem.tractions.normal

@@ -1,4 +1,4 @@
-"""Surfaces of a problem beside random ones: given heights, and sums of several surfaces that are pressed together."""
+"""Surfaces of a problem that are not random: given heights, and sums of several surfaces that are pressed together."""
 
 import math
 from dataclasses import dataclass, field, replace

@@ -34,7 +34,7 @@ def tractions(tangential: Reals, normal: Reals) -> Tractions:
 def tractions_on_the_body(
     document: Document, scene: Scene, arrays: Mapping[str, Reals], shape: tuple[int, ...], rms_gradient: float
 ) -> Tractions:
-    """Tractions of what `read_boundary` has read, beside a punch whose rms gradient they are divided by.
+    """Tractions of what `read_boundary` has read, with a punch whose rms gradient they are divided by.
 
     Raises InputError for a mean traction that nothing holds, or that the loading decides already.
     """

@@ -12,7 +12,7 @@ from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.rough_body import RoughBody, rough_body
 from gfmd_numba.contact.rounds import Rounds
-from gfmd_numba.contact.slopes import Added, Responses, Slopes, in_plane
+from gfmd_numba.contact.slopes import Responses, SlopeCorrection, Slopes, in_plane
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.solvers.status import Status
@@ -27,14 +27,14 @@ _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; r
 class Pressed:
     """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
 
-    `next_order` is what the next order would add to any displacement (L_x), and `added` what slopes added to the
+    `next_order` is what the next order would add to any displacement (L_x), and `correction` what slopes added to the
     contact.
     """
 
     contact: Contact
     responses: Responses
     next_order: float
-    added: Added
+    correction: SlopeCorrection
 
     @property
     def in_plane(self) -> Contact:
@@ -44,9 +44,9 @@ class Pressed:
         pressures are the same.
         """
         found = self.contact.equilibrium
-        if self.added.meeting is None or found.tangential is None:
+        if self.correction.pairing is None or found.tangential is None:
             return self.contact
-        along, pressure = in_plane(self.contact, self.added.meeting)
+        along, pressure = in_plane(self.contact, self.correction.pairing)
         sideways = replace(found.tangential, traction=along.reshape(found.tangential.traction.shape))
         turned = replace(found, pressure=pressure[np.newaxis], tangential=sideways)
         return replace(self.contact, equilibrium=turned)
@@ -74,46 +74,46 @@ def solve(
     slid = gradient * np.asarray(sliding or (0.0,) * len(problem.surface.shape))
     slopes = Slopes(problem, bodies, gradient, order, punch, slid)
     untouched = slopes.untouched()
-    is_inclined = untouched.meeting is not None
-    added = untouched if before is None or not (slopes.rub or is_inclined) else before.added
-    since = untouched if problem.interface.cohesive is not None else added  # from where slip counts
+    is_inclined = untouched.pairing is not None
+    correction = untouched if before is None or not (slopes.rub or is_inclined) else before.correction
+    since = untouched if problem.interface.cohesive is not None else correction  # from where slip counts
     again, nearest, patience = None, np.inf, _PATIENCE
     spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
     rounds, most = Rounds(), _MOST_ROUNDS_INCLINED if is_inclined else _MOST_ROUNDS
     for round_ in range(most):
-        way = (added.shifted - since.shifted)[np.newaxis] if slopes.rub else None
-        pressed = problem if problem.mean_pressure is None else problem.under(problem.mean_pressure + added.lifted)
-        raised = added.raised[np.newaxis]
+        way = (correction.shifted - since.shifted)[np.newaxis] if slopes.rub else None
+        pressed = problem if problem.mean_pressure is None else problem.under(problem.mean_pressure + correction.lifted)
+        raised = correction.raised[np.newaxis]
         solved = solution.solve(pressed, range(1), start, sliding, raised, way, dented, again)
         found = solved.equilibrium
         if not slopes.rub:
             start = found
         spent.append((found.n_iterations, found.n_transforms, found.wall_time))
-        responses = slopes.responses(solved, added.meeting, order)
-        new = slopes.after(solved, responses, added)
-        moved = new.difference(added, gradient, solved)
+        responses = slopes.responses(solved, correction.pairing, order)
+        new = slopes.after(solved, responses, correction)
+        moved = new.difference(correction, gradient, solved)
         enough = problem.numerics.residual * float(abs(found.displacement).max())
         if found.status[0] != Status.ok or moved <= enough:
             break
         patience -= moved > _CLOSER * nearest
         nearest = min(moved, nearest)
         if slopes.rub and problem.interface.friction is not None and patience <= 0:
-            since, again = added, found
+            since, again = correction, found
         if round_ == most - 1:
             continue
         if problem.interface.friction is None:  # else they depend on how they were reached
-            new = new.of_state(rounds.following(added.state(gradient), new.state(gradient)), gradient)
-        added = new
+            new = new.of_state(rounds.following(correction.state(gradient), new.state(gradient)), gradient)
+        correction = new
     else:
         solved = _failed(solved)
     iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
     all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
     solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
-    error = slopes.next_order(solved, responses, added.meeting)
+    error = slopes.next_order(solved, responses, correction.pairing)
     moved_by_all = found.displacement if solved.deflected is None else found.displacement + solved.deflected[1]
     if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
-    return Pressed(solved, responses, error, added)
+    return Pressed(solved, responses, error, correction)
 
 
 def _failed(contact: Contact) -> Contact:

@@ -44,7 +44,7 @@ def respond(
 ) -> MapResponse:
     """Response of a body with topography `[y, x]` of zero mean to a pressure `[y, x]`, to an order of 0 or more.
 
-    `tangential` is a traction `[component, y, x]` beside it; all are per area of the plane. Interfaces of
+    `tangential` is a traction `[component, y, x]` that acts too; all are per area of the plane. Interfaces of
     layers are flat.
     """
     followed = _OUT if tangential is None else _ALL

@@ -88,7 +88,7 @@ def respond(
 ) -> Response:
     """Response of a body with topography `[nx]` of zero mean to a pressure `[nx]`, to an order of 0 or more.
 
-    `tangential` is a traction `[nx]` along x beside it; both are per length of x. Interfaces of layers are flat.
+    `tangential` is a traction `[nx]` along x that acts too; both are per length of x. Interfaces of layers are flat.
     """
     nx, top = len(heights), body.material(0.0)
     fine = _fine(nx, order)

@@ -9,7 +9,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.kernels import displaced_nodes
 
-_AT_NODES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)  # a basic spline at its own node and at those beside it
+_AT_NODES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)  # a basic spline at its own node, the next one and the one after
 
 
 class DisplacedNodes:
@@ -39,6 +39,6 @@ def _filtered(field: Reals) -> Reals:
     spectrum = grid.coefficients(field, field.ndim)
     for wave, n in zip(grid.wave_indices(field.shape), field.shape, strict=True):
         phase = 2.0 * np.pi * wave / n
-        own, beside, next_ = _AT_NODES
-        spectrum /= own + 2.0 * beside * np.cos(phase) + 2.0 * next_ * np.cos(2.0 * phase)
+        own, first, second = _AT_NODES
+        spectrum /= own + 2.0 * first * np.cos(phase) + 2.0 * second * np.cos(2.0 * phase)
     return grid.signal(spectrum, *field.shape)

@@ -53,11 +53,11 @@ def decay_contact(
     """Find the contact and its pressure p that leave no overlap and no tension under a sum of decays.
 
     The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients,
-    preconditioned by a coarser sum, solve for the pressure on one contact after the other: first nodes under tension
-    leave until there are none, then overlapping ones join, until at most the share `may_change` of the contact
-    does and the relative error is at most `target`, or `share` of the relative change that the first contact asked
-    for if that is larger. Returns the largest change of the pressure over the largest pressure, infinite if the
-    contact did not settle, and the number of nodes in contact.
+    preconditioned by a coarser sum, solve for the pressure on one contact after the other. First nodes under tension
+    leave until there are none, then overlapping ones join; none join if `wider` is 0. The contact has settled once no
+    node joins, or after a few rounds at the last tolerance. The relative error is then at most `target`, or `share` of
+    the relative change that the first contact asked for if that is larger. Returns the largest change of the pressure
+    over the largest pressure, infinite if the contact did not settle, and the number of nodes in contact.
     """
     nodes, distances, rows, inside, contact, contact_rows = (
         indices[0], indices[1], indices[2], indices[3], indices[4], indices[5],

@@ -27,7 +27,7 @@ def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
             where = f"a first row (line {line})" if name == "row" else f"a first column (from line {line} on)"
             x, y, other = ("x", "y", "column") if name == "row" else ("y", "x", "row")
             raise ValueError(
-                f"{where} of evenly spaced numbers, unlike the {name}s beside it: if they are positions along {x}, "
+                f"{where} of evenly spaced numbers, unlike the {name}s next to it: if they are positions along {x}, "
                 f"give those along {y} as the first {other}, evenly spaced too, or delete the {name}; if they are "
                 "heights, save the map as .npy"
             )

@@ -22,7 +22,7 @@ from gfmd_numba.scene.units import WithUnit
 
 Reader = Callable[[Path], Content]
 
-_SIZES = 1e-6  # by which a period in a file and one beside it may differ, and
+_SIZES = 1e-6  # by which a period in a file and one in the scene may differ, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -119,15 +119,11 @@ def _sizes(
     """Sizes of the measured field in m or L_x, and which of the two: the one place where a file meets a length."""
     found = field.found
     if found.unit is None and (length is not None or in_si):
-        beside, units = (
-            ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
-        )
-        raise ValueError(f"heights without a unit beside {beside}: write units: {units} with theirs, beside file")
+        known, units = ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
+        raise ValueError(f"heights without a unit, but {known}: write units: {units} with theirs, next to file")
     if found.unit == "1" and length is not None:
         if told_by != "length":
-            raise ValueError(
-                f"heights in units of the period, beside {length:.7g} m in {told_by}: give both in m or L_x"
-            )
+            raise ValueError(f"heights in units of the period, but {length:.7g} m in {told_by}: give both in m or L_x")
         raise ValueError("heights in units of the period, so that length has to be left out")
     shape = found.heights.shape
     if found.lengths is None:

@@ -140,7 +140,7 @@ def _scales(
     if len(missing) == len(units):
         if len(units) > 1:
             raise ValueError(
-                f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, beside "
+                f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, next to "
                 "file, or state them in the file"
             )
         return {"z": 1.0}, None, {}

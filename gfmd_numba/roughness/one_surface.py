@@ -1,4 +1,4 @@
-"""One surface of a surface file: heights, periods and the spectrum of theory beside them."""
+"""One surface of a surface file: heights, periods and the spectrum of theory."""
 
 from dataclasses import dataclass
 from typing import Literal

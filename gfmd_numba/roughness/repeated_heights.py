@@ -43,8 +43,8 @@ def repeated(heights: Reals) -> list[Repeated]:
     least = max(FEWEST, SHARE * heights.size)
     found = []
     for i in np.flatnonzero(counts >= least):
-        beside = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
-        if counts[i] > OFTEN * beside.mean() + (ROUNDED if beside.max() > 1 else 0):
+        nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
+        if counts[i] > OFTEN * nearest.mean() + (ROUNDED if nearest.max() > 1 else 0):
             found.append(_described(heights, values, int(i)))
     return sorted(found, key=lambda each: -each.count)
 

@@ -16,7 +16,7 @@ from gfmd_numba.roughness.processing import polynomial
 STEPS = 8.0  # standard steps between neighbours by which a spike is off the median of the heights around it
 NEARBY = 5.0  # rms steps around it, likewise: where a surface is rough, its steps are large
 QUANTA = 4.0  # quanta of a digitiser
-BESIDE = 0.4  # of a spike, by which no point next to it is off: the flanks of a valley are
+NEIGHBOUR = 0.4  # of a spike, by which no point next to it is off: the flanks of a valley are
 MOST = 3  # points of a spike
 FEWEST = 24  # points in each direction, on which steps have a scale
 _HALF = {1: (3, 6), 2: (2, 3)}  # half widths of the windows of the median and of the steps around, by dimension
@@ -63,7 +63,7 @@ def _spikes(level: Reals, finest: float) -> tuple[Indices, Reals]:
     """Indices `[spike, axis]` of the spikes of level heights, none as small as the finest, and the medians around."""
     steps = [np.diff(level, axis=axis) for axis in range(level.ndim)]
     least = max(STEPS * _standard_step(steps), _ROUNDING * float(abs(level).max()), finest)
-    at = np.argwhere(_beside_a_large_step(steps, level.shape, least / 2.0))
+    at = np.argwhere(_next_to_a_large_step(steps, level.shape, least / 2.0))
     if not len(at):
         return at, np.empty(0)
     median_half, step_half = _HALF[level.ndim]
@@ -95,7 +95,7 @@ def quantum(heights: Reals) -> float:
     return float(np.diff(again).min()) if len(again) > 1 else 0.0
 
 
-def _beside_a_large_step(steps: list[Reals], shape: tuple[int, ...], limit: float) -> Flags:
+def _next_to_a_large_step(steps: list[Reals], shape: tuple[int, ...], limit: float) -> Flags:
     found = np.zeros(shape, dtype=bool)
     for axis, each in enumerate(steps):
         large = abs(each) > limit
@@ -123,7 +123,7 @@ def _alone(far: Flags, off: Reals) -> Flags:
     if not count:
         return far
     every = np.arange(1, count + 1)
-    beside = ndimage.maximum_filter(np.where(far, 0.0, off), 3, mode="constant")
-    alone = ndimage.maximum(beside, groups, every) < BESIDE * ndimage.maximum(off, groups, every)
+    around = ndimage.maximum_filter(np.where(far, 0.0, off), 3, mode="constant")
+    alone = ndimage.maximum(around, groups, every) < NEIGHBOUR * ndimage.maximum(off, groups, every)
     small = np.bincount(groups.ravel())[1:] <= MOST
     return np.asarray(np.concatenate([[False], alone & small])[groups])

@@ -16,7 +16,7 @@ from gfmd_numba.scene.regular_file import most_numbers, read_regular
 
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_MISSING = ["-", "--", "---", "*", "Bad", "BAD", "bad"]  # beside what pandas knows
+_MISSING = ["-", "--", "---", "*", "Bad", "BAD", "bad"]  # in addition to what pandas knows
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -26,7 +26,7 @@ class Table:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
-    name units of positions beside a map, `axis_units`. `line` is that of the first row, counted from 1.
+    name units of positions along a map, `axis_units`. `line` is that of the first row, counted from 1.
     """
 
     values: Reals

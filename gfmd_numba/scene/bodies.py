@@ -21,7 +21,7 @@ def check_bodies(scene: Scene) -> None:
         )
     if counter is not None:
         if scene.roughness is not None:
-            raise broken_rule(("roughness",), "nothing beside a counter_body, which has a roughness of its own")
+            raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
         for name, body in (("body", scene.body), ("counter_body", counter)):
             if body.surface_modulus is None:
                 raise broken_rule((name, "youngs_modulus"), "a number above 0 for both bodies, as they share the load")

@@ -88,9 +88,9 @@ class Body(BaseModel):
             own["aspect_ratio"] = self.aspect_ratio
         for name, value in own.items():
             if value is not None:
-                raise broken_rule((name,), "nothing beside layers, which have their own moduli, ratios and heights")
+                raise broken_rule((name,), "nothing with layers, which have their own moduli, ratios and heights")
         if self.base is None:
-            raise broken_rule(("base",), "'rigid' or a mapping of 'youngs_modulus', 'poissons_ratio' beside layers")
+            raise broken_rule(("base",), "'rigid' or a mapping of 'youngs_modulus', 'poissons_ratio' under layers")
         return self
 
     def effective_poissons_ratio(self, nu: float) -> float:

@@ -1,4 +1,4 @@
-"""Records of prescribed tractions and displacements, on a surface without a punch or beside one."""
+"""Records of prescribed tractions and displacements, on a surface with or without a punch."""
 
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple, Self

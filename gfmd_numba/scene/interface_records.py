@@ -143,5 +143,5 @@ class Interface(BaseModel):
             )
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
-                raise broken_rule((name,), f"{name} beside a hard_wall, on which there are touching nodes")
+                raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
         return self

@@ -104,4 +104,4 @@ def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> N
     if missing:
         words = {"youngs_modulus": "a youngs_modulus of every elastic body", "length": "the length of the period"}
         needed = " and ".join(words[name] for name in missing)
-        raise broken_rule(("loading", control), f"{control} beside {needed}, or a reduced_pressure")
+        raise broken_rule(("loading", control), f"{control} with {needed}, or a reduced_pressure")

@@ -55,7 +55,7 @@ def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Doc
     treatment = data["scene"].get("roughness") or {}
     if not isinstance(treatment, Mapping) or "file" in treatment or treatment.get("method", "measured") != "measured":
         place = ("scene", "roughness")
-        raise document.error(place, document.value(place), "nothing beside heights but keys that say how to treat them")
+        raise document.error(place, document.value(place), "nothing with heights but keys that say how to treat them")
     surface = {**treatment, "method": "measured", "heights": heights}
     return replace(document, data={**data, "scene": {**data["scene"], "roughness": surface}})
 

@@ -50,7 +50,7 @@ def body_fields(
     length = scene.length or 1.0
     elastic = elastic_body(asked, scene.length)
     if z is not None and planes is not None:
-        raise InputError(f"planes: you gave {brief(planes)} beside z; gfmd allows either of them")
+        raise InputError(f"planes: you gave {brief(planes)} in addition to z; gfmd allows either of them")
     name, given = ("z", z) if planes is None else ("planes", planes)
     unit = "L_x" if scene.length is None else "m"
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)

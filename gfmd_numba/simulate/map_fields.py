@@ -65,9 +65,9 @@ def _check(contact: xr.Dataset, length: float, wanted: Wanted, arrays: int) -> N
         if given is None:
             continue
         if wanted.planes or (name == "y" and wanted.x is not None):
-            beside = "planes" if wanted.planes else "x"
+            other = "planes" if wanted.planes else "x"
             raise InputError(
-                f"{name}: you gave {brief(given)} beside {beside}; gfmd allows one section x, y, or planes"
+                f"{name}: you gave {brief(given)} in addition to {other}; gfmd allows one section x, y, or planes"
             )
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= length:

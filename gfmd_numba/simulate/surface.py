@@ -1,4 +1,4 @@
-"""One rough surface from its description to a dataset: heights, statistics, and the curves of theory beside them."""
+"""One rough surface from its description to a dataset: heights, statistics, and the curves of theory."""
 
 import warnings
 from typing import Any

@@ -10,7 +10,7 @@ from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.parallel_law import ParallelLaw
-from gfmd_numba.solvers.truncated_newton import TruncatedNewton, let_go
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton, starting_displacement
 
 _REACH = 4.0  # lengths of the law across which it acts
 _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
@@ -47,7 +47,9 @@ class CohesiveNewton(TruncatedNewton):
         self._sideways, self._together = slice(0, n), np.zeros(n)
         self._u = np.zeros_like(self._source)
         self._u[:, :n] = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
-        self._u[:, length : length + n] = let_go(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
+        self._u[:, length : length + n] = starting_displacement(
+            batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n))
+        )
         self._parallel = ParallelLaw((compliance.s11, compliance.s33), n, length)
         self._nowhere = np.broadcast_to(np.nan, (rows, n))
         self._begin(batch, options, slice(length, length + n), cohesive.normal)
@@ -93,11 +95,11 @@ class CohesiveNewton(TruncatedNewton):
         self._closing[self._sideways] = self._cohesive.tangential_traction(gap, slip)
         return self._closing
 
-    def _bend(self, i: int) -> None:
+    def _fill_curvature(self, i: int) -> None:
         tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))
         self._curvature[self._sideways], self._curvature[self._normal] = tangential, normal
 
-    def _bend_together(self, i: int) -> float:
+    def _add_coupling(self, i: int) -> float:
         sideways, normal = self._conjugate[self._sideways], self._conjugate[self._normal]
         self._result[i, self._sideways] += self._together * normal
         self._result[i, self._normal] += self._together * sideways

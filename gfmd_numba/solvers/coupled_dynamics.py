@@ -10,7 +10,7 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.truncated_newton import let_go
+from gfmd_numba.solvers.truncated_newton import starting_displacement
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 
 
@@ -111,7 +111,7 @@ class CoupledDynamics:
         if batch.interface.hard_wall or self._cohesion is None:
             return np.minimum(batch.start.displacement, batch.punch)
         law, none = self._cohesion, np.zeros(batch.punch[0].size)
-        return let_go(batch, lambda gap: law.normal_traction(gap, none))
+        return starting_displacement(batch, lambda gap: law.normal_traction(gap, none))
 
     def _slip(self, active: Indices) -> Reals:
         """Slip of the punch over each node of the active rows, on maps its length."""

@@ -1,4 +1,4 @@
-"""Semismooth Newton method for Coulomb friction on a hard wall beside a law of the gap, on profiles and maps."""
+"""Semismooth Newton method for Coulomb friction on a hard wall with a law of the gap, on profiles and maps."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ _FAINT = 1e-6  # slope of the law times the largest compliance below which its t
 
 
 class FrictionalLawNewton:
-    """Tractions and displacements of a batch, found as `FrictionalNewton` finds tractions beside a hard wall alone.
+    """Tractions and displacements of a batch, found as `FrictionalNewton` finds tractions on a hard wall alone.
 
     Before the first step, and where steps come no closer, the normal contact descends its energy under the
     tangential tractions found last (`TruncatedNewton`), so that an adhesive contact stays on its branch. A step of
@@ -46,7 +46,7 @@ class FrictionalLawNewton:
         punch, stiffness, start, law = batch.punch, batch.all_stiffness, batch.start, batch.interface.normal_law
         rows, shape = len(punch), punch.shape[1:]
         if batch.interface.friction is None or law is None or not batch.interface.hard_wall:
-            raise ValueError("this solver knows friction beside a law of the gap alone")
+            raise ValueError("this solver knows friction with a law of the gap only")
         self._friction, self._law, self._batch = batch.interface.friction, law, batch
         self._products: CoupledProducts | MapProducts
         self._near: ProfileTractions | MapTractions
@@ -226,8 +226,8 @@ class FrictionalLawNewton:
         direction[:, gives_way] = -tractions[:-1, gives_way] / strength[gives_way]
         starts = joins & (size > bound(self._friction, u[-1] - wall))
         direction[:, starts] = slid[:, starts] / size[starts]
-        guess.give[:] = 0.0
-        guess.give[goes_on] = size[goes_on] / held[goes_on]
+        guess.slip_compliance[:] = 0.0
+        guess.slip_compliance[goes_on] = size[goes_on] / held[goes_on]
         bears = contact & ~leaves
         wrong = np.flatnonzero(leaves | joins | gives_way | turns_back)
         self._judge_progress(i, wrong.size)
@@ -235,10 +235,10 @@ class FrictionalLawNewton:
             others = wrong[:-1]
             leaves[others] = joins[others] = False
             direction[:, others] = guess.direction[:, others]
-            guess.give[others] = 0.0
+            guess.slip_compliance[others] = 0.0
         if np.isinf(self._friction):
-            guess.loose |= leaves
-            anchor = self._anchor[own, :n] = np.where(guess.loose, u[:-1], anchor)
+            guess.released |= leaves
+            anchor = self._anchor[own, :n] = np.where(guess.released, u[:-1], anchor)
         guess.contact = (contact | joins) & ~leaves
         guess.direction = direction
         part = np.divide(held, strength, out=np.ones(n), where=strength > held)
@@ -285,5 +285,5 @@ class FrictionalLawNewton:
         guess = self._guesses[i]
         shear = guess.tractions[:-1] * guess.contact
         found = self._descended(i, shear, max(_SETTLED * _TIGHTEN ** self._tries[i], _MOST_SETTLED))
-        found.direction, found.loose = guess.direction * found.contact, guess.loose
+        found.direction, found.released = guess.direction * found.contact, guess.released
         self._guesses[i] = found

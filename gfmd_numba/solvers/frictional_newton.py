@@ -35,7 +35,7 @@ _DIRECTIONS = 40  # of the linear solution, at most
 
 
 def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
-    """Begin the method for profiles or for maps, or for either beside a law of the gap."""
+    """Begin the method for profiles or for maps, or for either with a law of the gap."""
     if batch.interface.normal_law is not None:
         return FrictionalLawNewton(batch, options)
     return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
@@ -88,7 +88,7 @@ class FrictionalNewton:
         self._patience = np.full(rows, _PATIENCE)
         self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest pressure
         # nodes that stick where they touch down, free of traction, as an infinite friction has pulled them off before
-        self._loose = np.zeros((rows, n), dtype=np.bool_)
+        self._released = np.zeros((rows, n), dtype=np.bool_)
         self._guess = self._first_guess(batch, options)
 
     @property
@@ -133,8 +133,8 @@ class FrictionalNewton:
         n, products, guess = self.field.n, self._products, self._guess
         total = self.load[i] * n if self._free_mean else None
         spent = self._spent
-        contact, slip, loose = guess.contact[i], guess.slip[i], self._loose[i]
-        problem = StickSlip(contact, slip, self._friction, total, self._drifts, self._inverses, loose)
+        contact, slip, released = guess.contact[i], guess.slip[i], self._released[i]
+        problem = StickSlip(contact, slip, self._friction, total, self._drifts, self._inverses, released)
         asked = problem.restricted(self._anchor[i, :n], self.wall[i, :n])
         x = problem.unknowns(guess.pressure[i], guess.shear[i])
         u = products.deflect(i, *problem.tractions(x))
@@ -178,8 +178,8 @@ class FrictionalNewton:
         wrong = np.flatnonzero((better[0] != contact) | (better[1] != slip))
         other = self._to_change(i, wrong, whole=middle >= 0 or np.isinf(self._friction))
         if np.isinf(self._friction):
-            self._loose[i, other] |= contact[other] & ~better[0][other]
-            anchor[:] = np.where(self._loose[i], u[0], anchor)
+            self._released[i, other] |= contact[other] & ~better[0][other]
+            anchor[:] = np.where(self._released[i], u[0], anchor)
         self._products.tangential[i, :n] = np.where(stays, anchor, u[0])
         contact[other], slip[other] = better[0][other], better[1][other]
         guess.pressure[i] = np.maximum(pressure, 0.0)

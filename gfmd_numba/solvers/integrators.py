@@ -51,7 +51,7 @@ def gronbech_jensen(displacement: Reals, softest: float, stiffest: float, time_s
 
 
 class Fire:
-    """Fast inertial relaxation engine: finds its own damping and, below `longest`, its own time step."""
+    """Fast inertial relaxation engine: finds its own damping, and its own time step up to a longest one."""
 
     def __init__(self, displacement: Reals, stiffest: float, time_step: float) -> None:
         rows = len(displacement)

@@ -60,7 +60,7 @@ class Batch:
 
     `stiffness` is K(q) `[(ny,) nx // 2 + 1]`, condensed or coupled; `load` the mean pressure `[realisation]`, with
     K(0) = 0, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
-    displacement of the punch, on maps `[component, 1, 1]`, and beside a cohesive law also `[(component, y,) x]`: less
+    displacement of the punch, on maps `[component, 1, 1]`, and with a cohesive law also `[(component, y,) x]`: less
     what else moves each node. `largest_pressure` is what no pressure is expected to exceed.
     """
 

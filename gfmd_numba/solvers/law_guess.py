@@ -1,4 +1,4 @@
-"""What Newton's method guesses of a contact with friction beside a law of the gap, and where the law is linear next."""
+"""What Newton's method guesses of a contact with friction and a law of the gap, and where the law is linear next."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -18,18 +18,19 @@ _DESCENT = 60  # steps down the energy of the normal contact, at most
 class LawGuess:
     """What is guessed of a row `[n]`, and the tractions found last.
 
-    Nodes in contact; directions of slip `[component, n]`, 0 where they stick; slip over friction. `tractions`
-    `[component + 1, n]` are tangential ones, then the pressure on touching nodes and minus the law's traction on
-    others, which is linear about the displacement `normal`. Nodes that are `loose` bear no tangential traction: an
-    infinite friction has pulled them off, and they stick where they touch down again.
+    Nodes in contact; directions of slip `[component, n]`, 0 where they stick; `slip_compliance`, the slip over the
+    friction of a slipping node. `tractions` `[component + 1, n]` are tangential ones, then the pressure on touching
+    nodes and minus the law's traction on others, which is linear about the displacement `normal`. Nodes that
+    are `released` bear no tangential traction: an infinite friction has pulled them off, and they stick where they
+    touch down again.
     """
 
     contact: Flags
     direction: Reals
-    give: Reals
+    slip_compliance: Reals
     tractions: Reals
     normal: Reals
-    loose: Flags
+    released: Flags
 
     @classmethod
     def sticking(cls, contact: Flags, tractions: Reals, normal: Reals) -> Self:

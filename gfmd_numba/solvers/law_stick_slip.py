@@ -1,4 +1,4 @@
-"""The linear problem of friction beside a law of the gap, once it is guessed which nodes touch, stick and slip.
+"""The linear problem of friction with a law of the gap, once it is guessed which nodes touch, stick and slip.
 
 Unknown are the pressure of the wall on touching nodes and minus the traction of the law on others, both tangential
 tractions on sticking nodes, and on maps the traction of a slipping node across its slip, as in `map_stick_slip`. The
@@ -22,7 +22,7 @@ class Preconditioner(Protocol):
 
     normal_of_a_node: float  # stiffness of a node among others that are held
     tangential_of_a_node: float
-    takes_law: bool  # whether nodes may have a compliance of their own besides, of either sign
+    takes_law: bool  # whether nodes may have a compliance of their own in addition, of either sign
 
     def order(self, flags: Flags) -> Indices:
         """Return the nodes in the order in which `factor` takes them."""
@@ -31,7 +31,7 @@ class Preconditioner(Protocol):
     def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
         """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
 
-        `own` `[node]` are the compliances besides.
+        `own` `[node]` are the compliances that each node has in addition.
         """
         ...
 
@@ -78,15 +78,15 @@ class LawStickSlip:
         slips = np.asarray(guess.direction.any(axis=0))
         of_touching = np.flatnonzero(touches)
         of_slipping = of_touching[slips[self._pressed[of_touching]]]
-        self._of_stuck = of_touching[~(slips | guess.loose)[self._pressed[of_touching]]]
+        self._of_stuck = of_touching[~(slips | guess.released)[self._pressed[of_touching]]]
         self.stuck, self._of_slipping = self._pressed[self._of_stuck], of_slipping
         self.slipping = self._pressed[of_slipping]
         along = guess.direction[:, self.slipping]
         self._drag = -friction * along  # tangential traction over pressure
         self._turning = self.slipping if components == 2 else self.slipping[:0]
         self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
-        self._give = guess.give[self._turning]
-        self._yield = 1.0 / np.sqrt(1.0 + self._give * near.tangential_of_a_node)
+        self._slip_compliance = guess.slip_compliance[self._turning]
+        self._yield = 1.0 / np.sqrt(1.0 + self._slip_compliance * near.tangential_of_a_node)
         near.factor(held, np.concatenate((self._of_stuck, of_slipping[: self._turning.size])), own)
         sizes = self._pressed.size, components * self.stuck.size
         self._parts: list[int] = np.cumsum(sizes).tolist()
@@ -144,7 +144,7 @@ class LawStickSlip:
     def restricted(self, u: Reals, x: Reals) -> Reals:
         """Left-hand side `[unknown]` of the unknowns, which cause displacements `[component, n]`."""
         pressure, _, turning = np.split(x, self._parts)
-        across = (self._across * u[:-1, self._turning]).sum(axis=0) + self._give * turning
+        across = (self._across * u[:-1, self._turning]).sum(axis=0) + self._slip_compliance * turning
         return self._join(self._own * pressure - self._closing * u[-1, self._pressed], u[:-1, self.stuck], across)
 
     def correction(self, misfit: Reals) -> tuple[Reals, Reals]:

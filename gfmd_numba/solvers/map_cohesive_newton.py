@@ -11,7 +11,7 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.cohesive_newton import CohesiveNewton
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.truncated_newton import TruncatedNewton, let_go
+from gfmd_numba.solvers.truncated_newton import TruncatedNewton, starting_displacement
 
 _REACH = 4.0  # lengths of the law across which it acts
 _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
@@ -58,7 +58,7 @@ class MapCohesiveNewton(TruncatedNewton):
         self._u = np.zeros_like(self._source)
         self._u[:, self._x], self._u[:, self._y] = by_component(batch.start.tangential, n).reshape(2, rows, n)
         own = slice(2 * length, 2 * length + n)
-        self._u[:, own] = let_go(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
+        self._u[:, own] = starting_displacement(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
         self._nowhere = np.broadcast_to(np.nan, (2 * rows, n))
         self._begin(batch, options, own, cohesive.normal)
 
@@ -101,12 +101,12 @@ class MapCohesiveNewton(TruncatedNewton):
         self._closing[self._x], self._closing[self._y] = drag
         return self._closing
 
-    def _bend(self, i: int) -> None:
+    def _fill_curvature(self, i: int) -> None:
         xx, xy, yy, xz, yz, zz = vector_slip.stiffness(self._cohesive, self._gap(i), self._slip(i))
         self._curvature[self._x], self._curvature[self._y], self._curvature[self._normal] = xx, yy, zz
         self._together[:] = xy, xz, yz
 
-    def _bend_together(self, i: int) -> float:
+    def _add_coupling(self, i: int) -> float:
         xy, xz, yz = self._together
         p, result = self._conjugate, self._result[i]
         x, y, z = p[self._x], p[self._y], p[self._normal]

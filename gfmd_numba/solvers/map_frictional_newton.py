@@ -146,12 +146,12 @@ class MapFrictionalNewton:
         starts = joins & (size > bound(self._friction, np.abs(gap)))
         direction[:, starts] = slid[:, starts] / size[starts]
         direction[:, leaves] = 0.0
-        guess.give[:] = 0.0
+        guess.slip_compliance[:] = 0.0
         moves = goes_on & ~leaves
-        guess.give[moves] = size[moves] / most[moves]
+        guess.slip_compliance[moves] = size[moves] / most[moves]
         if np.isinf(self._friction):  # what its traction pulls off sticks where it touches down, free of traction
-            guess.loose |= leaves
-            anchor = self._anchor[own, :n] = np.where(guess.loose, u[:2], anchor)
+            guess.released |= leaves
+            anchor = self._anchor[own, :n] = np.where(guess.released, u[:2], anchor)
         bears = contact & (pressure > 0.0)
         self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[2], wall))
         # a slipping node has slid exactly against its traction, any other that bears a pressure not at all; of a long

@@ -17,17 +17,17 @@ from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
 
 @dataclass
 class MapGuess:
-    """Nodes in contact `[n]`, directions of slip `[2, n]` (0 where they stick), and slip over friction `[n]`.
+    """Nodes in contact `[n]`, directions of slip `[2, n]` (0 where they stick), and tractions found last.
 
-    `tractions` are the tangential ones and the pressure `[3, n]` found last. Nodes that are `loose` `[n]` neither slip
-    nor bear a tangential traction.
+    `slip_compliance` is the slip over the friction of a slipping node `[n]`. `tractions` are the tangential ones and
+    the pressure `[3, n]`. Nodes that are `released` `[n]` neither slip nor bear a tangential traction.
     """
 
     contact: Flags
     direction: Reals
-    give: Reals
+    slip_compliance: Reals
     tractions: Reals
-    loose: Flags
+    released: Flags
 
 
 class MapStickSlip:
@@ -50,7 +50,7 @@ class MapStickSlip:
         self._products, self._near, self._i, self._shape = products, near, i, guess.tractions.shape
         self.touching = np.flatnonzero(guess.contact)
         slips = guess.direction[:, self.touching].any(axis=0)
-        sticks = ~(slips | guess.loose[self.touching])
+        sticks = ~(slips | guess.released[self.touching])
         self.stuck, self.slipping = self.touching[sticks], self.touching[slips]
         self._of_stuck, self._of_slipping = np.flatnonzero(sticks), np.flatnonzero(slips)  # among those that touch
         near.factor(self.touching)
@@ -59,8 +59,8 @@ class MapStickSlip:
         self._drag = np.multiply(-friction, towards, out=np.zeros_like(towards), where=towards != 0.0)
         along = guess.direction[:, self.slipping]
         self._across = np.array([-along[1], along[0]])
-        self._give = guess.give[self.slipping]
-        self._soften = 1.0 / np.sqrt(1.0 + self._give * near.of_a_node)
+        self._slip_compliance = guess.slip_compliance[self.slipping]
+        self._soften = 1.0 / np.sqrt(1.0 + self._slip_compliance * near.of_a_node)
         sizes = self.touching.size, 2 * self.stuck.size, self.slipping.size
         self._parts: list[int] = np.cumsum(sizes[:-1]).tolist()
         self._normal_is_free = total is not None and self.touching.size > 0
@@ -113,7 +113,7 @@ class MapStickSlip:
 
     def restricted(self, u: Reals, x: Reals) -> Reals:
         """Return displacements `[3, n]` where they are prescribed, plus how far slipping nodes give way `[unknown]`."""
-        across = (self._across * u[:2, self.slipping]).sum(axis=0) + self._give * x[self._parts[1] :]
+        across = (self._across * u[:2, self.slipping]).sum(axis=0) + self._slip_compliance * x[self._parts[1] :]
         return self._join(-u[2, self.touching], u[:2, self.stuck], across)
 
     def correction(self, misfit: Reals) -> Reals:

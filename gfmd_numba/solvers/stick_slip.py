@@ -17,8 +17,8 @@ class StickSlip:
 
     `contact` and `slip` are `[n]`; slip is the sign of the distance slid, 0 for a node that sticks. `total` is the sum
     of the pressure that the load prescribes, None under a prescribed displacement. `drifts`: no traction restores the
-    mean tangential displacement, so that the tangential tractions add up to zero. Nodes that are `loose` `[n]` neither
-    slip nor bear a tangential traction.
+    mean tangential displacement, so that the tangential tractions add up to zero. Nodes that are `released` `[n]`
+    neither slip nor bear a tangential traction.
     """
 
     def __init__(
@@ -29,9 +29,9 @@ class StickSlip:
         total: float | None,
         drifts: bool,
         inverses: tuple[ProfileInverse, ProfileInverse],
-        loose: Flags | None = None,
+        released: Flags | None = None,
     ) -> None:
-        sticks = slip == 0 if loose is None else (slip == 0) & ~loose
+        sticks = slip == 0 if released is None else (slip == 0) & ~released
         self.touching, self.stuck = _ordered(contact), _ordered(contact & sticks)
         sliding = slip[self.touching]
         # tangential traction over pressure; sticking nodes have their own

@@ -73,7 +73,7 @@ SOLVERS = {
     ),
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
-        "same as active_set_newton, or as truncated_newton beside a law",
+        "same as active_set_newton, or as truncated_newton with a law",
         can=frozenset(
             {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
         ),

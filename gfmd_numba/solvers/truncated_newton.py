@@ -23,7 +23,7 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double precision
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_NOTHING = ExponentialLaw(0.0, 1.0)  # acts beside a hard wall alone
+_NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
 
 
 class TruncatedNewton:
@@ -53,7 +53,7 @@ class TruncatedNewton:
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()
         (self._source,), self._result = self.field.sources, self.field.result
         self._u = aligned_rows(rows, n, batch.punch.dtype)
-        self._u[:, :n] = let_go(batch, law.traction)
+        self._u[:, :n] = starting_displacement(batch, law.traction)
         # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
         self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
 
@@ -146,12 +146,12 @@ class TruncatedNewton:
         self._closing[self._normal] = self._law.traction(self._gap(i))
         return self._closing
 
-    def _bend(self, i: int) -> None:
+    def _fill_curvature(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
         self._curvature[self._normal] = self._law.stiffness(self._gap(i))
 
-    def _bend_together(self, i: int) -> float:
-        """Add what the law makes of two unknowns of a node together to the result; returns twice its energy."""
+    def _add_coupling(self, i: int) -> float:
+        """Add how the law couples the unknowns of a node to the result; return twice the energy of the coupling."""
         return 0.0
 
     def _change(self, i: int) -> float:
@@ -161,8 +161,8 @@ class TruncatedNewton:
     def _split(self, i: int) -> None:
         """Prepare the preconditioner for the curvature of a row."""
 
-    def _keep_sides(self, i: int) -> None:
-        """Keep the trial of a row to where the energy is smooth."""
+    def _project(self, i: int) -> None:
+        """Project the trial of a row onto the displacements where the energy is smooth."""
 
     def _longest(self, i: int) -> float:
         """Step along the direction that is tried first."""
@@ -185,7 +185,7 @@ class TruncatedNewton:
         i, size = row[0], self._u.shape[1]
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
         d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
-        self._bend(i)
+        self._fill_curvature(i)
         kernels.descent_start(
             self._u[i], self._ceiling[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
             weight, r, d, source,
@@ -201,7 +201,7 @@ class TruncatedNewton:
         for _ in range(_INNER_ITERATIONS):
             self._stiffen(row)
             curve, elastic = kernels.descent_curvature(p, result, curvature, size)
-            curve += self._bend_together(i)
+            curve += self._add_coupling(i)
             if not curve > _FLAT * elastic:
                 d += last / max(elastic, _FLAT * last) * p
                 return True
@@ -242,7 +242,7 @@ class TruncatedNewton:
         i, size = row[0], self._u.shape[1]
         u, trial = self._u[i], self._source[i]
         kernels.descent_trial(u, self._bound[i], self._direction, step, size, trial)
-        self._keep_sides(i)
+        self._project(i)
         self._stiffen(row)
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], size, self._closing
@@ -276,7 +276,7 @@ class TruncatedNewton:
             self.restoring[i, :n] = self._restoring[i, self._normal]
 
 
-def let_go(batch: Batch, traction: Callable[[Reals], Reals]) -> Reals:
+def starting_displacement(batch: Batch, traction: Callable[[Reals], Reals]) -> Reals:
     """Normal displacement `[realisation, node]` that a batch begins with, under a traction across gaps.
 
     Where a law repels by more than any pressure, a Newton step would be lost in its exponential.

@@ -39,8 +39,8 @@ class YieldingNewton(TruncatedNewton):
         self._closing[self._normal] = self._law.traction(np.maximum(self._gap(i), 0.0))
         return self._closing
 
-    def _bend(self, i: int) -> None:
-        super()._bend(i)
+    def _fill_curvature(self, i: int) -> None:
+        super()._fill_curvature(i)
         self._curvature[self._normal][self._yields[i]] = 0.0
 
     def _change(self, i: int) -> float:
@@ -50,7 +50,7 @@ class YieldingNewton(TruncatedNewton):
         along_tangent = self._law.strength * closing[yields].sum()
         return float(self._law.energy_change(gap, approach).sum() - along_tangent)
 
-    def _keep_sides(self, i: int) -> None:
+    def _project(self, i: int) -> None:
         """Stop yielding nodes of the trial of a row at the wall."""
         trial = self._source[i, self._normal]
         np.maximum(trial, self._punch[i], out=trial, where=self._yields[i])

@@ -34,7 +34,7 @@ _CAREFUL = _PLAIN | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) 
 
 
 def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o666) -> None:
-    """Write a file under a temporary name beside it, force it to disk, then give it its name.
+    """Write a file under a temporary name in the same directory, force it to disk, then give it its name.
 
     A file that is there has to be `ours` and passes on its permissions; a new one has `mode` less the umask. Raises
     InputError for what is not ours, and OSError with the name of the file; what stood there is then unharmed.
@@ -168,7 +168,7 @@ def sync(folder: Path) -> None:
 
 
 def temporary(path: Path, token: str = "") -> Path:
-    """Name beside a path for what is not finished, always the same for a `token` of 16 hexadecimal digits.
+    """Name in the directory of a path for what is not finished, always the same for a `token` of 16 hexadecimal digits.
 
     Its last digits follow from the rest, so that no other program's file is taken for a leftover of a kill.
     """

@@ -62,7 +62,7 @@ def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
     assert cheapest_design(*priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS)), target=0.02, fixed=ALPHA).cross[0] == 0
 
 
-def test_a_limit_keeps_its_own_levels_beside_cross_ones():
+def test_a_limit_keeps_its_own_levels_next_to_cross_ones():
     design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, fixed=ALPHA)
     assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
 

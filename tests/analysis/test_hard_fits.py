@@ -118,7 +118,7 @@ def test_constant_results_have_no_corrections():
     np.testing.assert_allclose(fit["correction"], 0.0, atol=1e-12)
 
 
-def test_the_covariance_is_shrunk_towards_a_common_offset_beside_independent_residuals():
+def test_the_covariance_is_shrunk_towards_a_common_offset_with_independent_residuals():
     """With the weight of twice as many realisations as cases; no residual below a twentieth of their mean."""
     n, cases = 12, 5
     rng = np.random.default_rng(3)

@@ -87,7 +87,7 @@ def test_one_panel_per_limit_and_points_are_the_means(campaign, tmp_path):
     thermodynamic = drawn_points(figure.axes[2])
     expected = campaign["kappa"].mean("realisation").values[np.isin(campaign["limit"], ["eps_t", "reference"])]
     np.testing.assert_allclose(np.sort(thermodynamic[:, 1]), np.sort(expected), rtol=1e-12)
-    # points stand beside their tick, never so far that the level is in doubt
+    # points stand next to their tick, never so far that the level is in doubt
     assert abs(np.log2(thermodynamic[:, 0]) % 1 - 0.5).min() > 0.3
     figure.savefig(tmp_path / "campaign.png")
     assert (tmp_path / "campaign.png").stat().st_size > 10_000

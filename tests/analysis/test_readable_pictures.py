@@ -46,7 +46,7 @@ def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressu
     assert faults(figure) == []
 
 
-def test_tractions_prescribed_beside_a_punch_are_drawn_with_its_pressure():
+def test_tractions_prescribed_under_a_punch_are_drawn_with_its_pressure():
     boundary = {"normal_traction": -2e6, "tangential_traction": 3e6}
     scene = SCENE | {"boundary": boundary, "loading": {"displacement": 5e-8}}
     figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))

@@ -85,7 +85,7 @@ def test_distributions_hold_every_node_and_cluster_of_a_map(rough):
     np.testing.assert_allclose(found["mean_gap"], rough["mean_gap"] / rough["height"].std(["y", "x"]))
 
 
-def test_perssons_area_and_pressures_stand_beside_a_map(rough):
+def test_perssons_area_and_pressures_stand_next_to_a_map(rough):
     """On a half-space s = g E*/2 for any spectrum; in full contact the pressures are Gaussian as the heights are."""
     found = gfmd_numba.contact_statistics(rough)
     expected = erf(np.sqrt(2.0) * rough["reduced_pressure"].values)

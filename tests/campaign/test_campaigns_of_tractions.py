@@ -53,7 +53,7 @@ def test_a_realisation_has_the_numbers_of_solve(wave, tmp_path, scene, more):
     assert_as_solved(found, 0, 1, scene | {"boundary": wave}, more | {"discretisation": REFERENCE})
 
 
-def test_a_file_is_found_beside_the_campaign_and_by_whoever_resumes_it(wave, tmp_path):
+def test_a_file_is_found_next_to_the_campaign_and_by_whoever_resumes_it(wave, tmp_path):
     campaign = of({"normal_traction": "wave.npy"}, grid={"hurst": [0.3, 0.8]})
     (tmp_path / "tractions.yaml").write_text(yaml.safe_dump(campaign))
     for command in ("check", "plan"):
@@ -102,7 +102,7 @@ def test_a_number_acts_on_every_grid(tmp_path):
         (
             {"normal_displacement": 0.0},
             {},
-            "boundary.normal_displacement: you gave 0.*; gfmd allows only tractions beside",
+            "boundary.normal_displacement: you gave 0.*; gfmd allows only tractions with",
         ),
     ],
 )
@@ -111,16 +111,16 @@ def test_what_cannot_be_prescribed_in_every_case_is_refused(wave, boundary, chan
         plan(of(boundary or wave, **changes))
 
 
-def test_what_accuracy_costs_is_not_studied_beside_tractions_known_at_nodes_alone(wave):
+def test_what_accuracy_costs_is_not_studied_with_tractions_known_at_nodes_alone(wave):
     with pytest.raises(InputError, match=r"boundary.normal_traction: .*numbers for `gfmd accuracy`, as a file gives"):
         next(studies(plan(of(wave))))
 
 
-def test_errors_beside_a_uniform_pull_along_a_slab_are_those_without_it():
+def test_errors_under_a_uniform_pull_along_a_slab_are_those_without_it():
     """Without friction it moves the whole surface sideways."""
-    beside, alone = (
+    pulled, alone = (
         [point.error for point in study_of(plan(campaign), 2).discretisation("eps_f")]
         for campaign in (of({"tangential_traction": 0.01}), of({}) | {"scene": SCENE})
     )
-    assert len(beside) == 5
-    assert beside == pytest.approx(alone, abs=1e-6)
+    assert len(pulled) == 5
+    assert pulled == pytest.approx(alone, abs=1e-6)

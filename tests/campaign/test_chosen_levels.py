@@ -98,7 +98,7 @@ def test_finer_levels_keep_the_old_ones(limit, dimension):
     assert len(set(new)) == len(new)
     assert min(level[axis] for level in new) < min(level[axis] for level in old)
     assert (new[0] == old[0]) == (limit != "eps_f")
-    if limit == "eps_f":  # its correction is told by a new reference, beside which the old one is a level
+    if limit == "eps_f":  # its correction is told by a new reference, for which the old one is a level
         assert new[0][1] < min(level[1] for level in old)
         assert limit_of(new[0], old[0]) == "eps_f"
     number = dict(zip(new, first_realisations(new, dimension), strict=True))

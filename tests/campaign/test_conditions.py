@@ -92,7 +92,7 @@ def test_what_is_not_there_is_told_with_what_is(planned, name, given, said):
     assert said in str(refused.value)
 
 
-def test_a_unit_beside_a_scene_without_units_is_refused():
+def test_a_unit_for_a_scene_without_units_is_refused():
     roughness = {"method": "psd", "hurst": 0.8, "rms_height": 1e-3}
     scene = {**CAMPAIGN["scene"], "body": {"poissons_ratio": 0.3}, "roughness": roughness}
     del scene["length"]

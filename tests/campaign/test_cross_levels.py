@@ -153,7 +153,7 @@ FAULTS = {
         f"bad.yaml:10:100: limits.cross[1].eps_t: you gave 0.3; gfmd allows {WHOLE}eps_c = 0.5 and eps_f = 0.015625; "
         "did",
     ),
-    "waves that are not whole beside a reference of whole ones": (
+    "waves that are not whole, with a reference of whole ones": (
         "cross: [{eps_c: 1/4, eps_f: 2/5, eps_t: 1/3}]",
         f"bad.yaml:10:77: limits.cross[0].eps_f: you gave 0.4; gfmd allows {WHOLE}eps_c = 0.25 and eps_t = 0.333333; "
         "did",

@@ -1,4 +1,4 @@
-"""What a run notes beside its shards, damaged or forged, and looking at a directory that cannot be written."""
+"""What a run notes next to its shards, damaged or forged, and looking at a directory that cannot be written."""
 
 import subprocess
 

@@ -91,7 +91,7 @@ def test_a_budget_that_the_pilot_exceeds_is_refused(tmp_path):
 
 @pytest.mark.long
 def test_exponents_that_nobody_knows_end_a_run(tmp_path):
-    """Two levels beside the reference do not tell an exponent and an error of it, however many surfaces they have."""
+    """Two levels and the reference do not tell an exponent and an error of it, however many surfaces they have."""
     wide = ONE | {"reference: {": "fit: {fixed: {eps_c: [0.2, 4], eps_f: [0.1, 4]}}\nlevels: only\nreference: {"}
     outcome = run_until(campaign(tmp_path, **wide), GOAL.model_copy(update={"target": 1e-4}), tmp_path / "out", HERE)
     assert not outcome.reached

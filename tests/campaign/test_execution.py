@@ -161,7 +161,7 @@ def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
 
 @pytest.mark.parametrize(
     ("address", "allowed"),
-    [("tcp://192.0.2.1:8786", "or --insecure beside it"), ("nowhere://127.0.0.1:1", "the address of a running dask")],
+    [("tcp://192.0.2.1:8786", "or --insecure with it"), ("nowhere://127.0.0.1:1", "the address of a running dask")],
 )
 def test_a_scheduler_that_cannot_be_used_is_refused(tmp_path, address, allowed):
     with (

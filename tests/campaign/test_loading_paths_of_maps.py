@@ -1,4 +1,4 @@
-"""A campaign of maps that are dragged along both axes: its forces and losses beside the fields of the same contacts."""
+"""A campaign of maps dragged along both axes: its forces and losses against the fields of the same contacts."""
 
 import numpy as np
 import pytest

@@ -36,7 +36,7 @@ def test_the_folder_of_the_campaign_file_is_not_taken_for_an_output_directory(tm
     assert contents(tmp_path) == before
 
 
-def test_the_default_output_beside_the_file_is_not_taken_from_its_owner(tmp_path, monkeypatch):
+def test_the_default_output_next_to_the_file_is_not_taken_from_its_owner(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     campaign(tmp_path)
     (tmp_path / "small").mkdir()

@@ -1,4 +1,4 @@
-"""What a run takes beside its contacts is part of what is predicted."""
+"""What a run takes in addition to its contacts is part of what is predicted."""
 
 import re
 from types import SimpleNamespace

@@ -26,7 +26,7 @@ def test_what_takes_one_load_refuses_a_path(dragged):
     [
         ({"path": []}, "path: you gave []; gfmd allows at least one loading, or no path"),
         ({"fit": {"step": 7}}, "fit.step: you gave 7; gfmd allows a step from 0, the first loading, to 6"),
-        ({"fit": {"variable": "hysteresis", "step": 1}}, "fit.step: you gave 1; gfmd allows nothing beside hysteresis"),
+        ({"fit": {"variable": "hysteresis", "step": 1}}, "fit.step: you gave 1; gfmd allows nothing with hysteresis"),
         (
             {"fit": {"variable": "pull_off_pressure"}},
             "gfmd allows what this path has; a punch is pulled off",
@@ -46,7 +46,7 @@ def test_what_does_not_go_with_a_path_is_refused_where_it_stands(changed, said):
     assert said in str(refused.value)
 
 
-def test_a_load_of_the_path_is_judged_beside_the_moduli():
+def test_a_load_of_the_path_is_judged_by_the_moduli():
     scene = DRAGGED["scene"] | {"loading": {"pressure": 1e6}}
     scene["body"] = scene["body"] | {"youngs_modulus": 1e9}
     with pytest.raises(InputError, match=r"path\[0\]\.pressure: you gave 1e-29; gfmd allows a reduced pressure from"):

@@ -1,4 +1,4 @@
-"""The seconds that commands print are those that the contacts of the campaign took, by a clock beside its own."""
+"""The seconds that commands print are those that the contacts of the campaign took, by a clock of the test's own."""
 
 import re
 import time

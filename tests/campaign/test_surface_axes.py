@@ -95,7 +95,7 @@ def test_an_rms_height_alone_changes_no_dimensionless_problem():
     assert len(planned.problems) == 1
 
 
-def test_lengths_are_in_metres_beside_a_period_in_metres(tmp_path):
+def test_lengths_are_in_metres_where_the_period_is(tmp_path):
     file = campaign(MODEL | {"correlation_length": 1e-5, "rms_height": 1e-7}, length=1e-4)
     results = gfmd_numba.run(file | {"grid": {"correlation_length": [5e-6, 1e-5]}}, tmp_path / "out", workers=0)
     assert results["correlation_length"].units == results["rms_height"].units == "m"
@@ -169,7 +169,7 @@ def test_values_of_a_grid_keep_the_rules_of_their_surface_together(roughness, gr
     assert said in str(refused.value)
 
 
-def test_values_are_checked_beside_the_grids_others_and_not_beside_what_they_replace():
+def test_values_are_checked_with_the_grids_others_and_not_with_what_they_replace():
     planned = plan(campaign(POWER_LAW, {"cut_on": [0.07, 0.08], "roll_off": [0.1]}))
     assert [case.problem.surface.generator.band for case in planned.cases] == [(10.0, 14), (10.0, 12)]
 

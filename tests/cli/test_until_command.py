@@ -47,7 +47,7 @@ def test_it_says_round_by_round_what_was_reached(reached):
     assert "plan this campaign again" not in said  # which is what helps where a plan missed its target
 
 
-def test_its_progress_shows_the_error_beside_the_target_and_the_time(reached):
+def test_its_progress_shows_the_error_the_target_and_the_time(reached):
     said = unfolded(reached[1].stderr)
     assert "added cross levels [{eps_c: 1/2, eps_f: 1/8}], to see whether corrections add up" in said
     pilot = re.search(r"round 0, the pilot: (\d+) simulations", said)

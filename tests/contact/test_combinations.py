@@ -86,7 +86,7 @@ def test_what_is_not_refused_has_a_solver():
     others = product(("dimension 1", "dimension 2"), laws, ([], ["rigid mean"]), ([], ["single"]))
     for dimension, interface, mean, precision in others:
         found = {dimension, *interface, *mean, *precision}
-        refused = any({row.beside, row.refused} <= found for row in REFUSALS)
+        refused = any({row.present, row.refused} <= found for row in REFUSALS)
         needs = {dimension, *mean, *precision, *(LAWS[law].ability for law in interface)}
         assert refused or able(needs), needs
 

@@ -1,4 +1,4 @@
-"""Layers whose moduli are ratios, 1 for the topmost, give stresses in its E* beside heights without units."""
+"""Layers whose moduli are ratios, 1 for the topmost, give stresses in its E* for heights without units."""
 
 import numpy as np
 import pytest

@@ -77,10 +77,10 @@ def test_a_path_changes_the_load_that_the_loading_prescribes():
 
 NOTHING = "a youngs_modulus of every elastic body"
 FAULTS = {
-    "no moduli": (("youngs_modulus: 70 GPa, ", ""), f"you gave '1 kN/m'; gfmd allows line_load beside {NOTHING}, or a"),
+    "no moduli": (("youngs_modulus: 70 GPa, ", ""), f"you gave '1 kN/m'; gfmd allows line_load with {NOTHING}, or a"),
     "no length": (
         ("  length: 1 mm\n", ""),
-        "you gave '1 kN/m'; gfmd allows line_load beside the length of the period, or a",
+        "you gave '1 kN/m'; gfmd allows line_load with the length of the period, or a",
     ),
     "on a map": (("  length", "  dimension: 2\n  length"), "you gave '1 kN/m'; gfmd allows a force with dimension 2"),
     "another dimension": (

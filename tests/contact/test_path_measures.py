@@ -1,4 +1,4 @@
-"""The balance of energy along a path, beside what slipping nodes take and beside the energy of a branch."""
+"""The balance of energy along a path, compared with what slipping nodes take and with the energy of a branch."""
 
 import numpy as np
 import pytest

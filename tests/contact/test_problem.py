@@ -50,7 +50,7 @@ def test_a_slab_is_dropped_below_the_tolerance_only(nu, aspect_ratio, effects):
     assert any(e.state == "dropped" and e.name.startswith("slab") for e in found) == dropped
 
 
-def test_beside_adhesion_nothing_that_matters_is_dropped():
+def test_with_adhesion_nothing_that_matters_is_dropped():
     """A jump into contact may hang on any small difference."""
     law = {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-6, "range": 0.1}}
     assert reduced(0.33, 1.5, 1e-3)[0].body.aspect_ratio is None

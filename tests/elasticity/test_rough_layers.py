@@ -1,4 +1,4 @@
-"""A rough layered body, whose interfaces are flat: contact and fields inside beside finite elements."""
+"""A rough layered body, whose interfaces are flat: contact and fields inside compared with finite elements."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The law of gap and slip: consistent derivatives, balance of forces, shearing off, and friction beside adhesion."""
+"""The law of gap and slip: consistent derivatives, balance of forces, shearing off, and friction with adhesion."""
 
 import numpy as np
 import pytest

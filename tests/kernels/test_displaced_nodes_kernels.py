@@ -1,4 +1,4 @@
-"""Kernels of splines at displaced nodes beside scipy's splines, and beside each other."""
+"""Kernels of splines at displaced nodes compared with scipy's splines, and with each other."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Every example of the gallery runs as it stands and draws the picture that is shipped beside it."""
+"""Every example of the gallery runs as it stands and draws the picture that is shipped next to it."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The notebooks beside the campaigns need one file each; the committed ones are executed, small and name no machine."""
+"""The notebooks next to the campaigns need one file each; committed ones are executed, small and name no machine."""
 
 import re
 import sys

@@ -169,5 +169,5 @@ def test_a_law_a_solver_and_an_observable_go_from_yaml_to_netcdf_fit_and_plot(gf
     gfmd("plot", "recipes", "-o", "fit.png")
     assert (tmp_path / "fit.png").stat().st_size > 1000
     printed = gfmd("schema", "combinations")
-    assert "Quadratic law beside exponential law" in printed
+    assert "Quadratic law with exponential law" in printed
     assert "`heavy_ball`" in printed

@@ -77,9 +77,9 @@ def test_axes_with_few_digits_are_still_no_heights(tmp_path):
     [
         (
             np.s_[:, 1:],
-            "a first row (line 2) of evenly spaced numbers, unlike the rows beside it: if they are positions",
+            "a first row (line 2) of evenly spaced numbers, unlike the rows next to it: if they are positions",
         ),
-        (np.s_[1:], "a first column (from line 2 on) of evenly spaced numbers, unlike the columns beside it"),
+        (np.s_[1:], "a first column (from line 2 on) of evenly spaced numbers, unlike the columns next to it"),
     ],
 )
 def test_one_axis_alone_is_refused(tmp_path, cut, said):

@@ -77,7 +77,7 @@ def test_uneven_positions_are_interpolated_if_points_are_asked_for(tmp_path):
         read(tmp_path / "p.nc", None, points=N)
 
 
-def test_positions_beside_a_bare_dimension_are_checked(tmp_path):
+def test_positions_along_a_bare_dimension_are_checked(tmp_path):
     dataset = xr.Dataset({"height": ("i", HEIGHTS), "x": ("i", X**2)})
     dataset.to_netcdf(tmp_path / "profile.nc")
     with pytest.raises(ValueError, match="not equidistant"):

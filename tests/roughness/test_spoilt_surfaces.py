@@ -56,7 +56,7 @@ def test_micrometres_taken_for_metres_are_told(tmp_path):
     found = read(one_column(tmp_path, 1e6 * Z), LENGTH, units={"z": "m"})
     assert "an rms gradient of 2" in told(found)
     assert "periods: check the units of the file" in told(found)
-    with pytest.raises(ValueError, match=r"heights without a unit beside a length in m"):
+    with pytest.raises(ValueError, match=r"heights without a unit, but a length in m"):
         read(tmp_path / "p.csv", LENGTH)
     assert "check the units" in told(read(tmp_path / "p.csv"))  # or for L_x
 

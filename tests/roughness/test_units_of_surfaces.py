@@ -29,10 +29,10 @@ def test_heights_without_a_length_are_in_units_of_the_field(tmp_path, name, peri
     assert float(found["x"][1]) == pytest.approx(1 / (64 if periodic == "mirror" else 32))
 
 
-def test_heights_beside_a_length_need_a_unit(tmp_path):
+def test_heights_with_a_length_need_a_unit(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS)
     surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "periodic": "mirror"}
-    with pytest.raises(InputError, match=r"heights without a unit beside a length in m: write units: \{z: um\}"):
+    with pytest.raises(InputError, match=r"heights without a unit, but a length in m: write units: \{z: um\}"):
         make_surface({"surface": surface, "length": 1e-3})
     with pytest.warns(UserWarning, match="below 0.0002, is smoother than polished glass"):
         found = make_surface({"surface": surface | {"units": {"z": "mm"}}, "length": 1.0})
@@ -126,7 +126,7 @@ def test_moduli_in_pascal_do_not_go_with_heights_without_a_unit(tmp_path):
     soft, stiff = {"poissons_ratio": 0.3}, {"poissons_ratio": 0.3, "youngs_modulus": 1e9}
     assert int(solve({**wall, "body": soft, "roughness": rough})["status"]) == 0
     for scene in ({"body": stiff, "roughness": rough}, {"body": stiff | {"roughness": rough}}):
-        with pytest.raises(InputError, match=r"heights without a unit beside moduli in Pa: write units: \{z: um\}"):
+        with pytest.raises(InputError, match=r"heights without a unit, but moduli in Pa: write units: \{z: um\}"):
             solve({**wall, **scene})
     in_periods = solve({**wall, "body": stiff, "roughness": rough | {"units": {"z": "L_x"}}})
     np.testing.assert_allclose(in_periods["height"], HEIGHTS, rtol=1e-12)

@@ -13,7 +13,7 @@ scene:
     normal_traction: pull.csv
     tangential_displacement: held.npy
 """
-BESIDE = SCENE.replace("numerics:", "  boundary:\n    normal_traction: wave.csv\nnumerics:").replace("1/64", "1/2")
+PRESSED = SCENE.replace("numerics:", "  boundary:\n    normal_traction: wave.csv\nnumerics:").replace("1/64", "1/2")
 VALUES = (
     "a number up to 1e30 in size or a pressure in Pa, kPa, MPa, GPa or the like, for every node, "
     "or the name of a .npy or .csv file with one value for each node"
@@ -100,7 +100,7 @@ LOADS = {
         "bad.yaml:1:1: scene.interface: you gave nothing; gfmd needs ",
     ),
 }
-BESIDES = {
+FAULTS_UNDER_A_PUNCH = {
     "mean pressure and mean traction": (
         ("wave.csv", "0.01"),
         "bad.yaml:11:22: scene.boundary.normal_traction: you gave a mean of 0.01; gfmd allows a mean of 0, as "
@@ -118,9 +118,9 @@ BESIDES = {
         "each of "
         "the 16 nodes",
     ),
-    "displacements beside a punch": (
+    "displacements under a punch": (
         ("wave.csv", "wave.csv\n    tangential_displacement: 0"),
-        "bad.yaml:12:30: scene.boundary.tangential_displacement: you gave 0; gfmd allows only tractions beside a "
+        "bad.yaml:12:30: scene.boundary.tangential_displacement: you gave 0; gfmd allows only tractions with a "
         "punch, as "
         "the punch prescribes displacements (to make it stick: friction with coefficient .inf); ",
     ),
@@ -152,13 +152,13 @@ def test_a_bad_load_on_a_body_is_refused_where_it_stands(folder, name):
     assert complaint(folder, gfmd_numba.solve, changed(LOADED, *change)).startswith(expected)
 
 
-@pytest.mark.parametrize("name", BESIDES)
-def test_a_bad_boundary_beside_a_punch_is_refused_where_it_stands(folder, name):
-    change, expected = BESIDES[name]
-    assert complaint(folder, gfmd_numba.solve, changed(BESIDE, *change)).startswith(expected)
+@pytest.mark.parametrize("name", FAULTS_UNDER_A_PUNCH)
+def test_a_bad_boundary_under_a_punch_is_refused_where_it_stands(folder, name):
+    change, expected = FAULTS_UNDER_A_PUNCH[name]
+    assert complaint(folder, gfmd_numba.solve, changed(PRESSED, *change)).startswith(expected)
 
 
-@pytest.mark.parametrize("text", [LOADED, BESIDE])
+@pytest.mark.parametrize("text", [LOADED, PRESSED])
 def test_what_the_bad_ones_were_made_from_is_good(folder, text):
     path = folder / "good.yaml"
     path.write_text(text)

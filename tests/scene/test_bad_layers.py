@@ -42,9 +42,9 @@ BASE = "'rigid', or a mapping of 'youngs_modulus', 'poissons_ratio' for a half-s
         ),
         ({"layers": [TOP, SOFT | {"youngs_modulus": 1e11}]}, "scene.body.layers[1].youngs_modulus: you gave "),
         ({"layers": [TOP | {"hight": 1.0}]}, "scene.body.layers[0].hight: you gave an unknown key; gfmd allows "),
-        ({"youngs_modulus": 1.0}, "scene.body.youngs_modulus: you gave 1.0; gfmd allows nothing beside layers"),
-        ({"poissons_ratio": 0.3}, "scene.body.poissons_ratio: you gave 0.3; gfmd allows nothing beside layers"),
-        ({"aspect_ratio": 0.3}, "scene.body.aspect_ratio: you gave 0.3; gfmd allows nothing beside layers"),
+        ({"youngs_modulus": 1.0}, "scene.body.youngs_modulus: you gave 1.0; gfmd allows nothing with layers"),
+        ({"poissons_ratio": 0.3}, "scene.body.poissons_ratio: you gave 0.3; gfmd allows nothing with layers"),
+        ({"aspect_ratio": 0.3}, "scene.body.aspect_ratio: you gave 0.3; gfmd allows nothing with layers"),
         ({"layers": None}, "scene.body.poissons_ratio: you gave nothing; gfmd needs a number above -1"),
         (
             {"layers": None, "poissons_ratio": 0.3},

@@ -85,9 +85,9 @@ BAD = {
         "scene.roughness: you gave nothing; gfmd needs a mapping with a method like 'psd' or 'measured', here for "
         "the punch",
     ),
-    "punch beside a counter body": (
+    "punch with a counter body": (
         {"counter_body": COUNTER, "roughness": ROUGH},
-        "scene.roughness: you gave {.*}; gfmd allows nothing beside a counter_body",
+        "scene.roughness: you gave {.*}; gfmd allows nothing with a counter_body",
     ),
     "counter body without a modulus": (
         {"counter_body": {"poissons_ratio": 0.3, "roughness": ROUGH}},

@@ -215,7 +215,7 @@ def test_a_loaded_body_has_fields_too(tmp_path):
 
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.02}, {"displacement": 2e-4}])
 @pytest.mark.parametrize("interface", [{"hard_wall": {}}, {"hard_wall": {}, "friction": {"coefficient": 0.3}}])
-def test_tractions_beside_a_punch_are_in_the_fields(tmp_path, loading, interface):
+def test_tractions_under_a_punch_are_in_the_fields(tmp_path, loading, interface):
     x = np.arange(256) / 256
     np.savetxt(tmp_path / "wave.csv", 1e-3 * np.cos(2 * np.pi * x))
     boundary = {"tangential_traction": 1e-4, "normal_traction": str(tmp_path / "wave.csv")}
@@ -235,7 +235,7 @@ def test_tractions_beside_a_punch_are_in_the_fields(tmp_path, loading, interface
     plot_body(fields)
 
 
-def test_tractions_beside_a_punch_that_were_removed_leave_no_fields():
+def test_tractions_under_a_punch_that_were_removed_leave_no_fields():
     contact = gfmd_numba.solve(scene(boundary={"tangential_traction": 1e-4}))
     with pytest.raises(InputError, match="you gave a contact that was altered"):
         gfmd_numba.body_fields(contact.drop_vars("prescribed_normal_traction"))

@@ -107,7 +107,7 @@ def test_a_loaded_ridge_has_the_fields_of_its_profile(tmp_path, along):
 
 @pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}], ids=["frictionless", "friction"])
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}], ids=["load", "displacement"])
-def test_tractions_beside_a_punch_add_to_its_own(tmp_path, friction, loading):
+def test_tractions_under_a_punch_add_to_its_own(tmp_path, friction, loading):
     contact = pressed(tmp_path, friction, **loading)
     fields = gfmd_numba.body_fields(contact, [0.0, -0.2, -0.5], y=0.25)
     tractions = [contact[f"prescribed_{name}"] for name in ("tangential_traction", "tangential_traction_y")]
@@ -138,12 +138,12 @@ def test_below_a_cohesive_map_every_step_has_its_tractions_and_displacements(tmp
 
 @pytest.mark.parametrize("name", GIVEN)
 def test_a_traction_that_was_dropped_is_missed(tmp_path, name):
-    beside = pressed(tmp_path, {})
-    for contact, dropped in ((loaded(tmp_path), name), (beside, f"prescribed_{name}")):
+    other = pressed(tmp_path, {})
+    for contact, dropped in ((loaded(tmp_path), name), (other, f"prescribed_{name}")):
         with pytest.raises(InputError, match=r"contact: you gave (a contact that was altered|no results)"):
             gfmd_numba.body_fields(contact.drop_vars(dropped))
     with pytest.raises(InputError, match=r"body: you gave 'counter_body'; gfmd allows 'body'"):
-        gfmd_numba.body_fields(beside, body="counter_body")
+        gfmd_numba.body_fields(other, body="counter_body")
 
 
 @pytest.mark.long

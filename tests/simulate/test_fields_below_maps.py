@@ -164,9 +164,9 @@ def test_a_run_that_failed_has_no_fields():
         ({"x": 1.5}, "x: you gave 1.5; gfmd allows a number from 0 to 1, in L_x"),
         ({"y": "middle"}, "y: you gave 'middle'; gfmd allows a number from 0 to 1"),
         ({"y": float("nan")}, "y: you gave nan; gfmd allows a number"),
-        ({"x": 0.1, "y": 0.1}, "y: you gave 0.1 beside x; gfmd allows one section"),
-        ({"x": 0.1, "planes": [-0.1]}, "x: you gave 0.1 beside planes; gfmd allows one section"),
-        ({"z": [-0.1], "planes": [-0.1]}, "planes: you gave .* beside z; gfmd allows either"),
+        ({"x": 0.1, "y": 0.1}, "y: you gave 0.1 in addition to x; gfmd allows one section"),
+        ({"x": 0.1, "planes": [-0.1]}, "x: you gave 0.1 in addition to planes; gfmd allows one section"),
+        ({"z": [-0.1], "planes": [-0.1]}, "planes: you gave .* in addition to z; gfmd allows either"),
         ({"planes": [-0.6]}, "planes: you gave -0.6; gfmd allows one row of heights"),
         ({"planes": []}, "planes: you gave an array of shape"),
         (

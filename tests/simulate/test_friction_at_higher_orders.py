@@ -86,7 +86,7 @@ def test_each_order_is_off_by_what_the_next_one_adds():
 
 
 def test_friction_too_weak_to_matter_leaves_the_frictionless_contact():
-    """A coefficient of 1e-9 beside the solution of each order without friction."""
+    """A coefficient of 1e-9 against the solution of each order without friction."""
     for order in (0, 2):
         rubbed = solved(order, ROUGH, {"displacement": 2e-4}, [{"sliding": 1e-3}], 1e-9).isel(step=1)
         scene = {

@@ -45,7 +45,7 @@ def test_auto_takes_newtons_method_for_any_coefficient_and_any_law_of_the_gap(fr
     assert int(found["n_iterations"]) <= 100  # and no other after it
 
 
-def test_an_infinite_coefficient_in_a_grid_is_allowed_beside_newtons_method():
+def test_an_infinite_coefficient_in_a_grid_is_allowed_with_newtons_method():
     campaign = {
         "name": "mu",
         "seed": 1,

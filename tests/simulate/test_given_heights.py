@@ -44,7 +44,7 @@ def test_an_xarray_array_brings_its_positions_and_units(pressed):
     assert float(found["x"][1]) == pytest.approx(1e-4 / pressed.sizes["x"])
 
 
-def test_heights_stand_beside_a_file_and_a_record(pressed, tmp_path):
+def test_heights_go_with_a_file_and_a_record(pressed, tmp_path):
     heights = pressed["height"].values
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(SCENE))
     record = load_scene(SCENE | {"roughness": {"method": "measured", "heights": heights}})[0]
@@ -99,8 +99,8 @@ def test_heights_that_are_no_surface_are_refused(heights, said):
         gfmd_numba.solve(SCENE, heights)
 
 
-def test_heights_beside_another_roughness_are_refused():
-    with pytest.raises(InputError, match=r"roughness: you gave .*; gfmd allows nothing beside heights"):
+def test_heights_with_another_roughness_are_refused():
+    with pytest.raises(InputError, match=r"roughness: you gave .*; gfmd allows nothing with heights"):
         gfmd_numba.solve(SCENE | {"roughness": PSD}, np.zeros(8))
     with pytest.raises(InputError, match=r"roughness.file: you gave nothing; gfmd needs a file or heights"):
         gfmd_numba.solve(SCENE | {"roughness": {"method": "measured"}})
@@ -150,7 +150,7 @@ def test_nothing_is_drawn_where_no_surface_is_random(tmp_path, knob):
     assert int(gfmd_numba.solve(again)["status"]) == 0
 
 
-def test_a_random_body_beside_a_measured_punch_is_drawn(tmp_path):
+def test_a_random_body_under_a_measured_punch_is_drawn(tmp_path):
     np.save(tmp_path / "p.npy", 1e-3 * np.cos(2 * np.pi * np.arange(32) / 32))
     random = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01, "points": 32, "cut_on": 0.1, "roll_off": 0.5}
     scene = {

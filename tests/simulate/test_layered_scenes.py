@@ -244,7 +244,7 @@ def test_a_campaign_with_layers_runs(tmp_path):
     same = (results["hurst"] == 0.8) & (results["eps_c"] == 0.25)
     assert float(one["kappa"]) == pytest.approx(float(results["kappa"].values[same.values][0, 0]), rel=1e-6)
     for axis in ("poissons_ratio", "aspect_ratio"):
-        with pytest.raises(InputError, match=rf"grid\.{axis}\[0\]: you gave 0\.3; gfmd allows nothing beside layers"):
+        with pytest.raises(InputError, match=rf"grid\.{axis}\[0\]: you gave 0\.3; gfmd allows nothing with layers"):
             load_campaign(campaign | {"grid": {axis: [0.3]}})
 
 

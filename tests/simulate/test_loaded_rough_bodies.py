@@ -1,4 +1,4 @@
-"""Rough bodies that are loaded without a punch: displacements beside finite elements and fields on the true surface."""
+"""Rough bodies loaded without a punch: displacements against finite elements, and fields on the true surface."""
 
 import numpy as np
 import pytest

@@ -73,7 +73,7 @@ def test_loads_of_no_kind_are_refused(heights, loads, said):
 @pytest.mark.parametrize(
     ("load", "hint"), [("50 MPA", r"did you mean 'MPa'\?"), ("1.0D6 Pa", "exponents have an e: 1.0e6")]
 )
-def test_a_unit_is_guessed_beside_a_reduced_pressure_too(load, hint):
+def test_a_unit_is_guessed_with_a_reduced_pressure_too(load, hint):
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
     with pytest.raises(InputError, match=rf"loads\[0\]: you gave '{load}'; gfmd allows .*; {hint}"):
         gfmd_numba.load_curve(scene, [load], heights=1e-3 * np.sin(np.arange(16) * np.pi / 8))
@@ -81,7 +81,7 @@ def test_a_unit_is_guessed_beside_a_reduced_pressure_too(load, hint):
 
 def test_loads_in_pascal_need_moduli():
     scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
-    with pytest.raises(InputError, match="gfmd allows pressure beside a youngs_modulus of every elastic body"):
+    with pytest.raises(InputError, match="gfmd allows pressure with a youngs_modulus of every elastic body"):
         gfmd_numba.load_curve(scene, ["50 MPa"], heights=1e-3 * np.sin(np.arange(16) * np.pi / 8))
 
 

@@ -115,8 +115,7 @@ FAULTS = {
     "line load": (
         {"loading": {"line_load": 50.0}},
         {},
-        "loading.line_load: you gave 50.0; gfmd allows line_load beside the length of the period, or a "
-        "reduced_pressure",
+        "loading.line_load: you gave 50.0; gfmd allows line_load with the length of the period, or a reduced_pressure",
     ),
     "cutoff": (
         {"loading": {"reduced_pressure": 0.1}},

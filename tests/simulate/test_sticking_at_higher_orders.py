@@ -1,4 +1,4 @@
-"""Friction that needs more than one Newton's method at orders above 0: sticking, beside a law of the gap, by dynamics.
+"""Friction that needs more than one Newton's method at orders above 0: sticking, with a law of the gap, by dynamics.
 
 Finite elements whose nodes stick, very large coefficients, laws without strength, and one solver against the other.
 """
@@ -101,7 +101,7 @@ def test_sticking_is_friction_of_a_very_large_coefficient(order, dimension):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_a_law_beside_friction_too_weak_to_matter_is_that_of_the_frictionless_contact(law):
+def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact(law):
     loads = {"loading": {"displacement": 4e-4}, "law": LAWS[law]}
     rubbed, smooth, bare = (
         solved(1, 2, 1e-9, **loads),
@@ -136,13 +136,13 @@ def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes
     assert dynamics.status[0] == 0
     together, _ = given_surface(problem.surface.drawn(0)[0], problem.surface.rms_gradient)
     newton = replace(problem.numerics, solver="frictional_newton", time_step=None, damping=None)
-    carried = found.added.shifted[np.newaxis]
+    carried = found.correction.shifted[np.newaxis]
     same = solution.solve(
         replace(problem, surface=together, numerics=newton),
         range(1),
         None,
         sliding,
-        found.added.raised[np.newaxis],
+        found.correction.raised[np.newaxis],
         0.0 * carried,
         again=dynamics,
     ).equilibrium

@@ -1,4 +1,4 @@
-"""Prescribed tractions of scene files on maps, alone and beside a rough punch: fields, units, pictures, refusals."""
+"""Prescribed tractions of scene files on maps, alone and under a rough punch: fields, units, pictures, refusals."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_a_loaded_map_is_drawn(tmp_path):
     figure.draw_without_rendering()
 
 
-def beside(folder, interface, loading, aspect_ratio=0.5, path=(), **boundary):
+def under_a_punch(folder, interface, loading, aspect_ratio=0.5, path=(), **boundary):
     scene = {
         "dimension": 2,
         "body": {"poissons_ratio": 0.3, "aspect_ratio": aspect_ratio},
@@ -79,11 +79,11 @@ def beside(folder, interface, loading, aspect_ratio=0.5, path=(), **boundary):
 
 @pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}], ids=["frictionless", "friction"])
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}], ids=["load", "displacement"])
-def test_tractions_beside_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
+def test_tractions_under_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
     """Where the body is, what is prescribed and what the punch bears balance, and nothing penetrates."""
     given = {"normal_traction": WAVE, "tangential_traction": SHEAR[0], "tangential_traction_y": SHEAR[1]}
-    result = gfmd_numba.solve(beside(tmp_path, friction, loading, **given))
-    bare = gfmd_numba.solve(beside(tmp_path, friction, loading))
+    result = gfmd_numba.solve(under_a_punch(tmp_path, friction, loading, **given))
+    bare = gfmd_numba.solve(under_a_punch(tmp_path, friction, loading))
     assert int(result["status"]) == int(bare["status"]) == 0
     pressure, u3, total = result["pressure"].values, result["displacement"].values, SHEAR.copy()
     if friction:
@@ -110,9 +110,9 @@ def test_a_traction_that_drags_the_body_is_a_path_of_the_punch_the_other_way(tmp
     """A uniform traction shears the slab by t z_m / C44; dragged after it, the punch bears what it bore without."""
     shift = 1e-4
     friction, load = {"friction": {"coefficient": 0.3}}, {"reduced_pressure": 0.1}
-    bare = gfmd_numba.solve(beside(tmp_path, friction, load))
+    bare = gfmd_numba.solve(under_a_punch(tmp_path, friction, load))
     sheared = np.full((N, N), shift * 0.35 / 0.5)
-    result = gfmd_numba.solve(beside(tmp_path, friction, load, tangential_traction_y=sheared))
+    result = gfmd_numba.solve(under_a_punch(tmp_path, friction, load, tangential_traction_y=sheared))
     np.testing.assert_allclose(result["pressure"], bare["pressure"], atol=1e-9)
     moved = result["tangential_displacement_y"] - bare["tangential_displacement_y"]
     np.testing.assert_allclose(moved, shift, rtol=1e-6)
@@ -159,19 +159,19 @@ def test_a_boundary_of_another_grid_than_the_punch_is_refused(tmp_path):
     with pytest.raises(
         InputError, match=r"you gave normal_traction\.npy \(8 x 8 values\); gfmd allows .* 32 x 32 nodes"
     ):
-        gfmd_numba.solve(beside(tmp_path, {}, {"reduced_pressure": 0.1}, normal_traction=np.zeros((8, 8))))
+        gfmd_numba.solve(under_a_punch(tmp_path, {}, {"reduced_pressure": 0.1}, normal_traction=np.zeros((8, 8))))
 
 
-def test_a_displacement_along_y_beside_a_punch_is_refused(tmp_path):
-    file = beside(tmp_path, {}, {"reduced_pressure": 0.1}, tangential_displacement_y=np.zeros((N, N)))
+def test_a_displacement_along_y_under_a_punch_is_refused(tmp_path):
+    file = under_a_punch(tmp_path, {}, {"reduced_pressure": 0.1}, tangential_displacement_y=np.zeros((N, N)))
     load_scene(file)
-    with pytest.raises(InputError, match=r"tangential_displacement_y.*only tractions beside a punch"):
+    with pytest.raises(InputError, match=r"tangential_displacement_y.*only tractions with a punch"):
         gfmd_numba.solve(file)
 
 
 @pytest.mark.parametrize("name", ["tangential_traction", "tangential_traction_y"])
-def test_nothing_holds_a_half_space_beside_a_punch_along_either_axis(tmp_path, name):
-    file = beside(tmp_path, {}, {"reduced_pressure": 0.1}, aspect_ratio=np.inf, **{name: 1e-3 + 0.0 * X})
+def test_nothing_holds_a_half_space_under_a_punch_along_either_axis(tmp_path, name):
+    file = under_a_punch(tmp_path, {}, {"reduced_pressure": 0.1}, aspect_ratio=np.inf, **{name: 1e-3 + 0.0 * X})
     with pytest.raises(
         InputError, match=rf"boundary\.{name}: you gave a mean of 0\.001; .* nothing holds a half-space"
     ):

@@ -59,7 +59,7 @@ def test_a_hard_wall_alone_takes_fewer_bytes_a_node_than_with_an_attraction(solv
 
 
 def test_without_friction_a_step_has_a_third_of_the_transforms_and_a_quarter_of_the_bytes():
-    """Of each displacement one transform and back; friction has three, and 3 x 3 symbols, anchors and slip beside."""
+    """Of each displacement one transform and back; friction has three, and 3 x 3 symbols, anchors and slip."""
     begun("verlet", HARD_WALL), begun("verlet", RUBBING)  # plans and kernels are made
     (alone, fewer), (rubbing, more) = begun("verlet", HARD_WALL), begun("verlet", RUBBING)
     assert 3 * alone.n_transforms == rubbing.n_transforms

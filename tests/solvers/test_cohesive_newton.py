@@ -128,7 +128,7 @@ def test_a_body_that_is_dragged_keeps_what_carries_it():
         Interactions(True, cohesive=LAW),
         Interactions(False, cohesive=LAW),
     ],
-    ids=["attraction", "repulsion", "cohesive beside a wall", "cohesive"],
+    ids=["attraction", "repulsion", "cohesive with a wall", "cohesive"],
 )
 @pytest.mark.parametrize("displacement", [-0.02, 0.05])
 def test_a_rigid_mean_is_that_of_a_body_that_is_almost_incompressible(laws, displacement):

@@ -1,4 +1,4 @@
-"""Newton's method for friction beside a law of the gap: the conditions hold, and other solvers find the same."""
+"""Newton's method for friction with a law of the gap: the conditions hold, and other solvers find the same."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def random_path(seed):
 
 
 @pytest.mark.parametrize("seed", range(24))
-def test_every_step_of_a_random_path_holds_the_conditions_beside_a_law(seed):
+def test_every_step_of_a_random_path_holds_the_conditions_with_a_law(seed):
     stiffness, friction, law, steps = random_path(seed)
     before = None
     for punch, load, sliding in steps:
@@ -65,7 +65,7 @@ def test_every_step_of_a_random_path_holds_the_conditions_beside_a_law(seed):
 @pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("friction", [0.2, 0.7])
-def test_the_dynamics_beside_a_law_has_the_same_nodes_sticking_and_slipping(nu, friction, law):
+def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, friction, law):
     """Damped dynamics anchors a node where its own motion touched down, so its anchors are given to Newton's method."""
     nx, load = 256, 0.1
     punch, stiffness = rough(nx, 3), ElasticBody(nu, 0.5).coupled_stiffness(nx)
@@ -93,15 +93,15 @@ def test_the_dynamics_beside_a_law_has_the_same_nodes_sticking_and_slipping(nu, 
 def test_a_law_without_strength_leaves_friction_as_it_is_alone(law):
     punch, stiffness, friction = rough(512, 4), ElasticBody(0.2, 0.4).coupled_stiffness(512), 0.3
     faint = ExponentialLaw(1e-14 * law.work, law.length)
-    alone, beside = None, None
+    alone, together = None, None
     for load, sliding in ((0.1, 0.0), (0.05, 2e-3)):
-        first, second = (None if each is None else following(each, punch, sliding) for each in (alone, beside))
+        first, second = (None if each is None else following(each, punch, sliding) for each in (alone, together))
         alone = press(punch, stiffness, load, friction, None, first, sliding)
-        beside = press(punch, stiffness, load, friction, faint, second, sliding)
+        together = press(punch, stiffness, load, friction, faint, second, sliding)
         peak = alone.pressure.max()
-        np.testing.assert_allclose(beside.pressure, alone.pressure, atol=2e-8 * peak)
-        np.testing.assert_allclose(beside.tangential.traction, alone.tangential.traction, atol=2e-8 * peak)
-        np.testing.assert_array_equal(beside.touching, alone.touching)
+        np.testing.assert_allclose(together.pressure, alone.pressure, atol=2e-8 * peak)
+        np.testing.assert_allclose(together.tangential.traction, alone.tangential.traction, atol=2e-8 * peak)
+        np.testing.assert_array_equal(together.touching, alone.touching)
 
 
 @pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
@@ -117,7 +117,7 @@ def test_friction_leaves_the_pressure_of_a_law_on_an_incompressible_half_space(l
     np.testing.assert_array_equal(rubbed.touching, smooth.touching)
 
 
-def test_a_rigid_mean_beside_a_law_is_the_limit_of_one_that_is_nearly_rigid():
+def test_a_rigid_mean_with_a_law_is_the_limit_of_one_that_is_nearly_rigid():
     punch, friction, found = rough(256, 2), 0.3, []
     punch -= 0.4 * punch.mean()
     for nu in (0.5, 0.5 - 1e-9):
@@ -152,7 +152,7 @@ def test_ridges_with_a_law_are_profiles(law):
         assert abs(own[1]).max() < 5e-8 * peak
 
 
-def test_one_more_load_beside_a_law_takes_less_than_a_quarter_of_the_transforms_of_the_dynamics():
+def test_one_more_load_with_a_law_takes_less_than_a_quarter_of_the_transforms_of_the_dynamics():
     nx, rows, law = 1024, 3, ExponentialLaw(2e-5, 3e-4)
     punch, stiffness = rough(nx, 7, 0.8, 128, rows), ElasticBody(0.3, None).coupled_stiffness(nx)
     first = press(punch, stiffness, 0.05, 0.3, law)
@@ -169,7 +169,7 @@ def test_one_who_knows_no_law_or_no_wall_is_told():
         punch, stiffness.with_free_mean(), np.array([0.1]), Interactions(False, normal_law=ATTRACTION, friction=0.3),
         Start.at_rest(punch), 0.0, 10.0,
     )  # fmt: skip
-    with pytest.raises(ValueError, match="friction beside a law of the gap alone"):
+    with pytest.raises(ValueError, match="friction with a law of the gap only"):
         begin(batch, NEWTON)
 
 

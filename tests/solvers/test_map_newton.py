@@ -1,4 +1,4 @@
-"""The solver of maps: its compliance between tiles, its contacts beside another solver's, and how little it takes."""
+"""The solver of maps: its compliance between tiles, its contacts against another solver's, and how little it takes."""
 
 import tracemalloc
 
@@ -32,7 +32,7 @@ def oblong(shape, hurst, seed=3):
 @pytest.mark.parametrize("shape", [(128, 128), (96, 160), (104, 200)])
 @pytest.mark.parametrize("share", [0.02, 0.5])
 def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, share):
-    """Beside the exact convolution, of random pressures and of equal ones, up to a uniform displacement."""
+    """Compared with the exact convolution, of random pressures and of equal ones, up to a uniform displacement."""
     rng = np.random.default_rng(2)
     stiff, tiles_each_way = body(shape, slab), (shape[0] // 8, shape[1] // 8)
     marks = rng.random(tiles_each_way[0] * tiles_each_way[1]) < share
@@ -153,7 +153,7 @@ def test_few_contacts_take_few_transforms_on_any_grid(hurst):
 
 
 def test_a_map_of_few_contacts_takes_few_arrays():
-    """Bytes a node beside the punch and its stiffness: the result has 17 of them, the stiffness without mean 4."""
+    """Bytes a node besides the punch and its stiffness: the result has 17 of them, the stiffness without mean 4."""
     punch, stiff = rough(512), body((512, 512))
     press(punch[:, ::8, ::8], 0.005)
     tracemalloc.start()

@@ -166,7 +166,7 @@ def test_heights_too_coarse_for_a_law_are_told():
         gfmd_numba.solve({"scene": scene, "discretisation": EPS[1], "numerics": numerics})
 
 
-def test_all_large_arrays_of_the_newton_methods_beside_laws_are_of_the_precision_of_the_punch():
+def test_all_large_arrays_of_the_newton_methods_with_laws_are_of_the_precision_of_the_punch():
     punch = np.abs(np.sin(np.arange(2 * NX)).reshape(2, NX)).astype(np.float32)
     law, body = ExponentialLaw(1e-3, 0.1), ElasticBody(0.3, 1.0)
     cohesive, start, load = XuNeedlemanLaw(1e-3, 0.1, 0.1), Start.at_rest(punch), np.full(2, 0.05)

@@ -18,10 +18,10 @@ from support.laws import surface
 
 ATTRACTION = Interactions(True, ExponentialLaw(2e-3, 1e-2))
 REPULSION = Interactions(False, ExponentialLaw(-2e-3, 1e-2))
-BESIDE_A_WALL = Interactions(True, ExponentialLaw(-2e-4, 1e-2))
+WITH_A_WALL = Interactions(True, ExponentialLaw(-2e-4, 1e-2))
 WALL = Interactions(True)
 LAWS = pytest.mark.parametrize(
-    "interface", [ATTRACTION, REPULSION, BESIDE_A_WALL, WALL], ids=["attraction", "repulsion", "both", "wall"]
+    "interface", [ATTRACTION, REPULSION, WITH_A_WALL, WALL], ids=["attraction", "repulsion", "both", "wall"]
 )
 
 
@@ -69,7 +69,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
     assert (violation(found, punch, body, load or 0.0, interface) <= 1e-8).all()
 
 
-@pytest.mark.parametrize("interface", [REPULSION, BESIDE_A_WALL, WALL], ids=["repulsion", "both", "wall"])
+@pytest.mark.parametrize("interface", [REPULSION, WITH_A_WALL, WALL], ids=["repulsion", "both", "wall"])
 @pytest.mark.parametrize("load", [1e-3, 0.05, 1.0])
 def test_the_one_equilibrium_of_a_convex_energy_is_that_of_the_dynamics(interface, load):
     punch, body = surface(128)
@@ -150,7 +150,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
         np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
 
 
-def test_a_start_in_which_the_law_repels_beyond_all_measure_is_let_go():
+def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():
     punch, body = surface(128)
     start = Start(punch + 20.0, punch, punch)
     found = equilibrate(punch, body, 0.05, Options("truncated_newton"), REPULSION, start)

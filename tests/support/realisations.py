@@ -1,4 +1,4 @@
-"""One realisation of a campaign beside the contact that `solve` finds alone."""
+"""One realisation of a campaign compared with the contact that `solve` finds alone."""
 
 import numpy as np
 

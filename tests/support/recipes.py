@@ -33,7 +33,7 @@ class Recipe:
 
 
 def command_after(recipes, files, tmp_path):
-    """The command of a copy of the package, in which every recipe was followed, beside some files."""
+    """The command of a copy of the package, in which every recipe was followed, next to some files."""
     package = tmp_path / "copy" / "gfmd_numba"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
     for recipe in recipes:

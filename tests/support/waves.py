@@ -1,4 +1,4 @@
-"""Westergaard's wave as a scene, beside which the closed forms stand."""
+"""Westergaard's wave as a scene, and its closed forms."""
 
 import numpy as np
 

@@ -82,7 +82,7 @@ def test_full_contact_pressure_is_that_of_simulated_full_contact(body):
 
 
 # Line contacts have more area than the theory says, the more so the lighter the load and the lower H. These ratios are
-# of a half-space and nx = 16384 (benchmarks/persson_beside_simulation.py; the slab's differ by up to 0.07); a quarter
+# of a half-space and nx = 16384 (benchmarks/persson_against_simulation.py; the slab's differ by up to 0.07); a quarter
 # of their difference from 1 and three standard errors are allowed to the smaller surfaces and the slab here.
 KNOWN = {0.3: (1.77, 1.46, 1.11, 1.013, 1.0), 0.8: (1.52, 1.26, 1.085, 1.011, 1.0)}
 

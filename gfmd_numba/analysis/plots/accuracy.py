@@ -28,7 +28,7 @@ TITLES = {
 }
 _EQUAL = {"solver residual": 1e-10, "precision": 1e-10, "topography order": 1e-16}  # errors below are drawn there
 _SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
-_AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings beside the points, and those of one over eps:
+_AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings next to the points, and those of one over eps:
 _WRITTEN = {"eps_c", "eps_f", "eps_t"} | _AS_THEY_ARE
 _SYMBOLS = {"kappa": r"$\kappa$", "contact_area_fraction": "contact area"}
 _OF_PATHS = {"hysteresis": "hysteresis_error", "pull-off pressure": "pull_off_pressure_error"}
@@ -42,7 +42,7 @@ _COLUMNS = 3
 
 @checked
 def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY]) -> Figure:
-    """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand beside the points.
+    """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand next to the points.
 
     Settings with failed surfaces are left out. Raises UnusableDataError for a dataset without studies.
     """

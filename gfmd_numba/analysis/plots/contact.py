@@ -13,7 +13,7 @@ from gfmd_numba.analysis.plots.contact_map import plot_map
 from gfmd_numba.analysis.plots.last_step import named_last_step
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
 
-_BESIDE = {  # tractions beside the pressure: label, colour, dashes
+_TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
     "prescribed_normal_traction": ("prescribed, outwards", COLOURS[2], "--"),
     "prescribed_tangential_traction": ("prescribed, along $x$", COLOURS[3], "-."),
@@ -46,12 +46,12 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
     factor, unit = prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
-    beside = [name for name in _BESIDE if name in dataset and (name == "tangential_traction" or dataset[name].any())]
-    every = [dataset[name] for name in ("pressure", *beside)]
+    others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
+    every = [dataset[name] for name in ("pressure", *others)]
     per_unit, unit_of_tractions = prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
     pressure, *tractions = (per_unit * each.values for each in every)
-    rubs = r"Tractions $p$, $\tau$" if beside == ["tangential_traction"] else "Tractions"
-    named = rubs if beside else "Pressure $p$"
+    rubs = r"Tractions $p$, $\tau$" if others == ["tangential_traction"] else "Tractions"
+    named = rubs if others else "Pressure $p$"
     with mpl.rc_context(STYLE):
         figure = Figure((9.0, 6.6), dpi=150, layout="constrained")
         whole, above, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 6, 4])
@@ -77,13 +77,13 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
         below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         below.plot(x, pressure, color=COLOURS[1], lw=0.9)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
-        for (label, colour, dashes), traction in zip((_BESIDE[name] for name in beside), tractions, strict=True):
+        for (label, colour, dashes), traction in zip((_TRACTIONS[name] for name in others), tractions, strict=True):
             below.plot(x, traction, dashes, color=colour, lw=1.1, label=label)
         below.set(xlabel=x_label, ylabel=f"{named} ({unit_of_tractions})")
         if min(each.min() for each in (pressure, *tractions)) >= 0:
             below.set_ylim(bottom=0)
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
         figure.legend(
-            handles=handles, loc="outside lower center", ncols=4 + (len(beside) == 1)
+            handles=handles, loc="outside lower center", ncols=4 + (len(others) == 1)
         )  # above stands the step
     return figure

@@ -47,7 +47,7 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
     z = dataset["z"].values * unit
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
-    deepest, beside = np.unravel_index(int(np.argmax(mises)), mises.shape)
+    deepest, highest = np.unravel_index(int(np.argmax(mises)), mises.shape)
     with mpl.rc_context(STYLE):
         figure = Figure((9.0, 9.8), dpi=150, layout="constrained")
         above, whole, close = figure.subplots(3, 1, height_ratios=[1.2, 3.3, 2.3])
@@ -70,13 +70,13 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
         peak = float(mises.max())
         depth = max(-1.5 * z[deepest], (x[-1] + x[1]) / 24.0, -np.sort(z)[-2])  # two levels at least
         width = min(3.0 * depth, x[-1])  # flat, so that its title fits
-        near = np.abs(x - np.clip(x[beside], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
+        near = np.abs(x - np.clip(x[highest], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
         shallow = z >= -depth
         _draw(figure, close, x[near], z[shallow], mises[np.ix_(shallow, near)], peak, mises_label)
-        close.plot(x[beside], z[deepest], "+", color="#D55E00", ms=10, mew=2)
+        close.plot(x[highest], z[deepest], "+", color="#D55E00", ms=10, mew=2)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")
         length = x_label.partition("(")[2].rstrip(")")
-        at = f"${dim}$ = {told(x[beside], length)}, $z$ = {told(z[deepest], length, 3)}"
+        at = f"${dim}$ = {told(x[highest], length)}, $z$ = {told(z[deepest], length, 3)}"
         other = "y" if dim == "x" else "x"
         if other in dataset.coords:  # a section below a map
             place = told(float(dataset[other]) * unit, length)

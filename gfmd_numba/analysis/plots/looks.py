@@ -36,7 +36,7 @@ class Looks:
         return sorted({_without(each, self.column) for each in self.of})
 
     def position(self, each: Key) -> float:
-        """Where a group stands beside others of its colour, 1 from one colour to the next."""
+        """Where a group stands among others of its colour, 1 from one colour to the next."""
         others = self.others
         shift = others.index(_without(each, self.column)) - (len(others) - 1) / 2
         return self.coloured.index(each[self.column]) + 0.5 * shift / len(others)

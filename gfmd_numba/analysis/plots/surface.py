@@ -1,4 +1,4 @@
-"""Picture of one surface: heights, spectrum, autocorrelation and height distribution beside theory."""
+"""Picture of one surface: heights, spectrum, autocorrelation and height distribution with those of theory."""
 
 from typing import Annotated
 

@@ -69,7 +69,7 @@ class ExponentialSum:
         return safe
 
     def factor(self, nodes: Indices, count: int, own: Reals = _NOTHING) -> None:
-        """Prepare `solve` for the first `count` of the nodes, each with a compliance of its `own` besides.
+        """Prepare `solve` for the first `count` of the nodes, each with a compliance of its `own` in addition.
 
         Where one of these is negative, pivots may be, and none is lifted.
         """

@@ -38,7 +38,7 @@ class ProfileTractions:
     def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
         """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
 
-        `own` `[node]` are the compliances besides, which count where the normal one is a safe sum.
+        `own` `[node]` are further compliances of each node, which count where the normal one is a safe sum.
         """
         if nodes.size:
             self._normal.factor(nodes, nodes.size, own if self.takes_law else None)
@@ -73,7 +73,7 @@ class MapTractions:
     def factor(self, nodes: Indices, dragged: Indices, own: Reals) -> None:
         """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
 
-        The compliances besides do not count.
+        Compliances of the nodes' own do not count.
         """
         self._near.factor(nodes)
         self._dragged = dragged

@@ -41,9 +41,9 @@ def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
         symbol[0, 0] = stiffness[0, 1]
     near = np.roll(grid.influence(symbol, *few), (_REACH, _REACH), axis=(0, 1))
     stencil = near[: 2 * _REACH + 1, : 2 * _REACH + 1]
-    beside = stencil.copy()
-    beside[_REACH, _REACH] = 0.0
+    others = stencil.copy()
+    others[_REACH, _REACH] = 0.0
     # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
-    if np.abs(beside).sum() >= stencil[_REACH, _REACH] or beside.max() > 0.0:
+    if np.abs(others).sum() >= stencil[_REACH, _REACH] or others.max() > 0.0:
         stencil = stencil[_REACH:-_REACH, _REACH:-_REACH]
     return np.ascontiguousarray(stencil)

@@ -7,7 +7,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.kernels.decay_sums import DECAYS_AT_ONCE
 from gfmd_numba.solvers.preconditioners.exponential_sum import STEEPEST, ExponentialSum
 
-_LOOSE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave
+_FREE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave
 _CHANGE = 0.5  # of the compliance of any node, over itself, from which on the factors are made anew
 _FEWEST = 16  # nodes
 _SPACINGS = 0.0, 1.5, 1.8  # of the logarithms of rates at least: near rates may take off what others add to much of
@@ -41,7 +41,7 @@ class ParallelLaw:
         self._rates = np.pad(sums[0].rates, missing)  # a matter of the nodes alone
         self._weights = np.array([np.pad(each.weights, missing) for each in sums])
         self._near = np.exp(-np.outer(np.arange(2), self._rates))
-        self._least = np.array([_LOOSE / compliance.max() for compliance in compliances])
+        self._least = np.array([_FREE / compliance.max() for compliance in compliances])
         self._own, self._share, self._traction = np.zeros((3, 2, n))
         self._lower, self._decay = np.empty((2 * n, DECAYS_AT_ONCE)), np.empty((n, DECAYS_AT_ONCE))
         self._carried, self._is_factored = np.empty((DECAYS_AT_ONCE, DECAYS_AT_ONCE)), False

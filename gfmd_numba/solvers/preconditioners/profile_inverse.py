@@ -24,7 +24,7 @@ class ProfileInverse:
 
     @property
     def takes_own(self) -> bool:
-        """Whether nodes may have a compliance of their own besides."""
+        """Whether nodes may have a compliance of their own in addition."""
         return self._sum.is_safe
 
     def factor(self, nodes: Indices, count: int, own: Reals | None = None) -> None:

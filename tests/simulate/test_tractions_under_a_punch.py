@@ -1,4 +1,4 @@
-"""Tractions and displacements of a scene file, alone and beside a rough punch."""
+"""Tractions and displacements of a scene file, alone and under a rough punch."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def test_a_file_in_si_units_is_the_same_problem(tmp_path):
             )
 
 
-def beside(tmp_path, interface, loading, aspect_ratio=0.5, **boundary):
+def under_a_punch(tmp_path, interface, loading, aspect_ratio=0.5, **boundary):
     """A rough contact with a boundary, and its total tractions [component, x] on the body in E*."""
     scene = {
         "body": {"poissons_ratio": 0.3, "aspect_ratio": aspect_ratio},
@@ -70,10 +70,10 @@ SHEAR = 3e-3 * np.sin(2 * np.pi * 2 * X) + 1e-3
 
 @pytest.mark.parametrize("friction", [{}, {"friction": {"coefficient": 0.2}}])
 @pytest.mark.parametrize("loading", [{"reduced_pressure": 0.1}, {"displacement": 3e-3}])
-def test_tractions_beside_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
+def test_tractions_under_a_rough_punch_and_its_pressure_balance(tmp_path, friction, loading):
     """Where the body is, what is prescribed and the pressure of the punch balance, and nothing penetrates."""
-    result = beside(tmp_path, friction, loading, normal_traction=WAVE, tangential_traction=SHEAR)
-    bare = beside(tmp_path, friction, loading)
+    result = under_a_punch(tmp_path, friction, loading, normal_traction=WAVE, tangential_traction=SHEAR)
+    bare = under_a_punch(tmp_path, friction, loading)
     k = ElasticBody(0.3, 0.5).coupled_stiffness(NX)
     pressure, u3 = result["pressure"].values, result["displacement"].values
     c3 = grid.coefficients(u3)
@@ -95,10 +95,10 @@ def test_tractions_beside_a_rough_punch_and_its_pressure_balance(tmp_path, frict
 
 
 def test_tractions_that_shape_the_body_like_the_punch_leave_a_uniform_pressure(tmp_path):
-    bare = beside(tmp_path, {}, {"reduced_pressure": 0.02}, np.inf)
+    bare = under_a_punch(tmp_path, {}, {"reduced_pressure": 0.02}, np.inf)
     k = grid.wavenumbers(128) / 2
     shaping = grid.signal(-k * grid.coefficients(bare["height"].values), 128)
-    result = beside(tmp_path, {}, {"reduced_pressure": 0.02}, np.inf, normal_traction=shaping)
+    result = under_a_punch(tmp_path, {}, {"reduced_pressure": 0.02}, np.inf, normal_traction=shaping)
     np.testing.assert_allclose(result["pressure"], 0.02 * 0.01, rtol=1e-6)
     assert float(result["contact_area_fraction"]) == 1.0
 

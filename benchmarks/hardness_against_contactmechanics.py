@@ -1,6 +1,6 @@
-"""Loading and unloading beside a hardness, here and by ContactMechanics, whose surfaces keep their dents as well.
+"""Loading and unloading with a hardness, here and by ContactMechanics, whose surfaces keep their dents as well.
 
-python benchmarks/hardness_beside_contactmechanics.py; pip install ContactMechanics. Both solve the same random maps on
+python benchmarks/hardness_against_contactmechanics.py; pip install ContactMechanics. Both solve the same random maps on
 an elastic half-space, step by step, each from the punch that its own last step has left.
 """
 

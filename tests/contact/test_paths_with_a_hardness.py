@@ -1,4 +1,4 @@
-"""Loading and unloading beside a hardness: bounded least squares with a memory, closed loops, and punches made flat."""
+"""Loading and unloading with a hardness: bounded least squares with a memory, closed loops, and punches made flat."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,7 @@
-"""Persson's theory beside simulated line contacts from light to full contact: areas and pressure distributions.
+"""Persson's theory compared with simulated line contacts from light to full contact: areas and pressure distributions.
 
 Contacts of 20 surfaces (L_x/lambda_l = 2, lambda_l/lambda_s = 512, lambda_s/2 dx = 8, so nx = 16384) on a half-space
-and on slabs. Usage: persson_beside_simulation.py PICTURE.png
+and on slabs. Usage: persson_against_simulation.py PICTURE.png
 """
 
 import sys

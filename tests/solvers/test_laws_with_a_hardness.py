@@ -1,4 +1,4 @@
-"""An exponential law beside a hardness: bounded least squares under the law's own pull, conditions, and limits."""
+"""An exponential law with a hardness: bounded least squares under the law's own pull, conditions, and limits."""
 
 import numpy as np
 import pytest
@@ -189,7 +189,7 @@ COARSE = EPS | {"eps_c": 1 / 4}
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_scenes_beside_a_law_keep_their_dents(dimension):
+def test_scenes_with_a_law_keep_their_dents(dimension):
     scene = FILE["scene"] | {"dimension": dimension}
     one = FILE | {"scene": scene, "discretisation": EPS if dimension == 1 else COARSE}
     found = gfmd_numba.solve(one)
@@ -205,7 +205,7 @@ def test_scenes_beside_a_law_keep_their_dents(dimension):
     assert float(found["pull_off_pressure"]) > 0.0
 
 
-def test_campaigns_beside_a_law_record_what_one_contact_does(tmp_path):
+def test_campaigns_with_a_law_record_what_one_contact_does(tmp_path):
     kept = {name: FILE[name] for name in ("scene", "path", "seed")}
     results = gfmd_numba.run(kept | {"name": "sticky", "realisations": 1, "reference": EPS}, tmp_path / "out")
     alone = gfmd_numba.solve(FILE | {"discretisation": EPS})

@@ -5,7 +5,7 @@ PACKAGE = "gfmd_numba/analysis"
 MUTANTS = [
     # the law from theory
     ("laws.py", "(2.0 - 2.0 * hurst) * (index", "(1.0 - 2.0 * hurst) * (index", "test_laws"),
-    ("laws.py", "np.exp(steepness * (index - half))", "np.exp(tail * (cut - index))", "test_laws"),
+    ("laws.py", "np.exp(steepness * (index - half))", "np.exp(steepness * (half - index))", "test_laws"),
     (
         "laws.py",
         "1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0",

@@ -72,7 +72,8 @@ def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_
     worth = of_laws if large < of_laws < inf else large  # surfaces are worth no more than the laws
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
     another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
-    finer = _refined(state, results, doubts, 0.0) if may_refine else None
+    unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
+    finer = _refined(state, results, unmet, 0.0) if may_refine else None
     return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
@@ -104,17 +105,20 @@ def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
 class _Doubt:
     """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from.
 
-    `halved` is the error to be expected with half the finest eps_f.
+    `halved` is the error to be expected with half the finest eps_f, `error` that of the group by all that adds to it.
     """
 
     size: float
     limit: str
     halved: float
+    error: float
 
 
 def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
     """What the laws of each group leave open, however many surfaces there are; along a path at its worst step."""
-    value = abs(in_the_limit(fitted)[0])
+    limit, error = in_the_limit(fitted)
+    value = abs(limit)
+    whole = (error / value).fillna(inf).values
     rivals = (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
     by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
     halved = by_limit.copy()
@@ -127,7 +131,8 @@ def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
     for group in range(n_groups):
         worst = group + n_groups * int(size.values[group::n_groups].argmax())
         widest = "eps_f" if size[worst] == inf else str(by_limit["limit"].values[by_limit.values[worst].argmax()])
-        found.append(_Doubt(float(size[worst]), widest, float(of_half[worst])))
+        of_all = float(whole[group::n_groups].max())
+        found.append(_Doubt(float(size[worst]), widest, float(of_half[worst]), of_all))
     return found
 
 

@@ -1,6 +1,7 @@
 """The door of this room: what its public functions are given is checked against the types that they name."""
 
 import inspect
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, wraps
@@ -83,6 +84,22 @@ Seconds = Annotated[Sequence[float], Kind(_each_case(1e15), "a time in s for eac
 Counts = Annotated[Sequence[float], Kind(_each_case(1e9), "a number of realisations for each case, at most 1e9")]
 TARGET = Kind(Annotated[float, Field(gt=0, lt=1)], "a relative error above 0 and below 1, like 0.01 for 1 %")
 Target = Annotated[float, TARGET]
+_TARGETS = Kind(
+    Annotated[dict[str, Annotated[float, Field(gt=0, lt=1)]], Field(min_length=1)],
+    'a JSON text of relative errors above 0 and below 1, like {"kappa": 0.01}',
+)
+
+
+def targets_of(dataset: xr.Dataset) -> dict[str, float]:
+    """Return the relative errors that a campaign is to reach, by variable; none without any. Raises InputError."""
+    given = dataset.attrs.get("target", {})
+    if given == {}:
+        return {}
+    try:
+        found = json.loads(given)
+    except (TypeError, ValueError):
+        found = given
+    return dict(_TARGETS.checked(found, "the attribute target"))
 
 
 def checked(function: Callable[Given, Result]) -> Callable[Given, Result]:

@@ -275,7 +275,8 @@ ACCURACY = Form(
 ROUNDS = Form(
     "rounds until an error is reached",
     "what `gfmd run --until` leaves",
-    _all("round numbers", "round_error", "round_error_factor", "round_predicted_error", "round_cpu_seconds"),
-    {"round": "round whole"},
-    attributes=("until",),
+    _all("round [target] numbers", "round_error", "round_error_factor", "round_predicted_error")
+    | {"round_cpu_seconds": "round numbers"},
+    {"round": "round whole", "target": "target texts"},
+    attributes=("target",),
 )

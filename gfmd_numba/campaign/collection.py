@@ -117,13 +117,15 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
 def described(planned: Plan) -> dict[str, Any]:
     """Attributes of the results that follow from the campaign file alone."""
     campaign, text = planned.campaign, planned.document.text
+    others = {fit.variable: fit.options for fit, _ in campaign.fits() if fit.variable != campaign.fit.variable}
     return {
         "title": campaign.name,
         "campaign": text,
         "campaign_sha256": hashlib.sha256(text.encode()).hexdigest(),
         **({} if campaign.seed is None else {"seed": campaign.seed}),
         "fit": campaign.fit.model_dump_json(exclude_none=True),
-        **({} if campaign.target is None else {"target": next(iter(campaign.target.values()))}),
+        **({} if campaign.target is None else {"target": json.dumps(campaign.target)}),
+        **({"fits_of_targets": json.dumps(others)} if others else {}),
     }
 
 

@@ -92,7 +92,7 @@ class Campaign(BaseModel):
     fit: Fit = Field(Fit(), description="How the results are fitted")
     target: Target | None = Field(
         None,
-        description="Relative standard error (dimensionless) that a variable has to have in the limit; without "
+        description="Relative standard error (dimensionless) that each variable has to have in the limit; without "
         "`realisations`, the run chooses their numbers, and finer levels, until it is reached",
     )
     case_timeout: Annotated[float, Field(gt=0, le=LONGEST_TIMEOUT), TIME] | None = Field(
@@ -109,6 +109,27 @@ class Campaign(BaseModel):
     def chooses_realisations(self) -> bool:
         """Whether the run goes on until its target is reached."""
         return self.target is not None and "realisations" not in self.model_fields_set
+
+    def fits(self) -> Iterator[tuple[Fit, Location]]:
+        """How the variable that is fitted is, and each other one of the target; and where it stands in the file.
+
+        What the file says of the fit is about its own variable. Others have the usual ranges of exponents.
+        """
+        targets, own = self.target or {}, self.fit.with_target(self.target)
+        yield own, ("target", own.variable) if own.variable in targets else ("fit", "variable")
+        for name in (each for each in targets if each != own.variable):
+            fixed = FixedExponents.model_validate(self.usual_exponents(name))
+            yield Fit.model_validate({"variable": name, "exponents": own.exponents, "fixed": fixed}), ("target", name)
+
+    def usual_exponents(self, variable: str) -> dict[str, Any]:
+        """Ranges of the exponents of a variable, but for a limit that has a law without one."""
+        hursts = values_of(self.grid, "hurst") or [
+            getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
+        ]
+        ranges: dict[str, Any] = dict(exponent_ranges(self.scene.dimension or 1, max(hursts, default=nan)))
+        if all(has_slope_law(variable, hurst) for hurst in hursts):
+            del ranges["eps_f"]
+        return ranges
 
     @property
     def n_cases(self) -> int:
@@ -177,7 +198,8 @@ class Campaign(BaseModel):
             step.check(self.scene.loading, i)
         if "path" in self.model_fields_set and not self.path:
             raise broken_rule(("path",), "at least one loading, or no path where nothing follows the first loading")
-        self.fit.check(len(self.path))
+        for fit, place in self.fits():
+            fit.check(len(self.path), place)
         needed = any(surface.needs_discretisation for surface in self.scene.surfaces.values())
         if needed and self.reference is None and not self.chooses_levels:
             raise broken_rule(("reference",), f"{_LEVELS}, as the surface has no points")
@@ -226,9 +248,9 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    if campaign.fit.is_of_path:
-        scenes = (campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid)))
-        check_recorded(document, campaign.fit, [(each, campaign.numerics.slope_order(each)) for each in scenes])
+    scenes = (campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid)))
+    for fit, place in campaign.fits():
+        check_recorded(document, fit, place, [(each, campaign.numerics.slope_order(each)) for each in scenes])
     _check_files(document, campaign)
     if document.path is None:
         document = replace(document, text=written(asked))
@@ -260,6 +282,13 @@ def is_without_levels(document: Document, campaign: Campaign) -> bool:
     return document.value(("reference",)) is ABSENT and bool(campaign.limits.varied)
 
 
+def fitted_variable(source: Source) -> str:
+    """Variable that a campaign fits, whatever another target is. Raises InputError."""
+    document = document_of(source, "campaign")
+    stand_in = {"kappa": 0.01} if document.value(("target",)) is ABSENT else None  # for which levels are chosen
+    return load_campaign(document, stand_in)[0].fit.variable
+
+
 def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
     """Target of a campaign whose run chooses the numbers of realisations; None for another. Raises InputError."""
     data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
@@ -276,7 +305,11 @@ def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Do
 
 
 def _begun(campaign: Campaign) -> Campaign:
-    """Campaign with the levels a run begins with, and what is known of their exponents, where it has no levels."""
+    """Campaign with the variable that is fitted, and with the levels a run begins with where it has none.
+
+    What is known of the exponents goes with these levels.
+    """
+    campaign = campaign.model_copy(update={"fit": campaign.fit.with_target(campaign.target)})
     needed = any(surface.needs_discretisation for surface in campaign.scene.surfaces.values())
     if not (campaign.chooses_levels and needed):
         return campaign
@@ -284,19 +317,14 @@ def _begun(campaign: Campaign) -> Campaign:
     surfaces = campaign.scene.surfaces.values()
     anisotropies = values_of(campaign.grid, "anisotropy") or [getattr(each, "anisotropy", None) for each in surfaces]
     reference, *others = first_levels(dimension, max(each or 1.0 for each in anisotropies))
-    (variable,) = campaign.target or {}
-    hursts = values_of(campaign.grid, "hurst") or [getattr(each, "hurst", nan) for each in surfaces]
-    ranges = dict(exponent_ranges(dimension, max(hursts)))
-    if all(has_slope_law(variable, hurst) for hurst in hursts):
-        del ranges["eps_f"]
     known = {name: each for name, each in campaign.fit.fixed if each is not None}
-    fixed = FixedExponents.model_validate(ranges | known)
+    fixed = FixedExponents.model_validate(campaign.usual_exponents(campaign.fit.variable) | known)
     exponents = campaign.fit.exponents if "exponents" in campaign.fit.model_fields_set else "free"
     update = {
         "reference": discretisation_of(reference),
         "limits": limits_around(reference, others),
         "realisations": Realisations(reference=FEWEST),
-        "fit": campaign.fit.model_copy(update={"variable": variable, "fixed": fixed, "exponents": exponents}),
+        "fit": campaign.fit.model_copy(update={"fixed": fixed, "exponents": exponents}),
     }
     return campaign.model_copy(update=update)
 

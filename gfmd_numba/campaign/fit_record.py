@@ -1,7 +1,7 @@
 """What a campaign file says of its fit: the variable, along a path the step, and what is known of the exponents."""
 
-from collections.abc import Iterable
-from typing import Literal
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
@@ -9,6 +9,7 @@ from gfmd_numba.campaign.goal import Variable
 from gfmd_numba.campaign.limits import FixedExponents
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
 from gfmd_numba.scene import Document, Scene
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 
 
@@ -16,7 +17,9 @@ class Fit(BaseModel):
     """How the results are fitted to their limit."""
 
     model_config = RECORD
-    variable: Variable = Field("kappa", description="What is fitted, the last two of a loading path")
+    variable: Variable = Field(
+        "kappa", description="What is fitted, the last two of a loading path; left out: the first variable of a target"
+    )
     step: int | None = Field(
         None, ge=0, description="Step of the path whose contact is fitted, 0 is the first loading; None: every step"
     )
@@ -29,10 +32,24 @@ class Fit(BaseModel):
         row = PATH_OBSERVABLES.get(self.variable)
         return row is not None and row.of == "path"
 
-    def check(self, n_steps: int) -> None:
-        """Raise a located error if what is fitted is not there along a path of so many steps after the first one."""
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the fit itself is told."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def with_target(self, target: Mapping[str, float] | None) -> "Fit":
+        """The same, of the first variable of a target if the file names none to be fitted."""
+        if target is None or "variable" in self.model_fields_set:
+            return self
+        return self.model_copy(update={"variable": next(iter(target))})
+
+    def check(self, n_steps: int, place: Location) -> None:
+        """Raise a located error if what is fitted is not there along a path of so many steps after the first one.
+
+        The variable stands at a place in the file.
+        """
         if self.is_of_path and n_steps == 0:
-            raise broken_rule(("fit", "variable"), "what a single contact has, as this campaign has no path")
+            raise broken_rule(place, "what a single contact has, as this campaign has no path")
         if self.step is None:
             return
         if n_steps == 0:
@@ -43,12 +60,15 @@ class Fit(BaseModel):
             raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
 
 
-def check_recorded(document: Document, fit: Fit, scenes: Iterable[tuple[Scene, int]]) -> None:
-    """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for."""
-    if not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
+def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
+    """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for.
+
+    The variable stands at a place in the file.
+    """
+    if fit.is_of_path and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
         needed = {
             "hysteresis": "energy is lost by friction or attraction, and not known with a boundary or at a "
             "topography_order above 0",
             "pull_off_pressure": "a punch is pulled off against attraction by a prescribed displacement",
         }[fit.variable]
-        raise document.error(("fit", "variable"), fit.variable, f"what this path has; {needed}")
+        raise document.error(place, fit.variable, f"what this path has; {needed}")

@@ -1,4 +1,4 @@
-"""What a run is to reach: a relative error of a variable in the limit, and the processor time it may take."""
+"""What a run is to reach: relative errors of variables in the limit, and the processor time it may take."""
 
 from collections.abc import Mapping
 from math import inf
@@ -12,7 +12,7 @@ from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
 
 Variable = Literal["kappa", "kappa_counted", "kappa_r", "contact_area_fraction", "hysteresis", "pull_off_pressure"]
-A_TARGET = f"one of {', '.join(get_args(Variable))} and its relative error, like {{kappa: 3%}} or {{kappa: 0.03}}"
+A_TARGET = f"any of {', '.join(get_args(Variable))} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 
@@ -29,7 +29,7 @@ def share_of(given: object) -> float:
 
 
 def _target(given: object) -> dict[str, float]:
-    if not isinstance(given, Mapping) or len(given) != 1 or not set(given) <= set(get_args(Variable)):
+    if not isinstance(given, Mapping) or not given or not set(given) <= set(get_args(Variable)):
         raise ValueError(A_TARGET)
     return {name: share_of(value) for name, value in given.items()}
 
@@ -38,31 +38,31 @@ Target = Annotated[dict[str, float], BeforeValidator(_target), WithJsonSchema({"
 
 
 class Goal(BaseModel):
-    """A relative standard error of a variable in the limit, and the processor time in s for it; None: no bound."""
+    """Relative standard errors of variables in the limit, and the processor time in s for all; None: no bound."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    variable: Variable
-    target: float = Field(gt=0, lt=1)
+    targets: dict[str, Annotated[float, Field(gt=0, lt=1)]] = Field(min_length=1)
     budget: float | None = Field(None, gt=0)
 
 
 def goal_of(until: object, budget: object = None) -> Goal:
     """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
-    pairs = list(until.items()) if isinstance(until, Mapping) else []
-    if len(pairs) == 1 and pairs[0][0] not in get_args(Variable):
-        raise InputError(f"until: you gave {brief(pairs[0][0])}; gfmd allows one of {', '.join(get_args(Variable))}")
-    if len(pairs) != 1 or not _is_relative_error(pairs[0][1]):
+    targets = until if isinstance(until, Mapping) else {}
+    allowed = f"one of {', '.join(get_args(Variable))}"
+    if unknown := [name for name in targets if name not in get_args(Variable)]:
+        raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {allowed}")
+    if not targets or not all(map(_is_relative_error, targets.values())):
         raise InputError(
-            f"until: you gave {brief(until)}; gfmd allows one of {', '.join(get_args(Variable))} and a relative error "
-            'above 0 and below 1, like {"kappa": 0.01}'
+            f"until: you gave {brief(until)}; gfmd allows {allowed}, or several, each with a relative error above 0 "
+            'and below 1, like {"kappa": 0.01}'
         )
-    ((variable, target),) = pairs
+    shares = {name: float(share) for name, share in targets.items()}
     if budget is None:
-        return Goal(variable=variable, target=float(target))
+        return Goal(targets=shares)
     seconds = seconds_of(budget)
     if seconds is None:
         raise InputError(f"budget: you gave {brief(budget)}; gfmd allows {A_TIME}")
-    return Goal(variable=variable, target=float(target), budget=seconds)
+    return Goal(targets=shares, budget=seconds)
 
 
 def seconds_of(given: object) -> float | None:

@@ -10,15 +10,14 @@ from gfmd_numba.campaign.plan import Plan
 
 def refused_limits(planned: Plan) -> list[str]:
     """Return a sentence for each reason for which the fit is going to refuse the limit; none without limits."""
-    cases, fit = planned.cases, planned.campaign.fit
+    cases = planned.cases
     if all(case.limit == "reference" for case in cases):
         return []
-    values = xr.Dataset({fit.variable: (("case", "realisation"), np.ones((len(cases), 1)))})
-    described = values.assign_coords(described_coordinates(cases[0].scene, cases))
-    fixed = {name: exponent for name, exponent in fit.fixed if exponent is not None}
-    found = refusals(described, fit.variable, fit.exponents, fixed)
-    return [
-        f"a run will print no limit of {fit.variable} ({count} group{'s' * (count > 1)} of cases): "
-        + "; ".join(reason.splitlines())
-        for reason, count in found.items()
-    ]
+    coordinates, ones = described_coordinates(cases[0].scene, cases), np.ones((len(cases), 1))
+    found = []
+    for fit, _ in planned.campaign.fits():
+        described = xr.Dataset({fit.variable: (("case", "realisation"), ones)}, coordinates)
+        for reason, count in refusals(described, fit.variable, fit.exponents, fit.options["fixed"]).items():
+            groups = f"{count} group{'s' * (count > 1)} of cases"
+            found.append(f"a run will print no limit of {fit.variable} ({groups}): {'; '.join(reason.splitlines())}")
+    return found

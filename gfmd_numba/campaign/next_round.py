@@ -23,7 +23,7 @@ from gfmd_numba.campaign.decision import (
 )
 from gfmd_numba.campaign.levels import STEP, Level, finer_levels, first_realisations, nodes_of
 from gfmd_numba.campaign.price import price_of_transform
-from gfmd_numba.campaign.rounds import Round, Rounds
+from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
 
 REACHED = "reached"
 _SHARE_OF_DOUBTS = 0.9  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
@@ -33,47 +33,100 @@ _FUTILE = 2  # rounds with finer levels, after which a law should describe the m
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
 
-def after(state: Rounds, results: xr.Dataset, fitted: xr.Dataset, fit: Fit, may_refine: bool = False) -> Rounds:
-    """Rounds with what the last one has found, and with one more or `ended`.
+@dataclass(frozen=True)
+class Fitted:
+    """What is known of a variable after a round: the results, their fit to its limit, and what was known before."""
 
-    `may_refine` says whether the next round may have finer levels than the last.
+    results: xr.Dataset
+    fitted: xr.Dataset
+    fit: Fit
+
+
+def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Rounds:
+    """Rounds with what the last one has found of each target, and with one more or `ended`.
+
+    The target that is furthest from reached decides. `may_refine` says whether the next round may have finer levels
+    than the last.
     """
-    now, target = state.now, state.goal.target
-    state = state.with_now(cpu_seconds=float(results.attrs["cpu_seconds"]))
-    try:
-        price = whole_price(results, price_of_realisations(results), results["realisations"].values)
-        found = judge(results, fitted, fit)
-    except UnusableDataError as error:
-        return state.ending(f"not {REACHED}: {error}")
-    state = state.with_now(
-        error=found.error if found.error < inf else None,
-        error_factor=found.factor,
-        price=price if now.price is None else now.price,
-    )
-    doubts = _doubts(fitted, max(1, len(now.levels)))
-    described = all(doubt.size < inf for doubt in doubts)
-    if described and found.sure_error <= target and (now.is_last or found.predicted <= target or may_refine):
+    now = state.now
+    state = state.with_now(cpu_seconds=float(fits[0].results.attrs["cpu_seconds"]))
+    standing, price = [], 0.0
+    for of_target in fits:
+        results = of_target.results
+        try:
+            price = whole_price(results, price_of_realisations(results), results["realisations"].values)
+            standing.append(_standing(state, of_target, may_refine))
+        except UnusableDataError as error:
+            return _named(state.ending(f"not {REACHED}: {error}"), of_target.fit)
+    errors = {each.fit.variable: each.error for each in standing}
+    state = state.with_now(errors=errors, price=price if now.price is None else now.price)
+    missed = [each for each in standing if not each.error.reached]
+    if not missed:
         return state.ending(REACHED)
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
+    furthest = max(missed, key=lambda each: each.found.sure_error / each.target)
+    return _named(_decided(state, furthest, price, may_refine), furthest.fit)
+
+
+@dataclass(frozen=True)
+class _Standing(Fitted):
+    """Where a variable stands after a round: its target, its errors, and what its laws leave open."""
+
+    target: float
+    found: Judgement
+    doubts: "list[_Doubt]"
+    error: TargetError
+
+
+def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
+    """Where a variable stands after the last round; UnusableDataError for results that do not tell."""
+    results, fitted, fit = of_target.results, of_target.fitted, of_target.fit
+    now, target = state.now, state.goal.targets[fit.variable]
+    found, doubts = judge(results, fitted, fit), _doubts(fitted, max(1, len(now.levels)))
+    described = all(doubt.size < inf for doubt in doubts)
+    expected = _was_to_reach(now, fit) or found.predicted <= target or may_refine
+    reached = described and found.sure_error <= target and expected
+    error = TargetError(error=found.error if found.error < inf else None, factor=found.factor, reached=reached)
+    return _Standing(results, fitted, fit, target, found, doubts, error)
+
+
+def _was_to_reach(now: Round, fit: Fit) -> bool:
+    """Whether a round was planned to reach the target of a variable."""
+    return now.is_last and now.variable == fit.variable
+
+
+def _named(state: Rounds, fit: Fit) -> Rounds:
+    """Rounds whose end names the variable that it is about, where there are several."""
+    missed = f"not {REACHED}: "
+    if len(state.goal.targets) == 1 or not state.ended.startswith(missed):
+        return state
+    return state.ending(state.ended.replace(missed, f"{missed}{fit.variable}: ", 1))
+
+
+def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool) -> Rounds:
+    """Rounds with one more, which brings a target nearer, or `ended`; all so far have a `price`."""
+    fitted, fit, target = furthest.fitted, furthest.fit, furthest.target
+    doubts, is_last = furthest.doubts, _was_to_reach(state.now, fit)
     large = _SHARE_OF_DOUBTS * target
     contradiction = abs(fitted["contradiction"] / in_the_limit(fitted)[0]).max("group")
     if which := [f"{name}: {fit.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
+    described = all(doubt.size < inf for doubt in doubts)
     if may_refine and not described and (why := _indescribable(state.rounds, fitted)):
         return state.ending(f"not {REACHED}: {why}")
-    finer = _refined(state, results, doubts, large) if may_refine else None
+    finer = _refined(state, furthest, large) if may_refine else None
     if finer is not None:
         return finer
-    if not may_refine and (why := _hopeless(fitted, doubts, now.is_last, target)):
+    if not may_refine and (why := _hopeless(fitted, doubts, is_last, target)):
         return state.ending(f"not {REACHED}: {why}")
     of_laws = max(doubt.size for doubt in doubts)
     worth = of_laws if large < of_laws < inf else large  # surfaces are worth no more than the laws
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
-    another = _with_another(state, results, fitted, found, fit, aim, min(of_laws, target))
+    another = _with_another(state, furthest, aim, min(of_laws, target))
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
-    finer = _refined(state, results, unmet, 0.0) if may_refine else None
+    finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
     return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
@@ -152,12 +205,12 @@ def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, targe
     return ""
 
 
-def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most: float) -> Rounds | None:
+def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     """Rounds with one more that has finer levels for the groups whose laws leave more open; None if none has."""
-    now = state.now
+    now, results = state.now, of_target.results
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
-    for of_group, doubt in zip(now.levels, doubts, strict=True):
+    for of_group, doubt in zip(now.levels, of_target.doubts, strict=True):
         step = 2.0 if doubt.halved <= most else STEP[dimension]
         levels.append(tuple(finer_levels(of_group, doubt.limit, step)) if doubt.size > most else of_group)
     if tuple(levels) == now.levels:
@@ -165,7 +218,7 @@ def _refined(state: Rounds, results: xr.Dataset, doubts: Sequence[_Doubt], most:
     held = dict(zip(now.cases, now.realisations, strict=True))
     prices = dict(zip(now.cases, price_of_realisations(results).tolist(), strict=True))
     first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
-    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False)
+    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=of_target.fit.variable)
     counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
     alike = _alike(now, results["case_id"].values.tolist())
     priced: dict[tuple[int, Level], float] = {}
@@ -192,18 +245,16 @@ def _alike(now: Round, identities: Sequence[str]) -> list[int]:
     ]
 
 
-def _with_another(
-    state: Rounds, results: xr.Dataset, fitted: xr.Dataset, found: Judgement, fit: Fit, target: float, of_laws: float
-) -> Rounds:
-    """Rounds with one more that has more realisations, which bring the error beside that `of_laws` to a target."""
-    most = inf
+def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: float) -> Rounds:
+    """Rounds with one more that has more realisations, which bring the error beside that `of_laws` to an `aim`."""
+    most, found = inf, of_target.found
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price
     mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
     try:
-        decision = decide(results, mendable, target, fit, most, after_pilot=len(state.rounds) == 1)
+        decision = decide(of_target.results, mendable, aim, of_target.fit, most, after_pilot=len(state.rounds) == 1)
     except UnknownExponentsError as error:
-        return state.ending(f"not {REACHED}: {error}{_widest(fitted)}")
+        return state.ending(f"not {REACHED}: {error}{_widest(of_target.fitted)}")
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:
@@ -212,6 +263,7 @@ def _with_another(
         realisations=tuple(decision.realisations.tolist()),
         is_last=decision.is_last,
         levels=state.now.levels,
+        variable=of_target.fit.variable,
         predicted_error=hypot(decision.predicted_error, of_laws),
         price=decision.price,
         target_price=decision.target_price,

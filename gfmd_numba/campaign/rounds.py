@@ -25,30 +25,42 @@ _MOST_OF_A_PILOT = 40  # as far as there are so many
 FILE = "rounds.json"
 _RECORD = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-_VARIABLES = {
+_OF_A_TARGET = {
     "predicted_error": "relative standard error of the limit, times its factor, that was expected before the round",
     "error": "relative standard error of the limit that the fit reported after the round, of the worst group",
     "error_factor": "factor on the error of the fit that allows for the uncertainty of the error itself",
+}
+_OF_A_ROUND = {
     "price": f"price of all realisations, in {UNITS}",
     "target_price": "price at which the target was expected to be reached, nan if unknown",
     "cpu_seconds": "processor time of the contacts up to the end of the round",
 }
 
 
+class TargetError(BaseModel):
+    """Relative error of a target after a round, None of a refused fit; its factor, and whether that is enough."""
+
+    model_config = _RECORD
+    error: float | None
+    factor: float
+    reached: bool
+
+
 class Round(BaseModel):
     """What was decided for a round before it ran, and what was found after it.
 
-    `is_last` says that it was planned to reach the target, or to use up the budget. The prices are those of the whole
-    run. None stands for what is not known: nothing is predicted of a pilot, and a refused fit has no error.
+    `variable` is the target that the round was decided for: `predicted_error` and `target_price` are about that one,
+    and `is_last` says that the round was planned to reach it, or to use up the budget. The prices are those of the
+    whole run. None stands for what is not known: nothing is predicted of a pilot.
     """
 
     model_config = _RECORD
     realisations: tuple[Annotated[int, Field(ge=1, le=MOST)], ...] = Field(min_length=1)  # (case)
     is_last: bool
     levels: tuple[tuple[tuple[float, ...], ...], ...] = ()  # of each group, its reference first; (): the pilot's
+    variable: str | None = None
     predicted_error: float | None = None
-    error: float | None = None
-    error_factor: float | None = None
+    errors: dict[str, TargetError] = {}  # of each target
     price: float | None = None
     target_price: float | None = None
     cpu_seconds: float | None = None
@@ -59,6 +71,15 @@ class Round(BaseModel):
         if not self.levels:
             return list(range(len(self.realisations)))
         return [(group, level) for group, of_group in enumerate(self.levels) for level in of_group]
+
+    def told_of(self, target: str) -> dict[str, float | None]:
+        """What is known of a target, by its name in the results."""
+        found = self.errors.get(target)
+        return {
+            "predicted_error": self.predicted_error if self.variable == target else None,
+            "error": None if found is None else found.error,
+            "error_factor": None if found is None else found.factor,
+        }
 
 
 class Rounds(BaseModel):
@@ -102,10 +123,17 @@ class Rounds(BaseModel):
             "round": ("round", np.arange(len(self.rounds)), numbered),
             "round_realisations": (("round", "case"), self._realisations(), asked),
         }
-        for name, long_name in _VARIABLES.items():
+        for name, long_name in _OF_A_ROUND.items():
             values = np.array([getattr(each, name) for each in self.rounds], dtype=float)
             attributes = cf_attributes(long_name, "s" if name == "cpu_seconds" else "1")
             found[f"round_{name}"] = ("round", values, attributes)
+        targets = list(self.goal.targets)
+        for name, long_name in _OF_A_TARGET.items():
+            told = np.array([[each.told_of(target)[name] for target in targets] for each in self.rounds], dtype=float)
+            dims, values = (("round", "target"), told) if len(targets) > 1 else ("round", told[:, 0])
+            found[f"round_{name}"] = (dims, values, cf_attributes(long_name))
+        if len(targets) > 1:
+            found["target"] = ("target", targets, cf_attributes("variable whose limit is to have an error"))
         return found
 
     def _realisations(self) -> list[list[int]]:
@@ -115,7 +143,9 @@ class Rounds(BaseModel):
 
     def attributes(self) -> dict[str, str | float]:
         """What the results say of the goal and of how the run ended."""
-        found: dict[str, str | float] = {"until": f"{self.goal.variable}={self.goal.target:g}", "ended": self.ended}
+        until = ", ".join(f"{name}={share:g}" for name, share in self.goal.targets.items())
+        reached = ", ".join(name for name, error in self.now.errors.items() if error.reached)
+        found: dict[str, str | float] = {"until": until, "ended": self.ended, "reached": reached}
         if self.goal.budget is not None:
             found["budget"] = self.goal.budget
         if self.seconds_per_price is not None:
@@ -146,7 +176,7 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
 
     Cross levels are added where it has none.
     """
-    update = {"realisations": Realisations(reference=FEWEST), "target": {goal.variable: goal.target}}
+    update = {"realisations": Realisations(reference=FEWEST), "target": goal.targets}
     campaign = planned.campaign.model_copy(update=update)
     cases = expand(campaign, planned.punches, planned.measured, planned.document)
     piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
@@ -170,7 +200,7 @@ def as_decided(directory: Path) -> Plan:
     found = read(directory)
     if found is None:
         return plan(directory / LABEL)
-    planned = plan(directory / LABEL, {found.goal.variable: found.goal.target})
+    planned = plan(directory / LABEL, found.goal.targets)
     piloted = pilot_plan(planned, found.goal)
     return in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
 

@@ -1,6 +1,5 @@
 """A campaign that runs until its limit is known to a relative error: a pilot, and rounds that results decide."""
 
-import json
 from collections.abc import Callable, Generator
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, replace
@@ -17,8 +16,9 @@ from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Workers, check, started
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
+from gfmd_numba.campaign.fit_record import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import REACHED, after
+from gfmd_numba.campaign.next_round import REACHED, Fitted, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.results import read_results
@@ -117,7 +117,7 @@ def _prepared(
     told: Told | None,
 ) -> "_Run":
     """Run that can be: raises InputError for a goal or workers that cannot."""
-    planned = rounds.pilot_plan(plan(source, {goal.variable: goal.target}), goal)
+    planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
     check(workers, directory)
@@ -213,12 +213,14 @@ class _Run:
         if state.seconds_per_price is None:
             state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
         results = read_results(collect(planned, self.directory))
-        fitted = fit_tfc(results, **json.loads(results.attrs["fit"]))
-        fit = planned.campaign.fit
-        known = {name: exponent for name, exponent in fit.fixed if exponent is not None}
-        judged = results if fit.step is None else steps_of(results, fit.variable, fit.step)[0]
+        of_variable: dict[str, FitRecord] = {fit.variable: fit for fit, _ in planned.campaign.fits()}
+        fits = []
+        for variable in self.goal.targets:
+            fit = of_variable[variable]
+            judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
+            fits.append(Fitted(judged, fit_tfc(results, **fit.options), Fit(variable, fit.options["fixed"])))
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
-        return after(state, judged, fitted, Fit(fit.variable, known), may_refine)
+        return after(state, fits, may_refine)
 
     def _collected(self, state: Rounds, planned: Plan) -> Outcome:
         rounds.write(self.directory, state)
@@ -229,12 +231,6 @@ class _Run:
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
-    fitted = planned.campaign.fit.variable
-    if goal.variable != fitted:
-        raise InputError(
-            f"until: you gave {goal.variable}; gfmd allows {fitted}, as the campaign fits that "
-            "(another: `fit: {variable: ...}`)"
-        )
     if all(case.limit == "reference" for case in planned.cases):
         raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:

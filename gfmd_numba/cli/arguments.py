@@ -85,18 +85,24 @@ conditions_option = click.option(
 )
 
 
-def _target_given(ctx: click.Context, param: click.Parameter, option: str | None) -> tuple[str, float] | None:
-    """Return of what, and the relative error, given as `kappa=2%`; without a name of what the campaign fits."""
-    if option is None:
-        return None
-    name, _, number = option.rpartition("=")
-    try:
-        target = float(number.rstrip("%")) / (100.0 if number.endswith("%") else 1.0)
-    except ValueError:
-        target = 0.0
-    if not 0.0 < target < 1.0:
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02")
-    return name, target
+def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> dict[str, float]:
+    """Return relative errors by variable, given as `kappa=2%`; one without a name is of what the campaign fits."""
+    targets: dict[str, float] = {}
+    for option in options:
+        name, _, number = option.rpartition("=")
+        try:
+            target = float(number.rstrip("%")) / (100.0 if number.endswith("%") else 1.0)
+        except ValueError:
+            target = 0.0
+        if not 0.0 < target < 1.0:
+            raise click.BadParameter(f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02")
+        if name in targets or (options[1:] and not name):
+            raise click.BadParameter(
+                f"you gave {option!r} beside {options[0]!r}; gfmd allows several targets of different variables, each "
+                "with its name, like kappa=2%"
+            )
+        targets[name] = target
+    return targets
 
 
 def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None) -> float | None:
@@ -113,15 +119,18 @@ def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None
 
 target_option = click.option(
     "--target",
-    callback=_target_given,
+    multiple=True,
+    callback=_targets_given,
     metavar="kappa=X%",
     help="Run the pilot of `gfmd run --until`, and say what the next round would take",
 )
 until_option = click.option(
     "--until",
-    callback=_target_given,
+    multiple=True,
+    callback=_targets_given,
     metavar="kappa=X%",
-    help="Run until the limit has this error. gfmd chooses the numbers of realisations; those in FILE are not used",
+    help="Run until the limit has this error; may be given for several variables. gfmd chooses the numbers of "
+    "realisations; those in FILE are not used",
 )
 budget_option = click.option(
     "--budget", callback=_budget_given, metavar="TIME", help="Processor time that the rounds may take, like 20min"

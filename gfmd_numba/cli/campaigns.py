@@ -68,7 +68,7 @@ def run(
     limit: int | None,
     retry_failed: bool,
     fail_fast: bool,
-    until: tuple[str, float] | None,
+    until: dict[str, float],
     budget: float | None,
 ) -> None:
     """Run or resume the campaign in FILE and fit its results.
@@ -86,15 +86,14 @@ def run(
     from gfmd_numba.campaign.run import run as run_campaign
     from gfmd_numba.cli.until import check_options, run_rounds
 
-    if until is None and (target := target_of_run(file)) is not None:
-        until = next(iter(target.items()))
+    until = until or target_of_run(file) or {}
     check_options(until, budget, only, limit)
     _check_workers_options()
     choice = Choice(dict(only), limit, retry_failed, fail_fast)
     jobs = None if cluster is None else load_cluster(cluster)
     who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
     try:
-        if until is not None:
+        if until:
             reached = run_rounds(file, output, who, choice, until, budget, show_results)
         else:
             with progress_bar() as watch:

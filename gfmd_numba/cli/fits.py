@@ -54,6 +54,7 @@ def fit(
 
     RESULTS is the netCDF file of a campaign, or its output directory.
     """
+    from gfmd_numba.analysis.arguments import targets_of
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
@@ -65,7 +66,7 @@ def fit(
     with naming(file):
         fitted = _fit(dataset, fixed, variable, exponents)
     show_fit(fitted)
-    if fitted.attrs["variable"] == fit_options(dataset, (), None, None).get("variable"):
+    if fitted.attrs["variable"] in {fit_options(dataset, (), None, None).get("variable"), *targets_of(dataset)}:
         show_goal(dataset, fitted)
     if output is not None:
         from gfmd_numba.storage.atomic_file import write_dataset
@@ -176,15 +177,16 @@ def _fit(dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, ex
 def fit_options(
     dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None
 ) -> dict[str, Any]:
-    """Options of the fit: the campaign's own, overridden by those of the command line."""
+    """Options of the fit: the campaign's own of the variable, overridden by those of the command line."""
     import json
 
     options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
-    options["fixed"] = options.get("fixed", {}) | dict(fixed)
     if variable is not None:
         options["variable"] = variable
         if variable in OF_PATHS:
             options.pop("step", None)  # which the path as a whole has not
+        options = json.loads(dataset.attrs.get("fits_of_targets", "{}")).get(variable, options)
+    options["fixed"] = options.get("fixed", {}) | dict(fixed)
     if exponents is not None:
         options["exponents"] = exponents
     return options

@@ -77,8 +77,8 @@ def _check_campaign(document: Document) -> tuple[str, str]:
             doubts += refused_limits(planned)
     kind = f"a campaign of {campaign.n_cases} cases"
     if is_without_levels(document, campaign):
-        ((variable, share),) = (campaign.target or {}).items()
-        kind = f"a campaign to {share:.2%} of {variable}, which begins with {campaign.n_cases} cases"
+        targets = " and ".join(f"{share:.2%} of {variable}" for variable, share in (campaign.target or {}).items())
+        kind = f"a campaign to {targets}, which begins with {campaign.n_cases} cases"
     elif campaign.seed is not None:
         kind += f" x {campaign.realisations.reference} realisations"
     kind += f" along a path of {len(campaign.path)} steps" if campaign.path else ""

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 )
 @target_option
 @budget_option
-def plan(file: Path, workers: int, pilot: float, target: tuple[str, float] | None, budget: float | None) -> None:
+def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budget: float | None) -> None:
     """Predict size and cost of the campaign in FILE.
 
     Without --target, the command plans for the realisations in FILE, or for the first round of a run that chooses them.
@@ -59,8 +59,8 @@ def plan(file: Path, workers: int, pilot: float, target: tuple[str, float] | Non
 
     _check_options(target, budget)
     with options_named("target"):
-        goal = None if target is None else goal_in(file, target, budget)
-    planned = plan_campaign(file, None if goal is None else {goal.variable: goal.target})
+        goal = goal_in(file, target, budget) if target else None
+    planned = plan_campaign(file, None if goal is None else goal.targets)
     distinct = len(planned.problems)
     click.echo(f"campaign      {planned.campaign.name}")
     click.echo(f"cases         {len(planned.cases)}, of which {distinct} distinct problems")
@@ -138,13 +138,13 @@ def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tup
 
 def _check_options(target: object, budget: float | None) -> None:
     """Raise a usage error for options that do not go together."""
-    if target is None and budget is not None:
+    if not target and budget is not None:
         raise click.UsageError(
             "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
             "bounds a run)"
         )
     given = click.get_current_context().get_parameter_source("pilot")
-    if target is not None and given is click.core.ParameterSource.COMMANDLINE:
+    if target and given is click.core.ParameterSource.COMMANDLINE:
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
@@ -166,13 +166,17 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
     from gfmd_numba.campaign.next_round import REACHED
 
     state, pilot = decided.rounds, decided.rounds.rounds[0]
-    found = said_of_error(pilot.error or nan, pilot.error_factor or nan)
     spent = f"{duration(pilot.cpu_seconds or 0.0)} of processor time for the contacts"
-    say("pilot", f"{state.goal.variable} in the limit: {found}; {spent}", width=14)
-    how = state.ended or "not reached by the pilot"
-    if how == REACHED:
-        how = "reached by the pilot, after which `gfmd run --until` ends"
-    say("target", f"{state.goal.target:.2%}: {how}", width=14)
+    for name, target in state.goal.targets.items():
+        told, error = pilot.told_of(name), pilot.errors.get(name)
+        found = said_of_error(told["error"] or nan, told["error_factor"] or nan)
+        say("pilot", f"{name} in the limit: {found}; {spent}", width=14)
+        how = state.ended or "not reached by the pilot"
+        if error is not None and error.reached:
+            how = "reached by the pilot"
+        if state.ended == REACHED:
+            how += ", after which `gfmd run --until` ends"
+        say("target", f"{target:.2%}: {how}", width=14)
     if not state.ended:
         _show_next_round(state, decided.planned)
         _show_size(decided.planned, workers)
@@ -190,7 +194,7 @@ def _show_next_round(state: Rounds, planned: Plan) -> None:
     say("round 1", f"finer levels, {levels_of(now)}" if refined else "more realisations of the same levels", width=14)
     expected = "no error is predicted for levels without results"
     if now.predicted_error is not None:
-        expected = f"{now.predicted_error:.2%} of {state.goal.variable} in the limit is expected after round 1"
+        expected = f"{now.predicted_error:.2%} of {now.variable} in the limit is expected after round 1"
     say("error", expected, width=14)
     if state.seconds_per_price is not None and now.price is not None:
         so_far = duration(now.price * state.seconds_per_price)

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
     """Raise a usage error for options that do not go together."""
-    if until is None and budget is not None:
+    if not until and budget is not None:
         raise click.UsageError(
             "--budget: you gave no --until, whose processor time it bounds, and FILE has no target; give both, or none"
         )
-    if until is not None and (only or limit):
+    if until and (only or limit):
         name = "--only" if only else "--limit"
         allowed = "one of the two, as the error of a limit needs all cases"
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
@@ -43,7 +43,7 @@ def run_rounds(
     output: Path | None,
     workers: Workers,
     choice: Choice,
-    until: tuple[str, float],
+    until: dict[str, float],
     budget: float | None,
     show: Show,
 ) -> bool:
@@ -62,13 +62,12 @@ def run_rounds(
     return _show(outcome, show) and outcome.reached
 
 
-def goal_in(file: Path, until: tuple[str, float], budget: float | None) -> Goal:
+def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
     """Return the goal of a campaign in a file: without a name, an error of what the campaign fits."""
-    from gfmd_numba.campaign.file import load_campaign
+    from gfmd_numba.campaign.file import fitted_variable
     from gfmd_numba.campaign.goal import goal_of
 
-    variable, target = until
-    return goal_of({variable or load_campaign(file, {"kappa": target})[0].fit.variable: target}, budget)
+    return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
 
 
 @contextmanager
@@ -123,19 +122,27 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
         if left:
             say("round", f"0, the pilot: {left} simulations", err=True)
         return "pilot"
-    before, target = rounds.rounds[-2], rounds.goal.target
-    error = "unknown" if before.error is None else f"{before.error:.2%}"
-    expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%} expected"
+    before, targets = rounds.rounds[-2], rounds.goal.targets
+    aims = []
+    for name, target in targets.items():
+        found = before.told_of(name)["error"]
+        error = "unknown" if found is None else f"{found:.2%}"
+        aims.append((f"{name} " if len(targets) > 1 else "", error, f"{target:.2%}"))
+    of_which = f" of {now.variable}" if len(targets) > 1 else ""
+    expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%}{of_which} expected"
     cost = [
         f"{duration(max(0.0, price - before.price) * rounds.seconds_per_price)} {what}"
-        for price, what in ((now.price, "of processor time"), (now.target_price, "until the target is reached"))
+        for price, what in (
+            (now.price, "of processor time"),
+            (now.target_price, f"until the target{of_which} is reached"),
+        )
         if price is not None and before.price is not None and rounds.seconds_per_price is not None
     ]
     takes = f"; about {', '.join(cost)}" if cost else ""
     if left:
-        aim = f"error {error}, target {target:.2%}; {left} simulations more{expected}{takes}"
-        say("round", f"{number}: {aim}", err=True)
-    return f"round {number}, {error} of {target:.2%}"
+        aim = ", ".join(f"{name}error {error}, target {target}" for name, error, target in aims)
+        say("round", f"{number}: {aim}; {left} simulations more{expected}{takes}", err=True)
+    return f"round {number}, {', '.join(f'{name}{error} of {target}' for name, error, target in aims)}"
 
 
 def _show(outcome: Outcome, show: Show) -> bool:

@@ -7,7 +7,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.next_round import after
+from gfmd_numba.campaign.next_round import Fitted, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 
@@ -41,11 +41,11 @@ def asked(drawn, counts):
 def until(drawn, target, seed):
     """Fit of a campaign that decides its rounds as a run does, and the rounds."""
     first = Round(realisations=(FEWEST,) * drawn.sizes["case"], is_last=False)
-    state = Rounds(goal=Goal(variable="kappa", target=target), campaign_sha256="", rounds=(first,))
+    state = Rounds(goal=Goal(targets={"kappa": target}), campaign_sha256="", rounds=(first,))
     while not state.ended:
         results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
         fitted = fit_tfc(results, fixed=ALPHA)
-        state = after(state, results, fitted, Fit("kappa", ALPHA))
+        state = after(state, [Fitted(results, fitted, Fit("kappa", ALPHA))])
     return fitted, state
 
 

@@ -26,7 +26,7 @@ COARSE = SHORT | {
     "limits": {"eps_f": [1 / 2, 1 / 4], "eps_t": [1], "cross": [{"eps_f": 1 / 4, "eps_t": 1}]},
     "fit": {"exponents": "free", "fixed": {"eps_f": [0.3, 2], "eps_t": 1}},
 }
-GOAL = Goal(variable="kappa", target=0.05)
+GOAL = Goal(targets={"kappa": 0.05})
 HERE = Workers(0)
 
 
@@ -110,7 +110,7 @@ def test_finer_levels_keep_the_old_ones(limit, dimension):
 def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     first, *_, last = refined.rounds.rounds
     assert refined.reached
-    assert last.error <= 0.05
+    assert last.errors["kappa"].error <= 0.05
     assert set(first.levels[0]) < set(last.levels[0])
     before = refined.rounds.rounds[:-1]
     finer = [

@@ -7,7 +7,7 @@ import xarray as xr
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.decision import Fit, UnknownExponentsError, decide, judge
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import after
+from gfmd_numba.campaign.next_round import Fitted, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
@@ -104,7 +104,7 @@ def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
 def test_a_run_ends_with_the_advice_that_helps():
     found = results(crossed()).assign_attrs(cpu_seconds=1.0)
     first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
-    state = Rounds(goal=Goal(variable="kappa", target=0.001), campaign_sha256="", rounds=(first,))
-    ended = after(state, found, fit_tfc(found, fixed=ALPHA), EXACT).ended
+    state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
+    ended = after(state, [Fitted(found, fit_tfc(found, fixed=ALPHA), EXACT)]).ended
     assert ended.startswith("not reached: 1000000 realisations of every case would leave an error of")
     assert ended.endswith("a cross level for every pair of limits under `limits: {cross: ...}`")

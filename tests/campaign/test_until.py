@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"}
 ONE = FIT | {"grid: {hurst: [0.3, 0.8]}": ""}
-GOAL = Goal(variable="kappa", target=0.02)
+GOAL = Goal(targets={"kappa": 0.02})
 HERE = Workers(0)
 
 
@@ -47,9 +47,11 @@ def test_a_run_ends_with_the_error_that_was_asked_for(reached):
     last = reached.rounds.now
     assert reached.reached
     assert len(reached.rounds.rounds) > 1
-    assert error == pytest.approx(last.error)
-    assert last.error * last.error_factor <= GOAL.target
-    assert last.error_factor > 1.0
+    found = last.errors["kappa"]
+    assert error == pytest.approx(found.error)
+    assert found.error * found.factor <= GOAL.targets["kappa"]
+    assert found.factor > 1.0
+    assert found.reached
     np.testing.assert_array_equal(results["realisations"], last.realisations)
 
 
@@ -74,9 +76,11 @@ def test_the_decisions_stand_in_the_file(reached):
     np.testing.assert_array_equal(results["round_realisations"], [each.realisations for each in found])
     for name in ("error", "error_factor", "predicted_error", "price", "cpu_seconds"):
         variable = results[f"round_{name}"]
-        np.testing.assert_array_equal(variable, np.array([getattr(each, name) for each in found], dtype=float))
+        told = [(each.model_dump() | each.told_of("kappa"))[name] for each in found]
+        np.testing.assert_array_equal(variable, np.array(told, dtype=float))
         assert {"long_name", "units"} <= variable.attrs.keys()
-    assert (results.attrs["until"], results.attrs["ended"], results.attrs["target"]) == ("kappa=0.02", "reached", 0.02)
+    said = {name: results.attrs[name] for name in ("until", "ended", "reached", "target")}
+    assert said == {"until": "kappa=0.02", "ended": "reached", "reached": "kappa", "target": '{"kappa": 0.02}'}
     assert json.loads((reached.results.parent / "rounds.json").read_text())["ended"] == "reached"
     assert (np.diff(results["round_price"]) > 0).all()
 
@@ -199,7 +203,7 @@ def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
 
 @pytest.mark.long
 def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
-    path, looser = campaign(tmp_path, **ONE), Goal(variable="kappa", target=0.03)
+    path, looser = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.03})
     run_until(path, looser, tmp_path / "out", HERE)
     solved.clear()
     further = run_until(path, GOAL, tmp_path / "out", HERE)
@@ -214,11 +218,11 @@ def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
 def test_a_plain_run_forgets_the_rounds(tmp_path, finished):
     """And those of a next run with a target are decided from the same results."""
     path, out = campaign(tmp_path), tmp_path / "out"
-    first = run_until(campaign(tmp_path, **FIT), Goal(variable="kappa", target=0.05), out, HERE)
+    first = run_until(campaign(tmp_path, **FIT), Goal(targets={"kappa": 0.05}), out, HERE)
     digest = opened(first).attrs["content_sha256"]
     plain = gfmd_numba.run(path, out)
     xr.testing.assert_identical(numbers(plain), numbers(finished))
-    again = run_until(campaign(tmp_path, **FIT), Goal(variable="kappa", target=0.05), out, HERE)
+    again = run_until(campaign(tmp_path, **FIT), Goal(targets={"kappa": 0.05}), out, HERE)
     assert opened(again).attrs["content_sha256"] == digest
 
 

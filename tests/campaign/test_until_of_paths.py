@@ -11,7 +11,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.next_round import after
+from gfmd_numba.campaign.next_round import Fitted, after
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rounds import Round, Rounds
 from gfmd_numba.scene import InputError
@@ -123,17 +123,17 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
     for seed in range(SEEDS):
         drawn = surfaces(seed)
         first = Round(realisations=(FEWEST,) * drawn.sizes["case"], is_last=False)
-        state = Rounds(goal=Goal(variable="kappa", target=0.02), campaign_sha256="", rounds=(first,))
+        state = Rounds(goal=Goal(targets={"kappa": 0.02}), campaign_sha256="", rounds=(first,))
         while not state.ended:
             results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
             fitted = fit_tfc(results, fixed=ALPHA)
-            state = after(state, results, fitted, Fit("kappa", ALPHA))
+            state = after(state, [Fitted(results, fitted, Fit("kappa", ALPHA))])
         if "no law of the limits describes the means" in state.ended:  # by chance, as one in twenty means scatter
             continue
         assert state.ended == "reached"
         errors = (fitted["kappa_tfc_error"] / fitted["kappa_tfc"]).values
         assert (errors <= 0.02).all()
-        assert errors[0] < errors[1] == pytest.approx(state.now.error)
+        assert errors[0] < errors[1] == pytest.approx(state.now.errors["kappa"].error)
         distances.append((fitted["kappa_tfc"].values - TFC[0.8]) / fitted["kappa_tfc_error"].values)
     assert len(distances) >= 0.9 * SEEDS
     scatter = np.sqrt(np.mean(np.square(distances), axis=0))

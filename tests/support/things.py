@@ -102,7 +102,7 @@ class Things:
             "round": [0, 1],
             "round_cpu_seconds": ("round", [1.0, 4.0]),
         }
-        return self.results().assign(rounds).assign_attrs(target=0.05, until="kappa=0.05", ended="reached")
+        return self.results().assign(rounds).assign_attrs(target='{"kappa": 0.05}', until="kappa=0.05", ended="reached")
 
     @cache  # noqa: B019
     def accuracy(self):

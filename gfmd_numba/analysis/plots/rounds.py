@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from gfmd_numba.analysis.arguments import TARGET, checked
+from gfmd_numba.analysis.arguments import checked, targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE
+from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, STYLE
 
-_RESULT, _TARGET = COLOURS[0], COLOURS[2]
-_ROUNDS: dict[str, Any] = {"fmt": "o-", "color": _RESULT, "ms": 5.5, "capsize": 3, "lw": 1.3}
+_TARGET = COLOURS[2]
+_ROUNDS: dict[str, Any] = {"ms": 5.5, "capsize": 3, "lw": 1.3}
 _BARS = "rounds, bars to 90 % confidence"
 _TIMES = {  # ticks of an axis of time, in s
     "1 ms": 1e-3,
@@ -45,41 +45,48 @@ _TIMES = {  # ticks of an axis of time, in s
 
 @checked
 def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
-    """Draw the error of the worst group after each round against processor time, and its target.
+    """Draw the error of the worst group after each round against processor time, and its target, of each variable.
 
     Bars go to the error that is not exceeded with 90 % probability. UnusableDataError for results without a round that
-    has an error.
+    has an error, InputError for targets that are none.
     """
-    if "round" not in dataset.dims or not (dataset["round_error"] > 0).any():
+    targets = targets_of(dataset)
+    if "round" not in dataset.dims or not targets or not (dataset["round_error"] > 0).any():
         raise UnusableDataError(
             "you gave results without a round that has an error; gfmd allows those of `gfmd run --until`"
         )
-    known = dataset.isel(round=np.flatnonzero((dataset["round_error"] > 0).values))
-    seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
-    target = TARGET.checked(dataset.attrs.get("target"), "the attribute target")
     with mpl.rc_context(STYLE):
         figure = Figure((7.2, 4.8), dpi=150, layout="constrained")
         axis = figure.subplots()
-        axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=_ylabel(dataset))
-        axis.axhline(target, color=_TARGET, lw=1.3, label=f"target {100 * target:.3g} %")
-        axis.plot(
-            seconds,
-            known["round_predicted_error"],
-            "o",
-            color=_RESULT,
-            mfc="none",
-            ms=9,
-            label="expected before the round",
-        )
-        sure = errors * (known["round_error_factor"].values - 1.0)
-        axis.errorbar(seconds, errors, [0.0 * sure, sure], label=_BARS, **_ROUNDS)
-        for number, x, y in zip(known["round"].values, seconds, errors, strict=True):
-            _write(axis, str(number) if number else "pilot", (x, y), (-5, -7), "right")
+        which = _symbol(next(iter(targets))) if len(targets) == 1 else "each target"
+        ylabel = f"Relative error of {which} in the limit"
+        axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=ylabel)
+        seconds = dataset["round_cpu_seconds"].values[np.isfinite(dataset["round_cpu_seconds"].values)]
         axis.set_xlim(0.5 * seconds[0], 2.0 * seconds[-1])
+        for number, (name, target) in enumerate(targets.items()):
+            of_target = dataset.sel(target=name) if "target" in dataset.dims else dataset
+            _draw(axis, of_target, target, number, f"{_symbol(name)}: " if len(targets) > 1 else "")
         _tick(axis)
         axis.grid(color="0.9", linewidth=0.8)
         figure.legend(loc="outside upper center", ncols=2)
     return figure
+
+
+def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: str) -> None:
+    """Draw the rounds of one target; of several, its line has the colour of its rounds."""
+    known = dataset.isel(round=np.flatnonzero((dataset["round_error"] > 0).values))
+    seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
+    colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
+    line: dict[str, Any] = {"color": colour, "ls": "--"} if whose else {"color": _TARGET}
+    axis.axhline(target, lw=1.3, label=f"{whose}target {100 * target:.3g} %", **line)
+    expected = known["round_predicted_error"]
+    label = f"{whose}expected before the round"
+    axis.plot(seconds, expected, marker, color=colour, mfc="none", ms=9, label=label)
+    sure = errors * (known["round_error_factor"].values - 1.0)
+    bars = [0.0 * sure, sure]
+    axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}", **_ROUNDS)
+    for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
+        _write(axis, str(which) if which else "pilot", (x, y), (-5, -7), "right")
 
 
 def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], side: str) -> None:
@@ -98,7 +105,5 @@ def _tick(axis: Axes) -> None:
     axis.yaxis.set_minor_locator(NullLocator())
 
 
-def _ylabel(dataset: xr.Dataset) -> str:
-    variable = str(dataset.attrs["until"]).split("=")[0]
-    symbol = {"kappa": r"$\kappa$", "kappa_r": r"$\kappa_r$"}.get(variable, variable.replace("_", " "))
-    return f"Relative error of {symbol} in the limit"
+def _symbol(variable: str) -> str:
+    return {"kappa": r"$\kappa$", "kappa_r": r"$\kappa_r$"}.get(variable, variable.replace("_", " "))

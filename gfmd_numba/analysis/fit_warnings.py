@@ -44,7 +44,7 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
         if levels is not None and len(levels) < 3 and _free(choices, name):
             lack = f"exponent of {name} needs three levels, has two ({fractions(levels)})"
-            return f"{lack}\n{advice([name], groups[0].dimension)}"
+            return f"{lack}\n{advice([name], groups[0].variable, groups[0].dimension)}"
     return ""
 
 
@@ -145,12 +145,12 @@ def evidence(group: Group, name: str) -> str:
     return f"levels {fractions(group.levels[name])}, {realisations(group)}"
 
 
-def advice(names: Collection[str], dimension: int) -> str:
+def advice(names: Collection[str], variable: str, dimension: int) -> str:
     """Return how to fix exponents where the user stands: at the command line, in the campaign file, in Python."""
-    ranges = {name: exponent_ranges(dimension)[name] for name in names}
+    ranges = {name: exponent_ranges(variable, dimension)[name] for name in names}
     options = " ".join(f"--fixed {name}={low:g}:{high:g}" for name, (low, high) in ranges.items())
     block = ", ".join(f"{name}: [{low:g}, {high:g}]" for name, (low, high) in ranges.items())
     return (
-        f"give the ranges that exponents of kappa lie in: `gfmd fit {options}`; `fit: {{fixed: {{{block}}}}}` in the "
-        f"campaign file; fixed={ranges} in Python; or add levels or realisations"
+        f"give the ranges that exponents of {variable} lie in: `gfmd fit {options}`; `fit: {{fixed: {{{block}}}}}` in "
+        f"the campaign file; fixed={ranges} in Python; or add levels or realisations"
     )

@@ -39,7 +39,7 @@ class Rival:
 def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
     """Yield the fits without the coarsest or finest level of a limit, by theory, and without asserted exponents."""
     hursts = [group.parameters.get("hurst", np.nan) for group in groups]
-    expected = exponent_ranges(groups[0].dimension, max(hursts))
+    expected = exponent_ranges(groups[0].variable, groups[0].dimension, max(hursts))
     for limit in LIMITS:
         levels = _levels(groups, limit)
         if len(levels) >= _FEWEST:

@@ -394,7 +394,7 @@ def _misfit(
 
 def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
     reasons = [f"exponent of {name} {why} ({evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, advice(doubt, group.dimension)])
+    return "\n".join([*reasons, advice(doubt, group.variable, group.dimension)])
 
 
 def _refused(group: Group, reason: str) -> GroupFit:

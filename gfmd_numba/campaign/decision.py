@@ -234,14 +234,14 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
 
 
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:
-    """Say which ranges of exponents to give, in full where kappa is fitted and some have none."""
+    """Say which ranges of exponents to give, in full where some have none."""
     limits = [name for name in LIMITS if name in cases["limit"].values]
     hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
-    usual = exponent_ranges(int(cases["dimension"].values[0]), hurst)
-    if fit.variable != "kappa" or fit.fixed.keys() >= set(limits):
+    usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
+    if fit.fixed.keys() >= set(limits):
         return "narrower ranges under `fit: {fixed: ...}`"
     unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
-    return f"the ranges in which exponents of kappa lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
+    return f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
 
 
 def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:

@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.fit_record import Fit, check_recorded
+from gfmd_numba.campaign.fit_record import Fit, check_limit, check_recorded
 from gfmd_numba.campaign.goal import Target
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
@@ -126,7 +126,7 @@ class Campaign(BaseModel):
         hursts = values_of(self.grid, "hurst") or [
             getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
         ]
-        ranges: dict[str, Any] = dict(exponent_ranges(self.scene.dimension or 1, max(hursts, default=nan)))
+        ranges: dict[str, Any] = dict(exponent_ranges(variable, self.scene.dimension or 1, max(hursts, default=nan)))
         if all(has_slope_law(variable, hurst) for hurst in hursts):
             del ranges["eps_f"]
         return ranges
@@ -250,6 +250,8 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     check_grid(document, campaign.scene, campaign.grid)
     scenes = (campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid)))
     for fit, place in campaign.fits():
+        if place[0] == "target":
+            check_limit(document, campaign.scene, campaign.limits.varied, fit, place)
         check_recorded(document, fit, place, [(each, campaign.numerics.slope_order(each)) for each in scenes])
     _check_files(document, campaign)
     if document.path is None:

@@ -1,13 +1,13 @@
 """What a campaign file says of its fit: the variable, along a path the step, and what is known of the exponents."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
 from gfmd_numba.campaign.goal import Variable
 from gfmd_numba.campaign.limits import FixedExponents
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
+from gfmd_numba.contact.path_observables import LIMITED, PATH_OBSERVABLES, needed_for, recorded_along, unheld
 from gfmd_numba.scene import Document, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule
@@ -18,7 +18,7 @@ class Fit(BaseModel):
 
     model_config = RECORD
     variable: Variable = Field(
-        "kappa", description="What is fitted, the last two of a loading path; left out: the first variable of a target"
+        "kappa", description="What is fitted; left out: the first variable of a target, else kappa"
     )
     step: int | None = Field(
         None, ge=0, description="Step of the path whose contact is fitted, 0 is the first loading; None: every step"
@@ -48,7 +48,7 @@ class Fit(BaseModel):
 
         The variable stands at a place in the file.
         """
-        if self.is_of_path and n_steps == 0:
+        if self.variable in PATH_OBSERVABLES and n_steps == 0:
             raise broken_rule(place, "what a single contact has, as this campaign has no path")
         if self.step is None:
             return
@@ -60,15 +60,19 @@ class Fit(BaseModel):
             raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
 
 
+def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: Fit, place: Location) -> None:
+    """Raise InputError for a target, at a place in the file, that has no limit where these discretisations vary."""
+    if why := unheld(LIMITED[fit.variable], scene, varied):
+        raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
+
+
 def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
     """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for.
 
     The variable stands at a place in the file.
     """
-    if fit.is_of_path and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
-        needed = {
-            "hysteresis": "energy is lost by friction or attraction, and not known with a boundary or at a "
-            "topography_order above 0",
-            "pull_off_pressure": "a punch is pulled off against attraction by a prescribed displacement",
-        }[fit.variable]
-        raise document.error(place, fit.variable, f"what this path has; {needed}")
+    scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
+    if LIMITED[fit.variable].needs_hardness and all(scene.interface.hardness is None for scene, _ in scenes):
+        raise document.error(place, fit.variable, "what these contacts have; this needs a hardness of the hard_wall")
+    if along and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
+        raise document.error(place, fit.variable, f"what this path has; {needed_for(fit.variable)}")

@@ -3,16 +3,19 @@
 from collections.abc import Mapping
 from math import inf
 from numbers import Real
-from typing import Annotated, Any, Literal, cast, get_args
+from typing import Annotated, Any, cast
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.contact.path_observables import LIMITED, why_no_limit
+from gfmd_numba.scene.quantities import broken_rule
 from gfmd_numba.scene.units import TIME
+from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.input_error import InputError, brief
 
-Variable = Literal["kappa", "kappa_counted", "kappa_r", "contact_area_fraction", "hysteresis", "pull_off_pressure"]
-A_TARGET = f"any of {', '.join(get_args(Variable))} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
+A_VARIABLE = f"one of {', '.join(LIMITED)}"
+A_TARGET = f"any of {', '.join(LIMITED)} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 
@@ -28,12 +31,24 @@ def share_of(given: object) -> float:
     return share
 
 
+def _variable(given: str) -> str:
+    if why := why_no_limit(given):
+        raise broken_rule((), f"{A_VARIABLE}; {why}")
+    if given not in LIMITED:
+        raise ValueError(A_VARIABLE)
+    return given
+
+
 def _target(given: object) -> dict[str, float]:
-    if not isinstance(given, Mapping) or not given or not set(given) <= set(get_args(Variable)):
+    names = list(given) if isinstance(given, Mapping) else []
+    if why := "; ".join(filter(None, map(why_no_limit, filter(lambda name: isinstance(name, str), names)))):
+        raise broken_rule((), f"{A_TARGET}; {why}")
+    if not isinstance(given, Mapping) or not given or not set(given) <= LIMITED.keys():
         raise ValueError(A_TARGET)
     return {name: share_of(value) for name, value in given.items()}
 
 
+Variable = Annotated[str, AfterValidator(_variable), WithJsonSchema({"enum": list(LIMITED)})]
 Target = Annotated[dict[str, float], BeforeValidator(_target), WithJsonSchema({"allowed": A_TARGET})]
 
 
@@ -48,12 +63,14 @@ class Goal(BaseModel):
 def goal_of(until: object, budget: object = None) -> Goal:
     """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
     targets = until if isinstance(until, Mapping) else {}
-    allowed = f"one of {', '.join(get_args(Variable))}"
-    if unknown := [name for name in targets if name not in get_args(Variable)]:
-        raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {allowed}")
+    if unknown := [name for name in targets if name not in LIMITED]:
+        hint = nearest(unknown[0], LIMITED)
+        why = why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
+        clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
+        raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {A_VARIABLE}{clauses}")
     if not targets or not all(map(_is_relative_error, targets.values())):
         raise InputError(
-            f"until: you gave {brief(until)}; gfmd allows {allowed}, or several, each with a relative error above 0 "
+            f"until: you gave {brief(until)}; gfmd allows {A_VARIABLE}, or several, each with a relative error above 0 "
             'and below 1, like {"kappa": 0.01}'
         )
     shares = {name: float(share) for name, share in targets.items()}

@@ -30,6 +30,8 @@ _SHARE_OF_DOUBTS = 0.9  # of the target, beyond which laws leave so much open th
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
 _FUTILE = 2  # rounds with finer levels, after which a law should describe the means
+_UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
+_SOME = 2  # rounds after the pilot that do not tell a limit from 0, after which others hardly would
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
 
@@ -116,6 +118,9 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     described = all(doubt.size < inf for doubt in doubts)
     if may_refine and not described and (why := _indescribable(state.rounds, fitted)):
         return state.ending(f"not {REACHED}: {why}")
+    if len(state.rounds) > _SOME and _UNKNOWN < furthest.found.error < inf:
+        said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
+        return state.ending(f"not {REACHED}: {said}")
     finer = _refined(state, furthest, large) if may_refine else None
     if finer is not None:
         return finer

@@ -21,13 +21,28 @@ output_option = click.option(
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
-_OF_CONTACTS, OF_PATHS = ("kappa", "kappa_counted", "kappa_r"), ("hysteresis", "pull_off_pressure")
-_variables = click.Choice([*_OF_CONTACTS, "contact_area_fraction", *OF_PATHS])
+OF_PATHS = ("hysteresis", "pull_off_pressure")
+
+
+def _variable_given(ctx: click.Context, param: click.Parameter, name: str | None) -> str | None:
+    """Return the name of a quantity that has a limit."""
+    if name is None:
+        return None
+    from gfmd_numba.contact.path_observables import LIMITED, why_no_limit
+
+    if name not in LIMITED:
+        allowed = f"one of {', '.join(map(repr, LIMITED))}"
+        raise click.BadParameter(
+            f"you gave {name!r}; gfmd allows {'; '.join(filter(None, (allowed, why_no_limit(name))))}"
+        )
+    return name
+
+
 variable_option = click.option(
     "--variable",
-    type=_variables,
+    callback=_variable_given,
     metavar="NAME",
-    help=f"Quantity to extrapolate: {', '.join(_variables.choices)}  [that of the campaign]",
+    help="Quantity to extrapolate, like kappa, kappa_r or mean_gap  [that of the campaign]",
 )
 exponents_option = click.option(
     "--exponents",

@@ -12,6 +12,10 @@ class Observable:
     `function` is "module:function" of a contact, None for what its equilibrium says under that name. One that is
     `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One
     that `needs_hardness` is recorded of contacts with a hardness alone.
+
+    `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
+    however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
+    eps_t go to 0: the load p / (g E*), the gradient g, the rms height, or nothing ("").
     """
 
     of: Literal["contact", "surface", "run", "path"]
@@ -20,8 +24,17 @@ class Observable:
     function: str | None = None
     undefined_at_times: bool = False
     needs_hardness: bool = False
+    no_limit: str = ""
+    held: Literal["", "load", "gradient", "height"] = ""
+
+    @property
+    def without_limit(self) -> str:
+        """Why it never has a limit; nothing where it may have one."""
+        return _ELSEWHERE.get(self.of, self.no_limit)
 
 
+_ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
+_OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
 _AREA, _CONTACT = "gfmd_numba.contact.contact_area", "gfmd_numba.contact.evaluation"
 
 OBSERVABLES = {
@@ -38,6 +51,7 @@ OBSERVABLES = {
         "largest change of kappa to expect from the residual of the solver",
         f"{_CONTACT}:kappa_residual_error",
         undefined_at_times=True,
+        no_limit=_OF_AN_ERROR,
     ),
     "kappa_counted": Observable(
         "contact",
@@ -58,9 +72,10 @@ OBSERVABLES = {
         "1",
         "contact length over L_x, or area over L_x^2, corrected for its edges",
         f"{_AREA}:contact_area_fraction",
+        held="load",
     ),
     "contact_area_fraction_counted": Observable(
-        "contact", "1", "touching nodes over all nodes", f"{_AREA}:contact_area_fraction_counted"
+        "contact", "1", "touching nodes over all nodes", f"{_AREA}:contact_area_fraction_counted", held="load"
     ),
     "contact_area_fraction_error": Observable(
         "contact",
@@ -68,6 +83,7 @@ OBSERVABLES = {
         "standard deviation of contact_area_fraction by edges between the nodes of profiles",
         f"{_AREA}:contact_area_fraction_error",
         undefined_at_times=True,
+        no_limit=_OF_AN_ERROR,
     ),
     "plastic_area_fraction": Observable(
         "contact",
@@ -75,6 +91,7 @@ OBSERVABLES = {
         "nodes at the hardness over all nodes",
         f"{_AREA}:plastic_area_fraction",
         needs_hardness=True,
+        held="gradient",
     ),
     "mean_plastic_depth": Observable(
         "contact",
@@ -82,6 +99,7 @@ OBSERVABLES = {
         "mean depth by which the punch has been flattened",
         f"{_CONTACT}:mean_plastic_depth",
         needs_hardness=True,
+        held="height",
     ),
     "kappa_edges": Observable(
         "contact",
@@ -96,9 +114,14 @@ OBSERVABLES = {
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
         f"{_CONTACT}:kappa_edges_error",
         undefined_at_times=True,
+        no_limit=_OF_AN_ERROR,
     ),
     "n_segments": Observable(
-        "contact", "1", "number of separate stretches of contact, or clusters of a map", f"{_AREA}:n_segments"
+        "contact",
+        "1",
+        "number of separate stretches of contact, or clusters of a map",
+        f"{_AREA}:n_segments",
+        no_limit="contacts become ever more as eps_f and eps_t go to 0",
     ),
     "mean_segment_length": Observable(
         "contact",
@@ -106,16 +129,30 @@ OBSERVABLES = {
         "mean length of a stretch of contact over L_x, corrected for its edges",
         f"{_AREA}:mean_segment_length",
         undefined_at_times=True,
+        no_limit="contacts become ever smaller as eps_f and eps_t go to 0",
     ),
     "elastic_energy": Observable(
         "contact",
         "energy",
         "elastic energy per nominal area of the deformation by the punch, beyond uniform compression",
         f"{_CONTACT}:elastic_energy",
+        held="height",
     ),
-    "mean_pressure": Observable("contact", "pressure", "mean contact pressure", f"{_CONTACT}:mean_pressure"),
-    "peak_pressure": Observable("contact", "pressure", "largest contact pressure", f"{_CONTACT}:peak_pressure"),
-    "mean_gap": Observable("contact", "height", "mean gap between the surfaces", f"{_CONTACT}:mean_gap"),
+    "mean_pressure": Observable(
+        "contact",
+        "pressure",
+        "mean contact pressure",
+        f"{_CONTACT}:mean_pressure",
+        no_limit="the loading prescribes it, or a displacement does, for which its laws are not known",
+    ),
+    "peak_pressure": Observable(
+        "contact",
+        "pressure",
+        "largest contact pressure",
+        f"{_CONTACT}:peak_pressure",
+        no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
+    ),
+    "mean_gap": Observable("contact", "height", "mean gap between the surfaces", f"{_CONTACT}:mean_gap", held="height"),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch", f"{_CONTACT}:rms_gradient"),
     "rms_gradient_contact": Observable(
         "contact",
@@ -123,6 +160,7 @@ OBSERVABLES = {
         "rms gradient of the punch over the contact",
         f"{_CONTACT}:rms_gradient_contact",
         undefined_at_times=True,
+        held="gradient",
     ),
     "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", f"{_CONTACT}:nayak"),
     "full_contact_pressure": Observable(

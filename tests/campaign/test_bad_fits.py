@@ -12,7 +12,7 @@ FITS = {
     "unknown variable of the fit": (
         ("numerics: {solver: auto}", "fit: {variable: kapa}"),
         "bad.yaml:12:17: fit.variable: you gave 'kapa'; gfmd allows one of 'kappa', 'kappa_counted', 'kappa_r', "
-        "'contact_area_fraction', 'hysteresis', 'pull_off_pressure'; did you mean 'kappa'?",
+        "'contact_area_fraction', 'contact_area_fraction_counted', ",
     ),
     "unknown sharing of exponents": (
         ("numerics: {solver: auto}", "fit: {exponents: both}"),

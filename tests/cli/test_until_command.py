@@ -108,7 +108,7 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
     [
         (("--until=0",), "gfmd allows a relative error like kappa=2% or 0.02"),
         (("--until=kappa=x",), "gfmd allows a relative error like kappa=2% or 0.02"),
-        (("--until=area=1%",), "gfmd allows one of kappa, kappa_counted, kappa_r, contact_area_fraction, hysteresis"),
+        (("--until=area=1%",), "gfmd allows one of kappa, kappa_counted, kappa_r, contact_area_fraction, contact_area"),
         (("--until=kappa=1%", "--until=2%"), "gfmd allows several targets of different variables, each with its name"),
         (("--until=kappa=1%", "--until=kappa=2%"), "gfmd allows several targets of different variables"),
         (("--until=1%", "--budget=soon"), "gfmd allows a time like 20min, 2h or 90 s"),

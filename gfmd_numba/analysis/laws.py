@@ -120,7 +120,7 @@ def choices(limits: Sequence[str], variable: str, hursts: Sequence[float], given
     """Return the laws of each limit that a fit chooses from, for groups with these Hurst exponents.
 
     The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Powers stand
-    beside it where a range of their exponents is given, but for those near H = 1.
+    next to it where a range of their exponents is given, but for those near H = 1.
     """
     powers = {limit: power(limit, given) for limit in limits}
     low, high = given.get("eps_f", FREE)

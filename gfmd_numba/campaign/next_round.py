@@ -251,7 +251,7 @@ def _alike(now: Round, identities: Sequence[str]) -> list[int]:
 
 
 def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: float) -> Rounds:
-    """Rounds with one more that has more realisations, which bring the error beside that `of_laws` to an `aim`."""
+    """Rounds with one more that has more realisations, which bring the error other than that `of_laws` to an `aim`."""
     most, found = inf, of_target.found
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price

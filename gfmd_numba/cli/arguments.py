@@ -113,7 +113,7 @@ def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[st
             raise click.BadParameter(f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02")
         if name in targets or (options[1:] and not name):
             raise click.BadParameter(
-                f"you gave {option!r} beside {options[0]!r}; gfmd allows several targets of different variables, each "
+                f"you gave {option!r} and {options[0]!r}; gfmd allows several targets of different variables, each "
                 "with its name, like kappa=2%"
             )
         targets[name] = target

@@ -71,7 +71,7 @@ def needed_for(name: str) -> str:
         "drag": "a punch is dragged against friction or a law that holds sideways",
         "drag of maps": "a punch is dragged along y on a map, against friction or a law that holds sideways",
         "friction": "nodes stick or slip where there is friction",
-        "loss": "energy is lost by friction or attraction, and not known beside a boundary or at a topography_order "
+        "loss": "energy is lost by friction or attraction, and not known with a boundary or at a topography_order "
         "above 0",
         "tension": "a punch is pulled off against attraction by a prescribed displacement",
     }[_NEEDS[name]]

@@ -37,10 +37,10 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     to 16, 1/eps_f = 16 to 4096 and 1/eps_t = 1 to 8. In eps_c: corrected contact lengths have 2 to 3 (also measured at
     H = 0 to 0.5, p* = 0.001 to 0.05, half-spaces and a slab), corrected areas of maps less. Counted nodes have 1.0 to
     1.3, nodes at the hardness 0.9 to 1.1 (0.6 to 0.95 at the coarsest), the gradient over the contact, and with it
-    kappa_r, 1.3 to 2.6, and means over all nodes, whose corrections are below 1 %, 1.7 to 4. In eps_f: the part of g^2
+    kappa_r, 1.1 to 2.6, and means over all nodes, whose corrections are below 1 %, 1.7 to 4. In eps_f: the part of g^2
     beyond a wave falls with its index to the power 2 - 2 H, and corrections with that or with the part of a wave that
     contacts miss, whichever falls more slowly. Corrections of means of heights at a fixed rms height grow with H
-    instead: 0.2 to 0.4 at H = 0.3, and 0.7 to 1.3 at 0.8. In eps_t: 1, as of edges. Only the exponents of kappa were
+    instead: 0.13 to 0.4 at H = 0.3, and 0.7 to 1.3 at 0.8. In eps_t: 1, as of edges. Only the exponents of kappa were
     measured on maps, so that other variables have both ranges there. A Hurst exponent that is nan is not known.
     """
     corrected = _CORRECTED[dimension]

@@ -26,7 +26,7 @@ from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
 
 REACHED = "reached"
-_SHARE_OF_DOUBTS = 0.9  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
+_SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
 _FUTILE = 2  # rounds with finer levels, after which a law should describe the means

@@ -4,6 +4,7 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
@@ -149,16 +150,20 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     law, (low, high) = unseen_slope(0.8), (0.3, 1.5)
     first = low + (high - low) * (np.arange(400) + 0.5)[:, np.newaxis] / 400
     cuts, tails = (
-        np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((0.02, 200, 200), (1 / 3, 3, 60))
+        np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((0.02, 200, 200), (0.25, 2.5, 60))
     )
     second = np.array(list(product(cuts, tails)))
+    usual = np.exp(-((np.log(second[:, 1] / 0.8) / np.log(1.5)) ** 2) / 2)  # density of the logarithm of a tail
+    priors = [np.full(len(first), 1 / len(first)), usual / usual.sum()]
+    deviations = norm.cdf(np.log(np.array([0.25, 2.5]) / 0.8) / np.log(1.5))
+    middle = np.array([2.0, 0.8 * 1.5 ** norm.ppf(deviations.mean())])
     one = {name: ratio(ALPHA[name], name) for name in ALPHA}
 
     def theory(node):
         at = law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
         return one | {"eps_f": lambda eps: law.excess(eps, node[np.newaxis])[0] / at}
 
-    sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(np.array([2.0, 1.0])))]
+    sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(middle))]
 
     found = [
         dense(means, first, lambda node: one | {"eps_f": ratio(node[0], "eps_f")}, sizes[0]),
@@ -172,8 +177,8 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     ]
     powers = {name: power(name, EXACT | {"eps_f": (low, high)}) for name in means.levels}
     choices = [weighed([means], laws) for laws in (powers, powers | {"eps_f": law})]
-    for choice, share, (value, scatter, misfit) in zip(choices, shares(choices), found, strict=True):
-        inside, outside = mixture(np.exp(-(misfit - misfit.min()) / 2), value, scatter)[:2]
+    for choice, share, prior, (value, scatter, misfit) in zip(choices, shares(choices), priors, found, strict=True):
+        inside, outside = mixture(prior * np.exp(-(misfit - misfit.min()) / 2), value, scatter)[:2]
         mine = choice.fits[0]
         its = mixture(share, mine.coefficients[:, 0], mine.covariance[:, 0, 0])[:2]
         assert its[0] == pytest.approx(inside, abs=0.02 * outside)
@@ -181,11 +186,10 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     at_reference = law.excess(np.array([REFERENCE["eps_f"]]), choices[1].nodes[:, 1:3])[:, 0]
     correction = choices[1].fits[0].coefficients[:, 0] * at_reference
     np.testing.assert_allclose(choices[1].fits[0].coefficients[:, 2], correction, rtol=1e-10)
-    likely = [np.exp(-(misfit - 10) / 2).mean() for _, _, misfit in found]
+    likely = [prior @ np.exp(-(misfit - 10) / 2) for prior, (_, _, misfit) in zip(priors, found, strict=True)]
     assert shares(choices)[1].sum() == pytest.approx(likely[1] / sum(likely), rel=0.03)
     kappa, variance, chi2 = (np.concatenate(each) for each in zip(*found, strict=True))
-    of_node = np.concatenate([np.full(len(each), 1 / len(each)) for each in (first, second)])
-    mean, error, _ = mixture(of_node * np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
+    mean, error, _ = mixture(np.concatenate(priors) * np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
     fit = fit_tfc(dataset, fixed=ALPHA | {"eps_f": (low, high)}).isel(group=0)
     assert fit["kappa_tfc"].item() == pytest.approx(mean, abs=0.03 * error)
     assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.03)

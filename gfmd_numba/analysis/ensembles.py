@@ -96,9 +96,8 @@ def _at_step(
 
 
 def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
-    hurst = group.parameters.get("hurst", np.nan)
     means = means_of(group, values)
-    found = [weighed([means], laws) for laws in choices(list(group.levels), variable, [hurst], given)]
+    found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
     columns, slopes, known, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)

@@ -22,7 +22,7 @@ from gfmd_numba.arrays import Reals
 # Measured on lines (H = 0.5, 0.8, 1; p* = 0.007, 0.05, 0.3; half-space and a = 0.1) by fits whose levels end at 1/eps_f
 # = 128 to 4096, against their limits: fits that bridge less than 4 % are off by a tenth of the distance
 _OF_THE_DISTANCE = 0.3
-_OF_THE_LIMIT = 0.03
+_OF_THE_LIMIT = 0.02
 
 
 def distances(index: int, means: Means, choice: Choice) -> Reals:
@@ -35,11 +35,10 @@ def distances(index: int, means: Means, choice: Choice) -> Reals:
     for row, limit in enumerate(means.levels, start=1):
         finest = min(means.levels[limit].min(), means.reference[limit])
         at = excess(choice.laws, limit, np.array([finest, means.reference[limit]]), choice.nodes)
-        mine = [1 + len(means.levels) + pair for pair, both in enumerate(means.pairs) if limit in both]
-        alone = coefficients[:, row]
-        together = alone + coefficients[:, mine].sum(axis=1)
-        furthest = np.where(abs(together) > abs(alone), together, alone)
-        found[:, LIMITS.index(limit)] = furthest * at[:, 0] / at[:, 1]
+        ratio = at[:, :1] / at[:, 1:]
+        alone = coefficients[:, row] * ratio[:, 0]
+        together = alone + means.of_pairs(limit, ratio, coefficients)[:, 0]
+        found[:, LIMITS.index(limit)] = np.where(abs(together) > abs(alone), together, alone)
     return found
 
 

@@ -5,17 +5,22 @@ from dataclasses import replace
 import numpy as np
 
 from gfmd_numba.analysis.gauss_markov import best_means, covariance_of_one, inflation, scatter_of_means
-from gfmd_numba.analysis.linear_fit import Means, linear_influence
+from gfmd_numba.analysis.linear_fit import POWER_OF_WANING, Means, linear_influence
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import has_slope_law
 
 
 def means_of(group: Group, values: Reals) -> Means:
     """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
-    slab = bool(np.isfinite(group.parameters.get("aspect_ratio", np.inf)))
-    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, slab)
+    waning = (
+        POWER_OF_WANING[group.dimension]
+        if has_slope_law(group.variable, group.parameters.get("hurst", np.nan))
+        else 1.0
+    )
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, waning)
     scatter = scatter_of(values)
     if scatter is None:
         return means

@@ -10,18 +10,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
+from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
 from gfmd_numba.theory.exponents import has_slope_law
 
 BOUNDS = (0.1, 5.0)  # of an exponent of which nothing is known
 FREE = (np.nan, np.nan)
 STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
-_CUTS = (0.02, 200.0)  # wave index, over that of the longest wave, from which half of the slope is seen
-# Exponent with which the part of the slope that is not seen falls beyond: its range, its median and the factor of a
-# standard deviation. Measured 0.34 to 1.6 (H = 0.3 to 1, p* = 0.001 to 0.3, half-spaces, a slab and maps)
-_TAILS, _USUAL_TAIL = (0.25, 2.5), (0.8, 1.5)
+# Wave index, over that of the longest wave, from which half of the slope is seen, and the exponent with which the part
+# that is not seen falls beyond. Contacts see the waves that are shorter than themselves, and so the index falls with
+# the reduced pressure p*. Both were measured at 1/eps_t = 8 on half-spaces (H = 0.3 to 1, p* = 0.001 to 0.3) and a
+# slab, and on maps; next to their medians stands the factor of a standard deviation
+_CUTS, _TAILS = (0.02, 200.0), (0.25, 2.5)
+_CUT = {1: 0.024, 2: 0.0077}  # by the dimension of the surfaces, at H = 0 and p* = 1
+_FACTOR_OF_CUTS, _FACTOR_OF_TAILS = 1.4, 1.2
+_FURTHEST = 5.0  # of those standard deviations
 POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws
 _POINTS = 128  # of the integrals over a spectrum
 
@@ -32,7 +37,7 @@ Given = Mapping[str, tuple[float, float]]  # ends of the range of each exponent 
 class Parameter:
     """A parameter of the law of a limit, and the range it lies in: all its values, or logarithms, are as likely.
 
-    One with a median and a factor that are `usual` has logarithms of a normal distribution in its range.
+    Logarithms of one with a median and a factor that are `usual` have a normal distribution in its range.
     """
 
     limit: str
@@ -48,24 +53,37 @@ class Parameter:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Ends of the range of what is uniformly distributed."""
+        """Ends of the range of its values or logarithms."""
         low, high = self.positions(np.array([self.low, self.high])).tolist()
         return low, high
 
+    @property
+    def middle(self) -> float:
+        """The usual value, or the one in the middle of the range."""
+        return self.usual[0] if self.usual is not None else float(self.values(np.array([np.mean(self.ends)]))[0])
+
+    @property
+    def variance(self) -> float:
+        """Variance before there are data, of its values or logarithms; 0 if it is known."""
+        return float(np.log(self.usual[1]) ** 2 if self.usual is not None else np.diff(self.ends)[0] ** 2 / 12.0)
+
     def values(self, positions: Reals) -> Reals:
         """Return the values at positions between its ends."""
-        if self.usual is not None:
-            median, factor = np.log(self.usual)
-            positions = median + factor * ndtri(positions)
         return np.exp(positions) if self.logarithmic else positions
 
     def positions(self, values: Reals) -> Reals:
         """Return the positions of values."""
-        found = np.log(values) if self.logarithmic else values
+        return np.log(values) if self.logarithmic else values
+
+    def log_density(self, positions: Reals) -> Reals:
+        """Return the logarithm of how likely positions are before there are data."""
+        low, high = self.ends
         if self.usual is None:
-            return found
+            return np.full(positions.shape, -np.log(high - low) if high > low else 0.0)
         median, factor = np.log(self.usual)
-        return np.asarray(ndtr((found - median) / factor))
+        within = ndtr((high - median) / factor) - ndtr((low - median) / factor)
+        scale = np.sqrt(2.0 * np.pi) * factor * within
+        return np.asarray(-(((positions - median) / factor) ** 2) / 2.0 - np.log(scale))
 
 
 @dataclass(frozen=True)
@@ -94,11 +112,12 @@ def power(limit: str, given: Given) -> Law:
     return Law((parameter,), lambda eps, alpha: np.exp(alpha[:, :1] * np.log(eps)))
 
 
-def unseen_slope(hurst: float) -> Law:
+def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1) -> Law:
     """Return the law of the fractal limit of kappa from the share of g^2 that contacts do not see.
 
     Of a wave of index k the part 1 / (1 + (k / k_c)^m) is not seen; the parameters are k_c, over the index of the
-    longest wave of the power law, and m. The spectrum of the slopes is k^(1 - 2 H) from there to 1 / eps_f.
+    longest wave of the power law, and m. The spectrum of the slopes is k^(1 - 2 H) from there to 1 / eps_f. The `load`
+    is the reduced pressure p / (g E*), nan where it is not known.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
 
@@ -112,21 +131,35 @@ def unseen_slope(hurst: float) -> Law:
         return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
 
     cut = Parameter("eps_f", *_CUTS, logarithmic=True)
-    tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=_USUAL_TAIL)
+    if load > 0.0:
+        median = _CUT[dimension] * np.exp(3.0 * hurst - 5.0 * load) * load**-0.75
+        furthest = _FACTOR_OF_CUTS**_FURTHEST
+        ends = (median / furthest, median * furthest)
+        cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, _FACTOR_OF_CUTS))
+    usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), _FACTOR_OF_TAILS)
+    tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=usual_tail)
     return Law((cut, tail), excess, whole=True)
 
 
-def choices(limits: Sequence[str], variable: str, hursts: Sequence[float], given: Given) -> list[dict[str, Law]]:
-    """Return the laws of each limit that a fit chooses from, for groups with these Hurst exponents.
+def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> list[dict[str, Law]]:
+    """Return the laws of each limit that a fit of groups chooses from.
 
     The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Powers stand
     next to it where a range of their exponents is given, but for those near H = 1.
     """
+    hursts, loads = ([group.parameters.get(name, np.nan) for group in groups] for name in ("hurst", "reduced_pressure"))
     powers = {limit: power(limit, given) for limit in limits}
     low, high = given.get("eps_f", FREE)
-    if "eps_f" not in limits or len(set(hursts)) != 1 or not has_slope_law(variable, hursts[0]) or low == high:
+    if (
+        "eps_f" not in limits
+        or len(set(hursts)) != 1
+        or not has_slope_law(groups[0].variable, hursts[0])
+        or low == high
+    ):
         return [powers]
-    from_theory = powers | {"eps_f": unseen_slope(hursts[0])}
+    from_theory = powers | {
+        "eps_f": unseen_slope(hursts[0], float(np.exp(np.mean(np.log(loads)))), groups[0].dimension)
+    }
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 

@@ -17,10 +17,12 @@ from gfmd_numba.arrays import Reals
 
 Laws = dict[str, Law]
 # What is known before any cross level says more, measured from H = 0.3 to 1. An interaction is 0 within half of the
-# smaller of its two corrections. The correction in eps_t is all interaction with eps_f, within half of itself. That of
-# a slab is not: with its thickness in proportion to the period, smaller eps_t make it thicker for the longest waves.
+# smaller of its two corrections. The correction in eps_t is all interaction with eps_f, within half of itself; that of
+# kappa falls with a power of the correction in eps_f, by the dimension of the surfaces: 1.3 (H = 1) to 2 on half-spaces
+# and a slab with a thickness of 0.1 periods (1/eps_f = 16 to 16384, 1/eps_t = 2, 4 and 8), and 3 to 5 on maps.
 _SCATTER = 0.5
 _WANING = ("eps_t", "eps_f")
+POWER_OF_WANING = {1: 1.75, 2: 3.5}
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,24 @@ class Means:
     whitener: Reals
     levels: dict[str, Reals]  # (case) of the limits that are varied
     reference: dict[str, float]
-    of_a_slab: bool = False
+    waning: float = 1.0  # power of the law of eps_f with which the correction in eps_t falls
 
     @property
     def pairs(self) -> list[tuple[str, str]]:
         """Pairs of the limits that are varied."""
         return list(combinations(self.levels, 2))
+
+    def power_in_pair(self, limit: str, pair: tuple[str, str]) -> float:
+        """Return the power of the law of a limit in the interaction of a pair."""
+        return self.waning if set(pair) == set(_WANING) and limit == _WANING[1] else 1.0
+
+    def of_pairs(self, limit: str, ratios: Reals, coefficients: Reals) -> Reals:
+        """Return the interactions of a limit (node, level) where its law is `ratios` times that at the reference."""
+        found = np.zeros(np.broadcast_shapes(ratios.shape, (len(coefficients), 1)))
+        for column, pair in enumerate(self.pairs, start=1 + len(self.levels)):
+            if limit in pair:
+                found += coefficients[:, [column]] * ratios ** self.power_in_pair(limit, pair)
+        return found
 
 
 @dataclass(frozen=True)
@@ -143,7 +157,8 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
         else:
             found.append(_unit(scatter) * column)
     for (first, second), scatter in zip(means.pairs, before.pair, strict=True):
-        found.append(_unit(scatter) * laws_of[first] * laws_of[second])
+        powers = (means.power_in_pair(limit, (first, second)) for limit in (first, second))
+        found.append(_unit(scatter) * laws_of[first] ** next(powers) * laws_of[second] ** next(powers))
     return np.stack([whole, *found], axis=-1)
 
 
@@ -177,12 +192,12 @@ def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
 def known_before(means: Means, laws: Laws) -> Before:
     """Return what is known before, from the corrections taken one at a time."""
     parameters = [parameter for law in laws.values() for parameter in law.parameters]
-    middle = np.concatenate([each.values(np.array([np.mean(each.ends)])) for each in parameters])[np.newaxis]
+    middle = np.array([[each.middle for each in parameters]])
     powers = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
     additive = linear(means, powers, middle, additive_only(means))
     corrections = dict(zip(means.levels, abs(additive.coefficients[0, 1:]), strict=False))
     waning, by = _WANING
-    wanes = {waning, by} <= set(means.levels) and not means.of_a_slab
+    wanes = {waning, by} <= set(means.levels)
     own = [_SCATTER * corrections[limit] if wanes and limit == waning else np.inf for limit in means.levels]
     pair = [
         np.inf if wanes and set(both) == set(_WANING) else _SCATTER * min(corrections[limit] for limit in both)

@@ -54,7 +54,7 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
         nodes, log_volume, shape = _nodes(parameters, low, high, points)
         chi2 = sum(
             (misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True)),
-            start=np.zeros(len(nodes)),
+            start=-2.0 * _log_density(parameters, nodes),
         )
         new_low, new_high = _narrowed(chi2.reshape(shape), low, high, ends)
         settled = (new_high - new_low >= 0.7 * (high - low)) & (new_low >= low - 1e-15) & (new_high <= high + 1e-15)
@@ -63,16 +63,21 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
         points = fine if settled.all() else points
         low, high = new_low, new_high
     fits = [linear(each, laws, nodes, known) for each, known in zip(means, before, strict=True)]
-    # the share of the box in the ranges is the share of what is possible
-    width = np.where(ends[:, 1] > ends[:, 0], ends[:, 1] - ends[:, 0], 1.0)
-    log_weight = log_volume - np.log(width).sum() - chi2 / 2.0
-    return Choice(laws, parameters, nodes, log_weight, fits)
+    return Choice(laws, parameters, nodes, log_volume - chi2 / 2.0, fits)
 
 
 def shares(choices: Sequence[Choice]) -> list[Reals]:
     """Return the weights of the nodes of all choices, which add up to 1."""
     whole = logsumexp(np.concatenate([choice.log_weight for choice in choices]))
     return [np.exp(choice.log_weight - whole) for choice in choices]
+
+
+def _log_density(parameters: Sequence[Parameter], nodes: Reals) -> Reals:
+    """Return the logarithm of how likely nodes (node, parameter) are before there are data."""
+    found = np.zeros(len(nodes))
+    for parameter, values in zip(parameters, nodes.T, strict=True):
+        found += parameter.log_density(parameter.positions(values))
+    return found
 
 
 def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:
@@ -116,9 +121,10 @@ def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> R
     ratio = found[:, :-1] / found[:, -1:]
     row = 1 + list(means.levels).index(limit)
     coefficients = choice.fits[index].coefficients
-    mine = [1 + len(means.levels) + pair for pair, both in enumerate(means.pairs) if limit in both]
-    moving = coefficients[:, [row, *mine]].sum(axis=1, keepdims=True)
-    return np.asarray(coefficients.sum(axis=1, keepdims=True) + moving * (ratio - 1.0))
+    there, here = (
+        coefficients[:, [row]] * each + means.of_pairs(limit, each, coefficients) for each in (ratio, np.ones((1, 1)))
+    )
+    return np.asarray(coefficients.sum(axis=1, keepdims=True) + there - here)
 
 
 def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float]:
@@ -143,6 +149,6 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
     coefficients = solved(means, choice.laws, nodes[:1], before)[0][0]
     forward, backward = at_nodes[1 : 1 + len(moving)], at_nodes[1 + len(moving) :]
     slopes = ((forward - backward) @ coefficients).T / 2e-3
-    widths = np.array([np.diff(choice.parameters[index].ends)[0] for index in moving])
-    known = np.concatenate([certainty(means, choice.laws, before), 12.0 / widths**2])
+    variances = np.array([choice.parameters[index].variance for index in moving])
+    known = np.concatenate([certainty(means, choice.laws, before), 1.0 / variances])
     return at_nodes[0], slopes, known, float(coefficients[0])

@@ -49,8 +49,8 @@ def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
         low, high = given.get(limit, (0.0, 1.0))
         asserted = limit if low == high else ""
         others = {name: each for name, each in given.items() if name != limit}
-        by_theory = {law.name for laws in choices([limit], groups[0].variable, hursts, others) for law in laws.values()}
-        by_fit = {law.name for laws in choices([limit], groups[0].variable, hursts, given) for law in laws.values()}
+        by_theory = {law.name for laws in choices([limit], groups, others) for law in laws.values()}
+        by_fit = {law.name for laws in choices([limit], groups, given) for law in laws.values()}
         if by_theory != by_fit:
             yield Rival("by the law of the unseen slope alone", list(groups), others, asserted, from_theory=True)
         elif asserted and len(levels) > 2:

@@ -108,17 +108,16 @@ def refusals(
     return dict(Counter(lack for family in families for lack in _lacks(family, variable, given) if lack))
 
 
-def _choices(groups: Sequence[Group], variable: str, given: Given) -> list[Laws]:
-    hursts = [group.parameters.get("hurst", np.nan) for group in groups]
+def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
     varied = [limit for limit in LIMITS if any(limit in group.levels for group in groups)]
-    return choices(varied, variable, hursts, given)
+    return choices(varied, groups, given)
 
 
 def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
     """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
     lacks = [inseparable(group) for group in groups]
     able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
-    short = shortage(able, _choices(able, variable, given)) if able else ""
+    short = shortage(able, _choices(able, given)) if able else ""
     return [lack or short for lack in lacks]
 
 
@@ -131,7 +130,7 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
         return [_refused(group, lack) if lack else next(rest) for group, lack in zip(groups, lacks, strict=True)]
     if not groups:
         return []
-    laws = _choices(groups, variable, given)
+    laws = _choices(groups, given)
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
     while found.excess > 1.0 and (fewer := without_coarsest(found.groups)) is not None:
@@ -143,8 +142,7 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     if doubt:
         return [_refused(group, _doubts(group, doubt)) for group in groups]
     others = [
-        (rival, _weighed(rival.groups, _choices(rival.groups, variable, rival.given)))
-        for rival in rivals(found.groups, given)
+        (rival, _weighed(rival.groups, _choices(rival.groups, rival.given))) for rival in rivals(found.groups, given)
     ]
     return [_fit(index, found, others, left_out) for index in range(len(groups))]
 

@@ -28,6 +28,8 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
     "mean_plastic_depth": _OF_HEIGHTS,
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
+_AREAS = (*_OF_THE_SLOPE, "kappa_r")
+_IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
 
 def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mapping[str, tuple[float, float]]:
@@ -40,8 +42,10 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     kappa_r, 1.1 to 2.6, and means over all nodes, whose corrections are below 1 %, 1.7 to 4. In eps_f: the part of g^2
     beyond a wave falls with its index to the power 2 - 2 H, and corrections with that or with the part of a wave that
     contacts miss, whichever falls more slowly. Corrections of means of heights at a fixed rms height grow with H
-    instead: 0.13 to 0.4 at H = 0.3, and 0.7 to 1.3 at 0.8. In eps_t: 1, as of edges. Only the exponents of kappa were
-    measured on maps, so that other variables have both ranges there. A Hurst exponent that is nan is not known.
+    instead: 0.13 to 0.4 at H = 0.3, and 0.7 to 1.3 at 0.8. In eps_t: 1.2 to 2.2 for kappa (H = 0.3 to 1, half-spaces
+    and a slab, 1/eps_t = 2 to 8), 2.2 and more on maps, and of other means about 1, as of edges. Only the exponents of
+    kappa were measured on maps, so that other variables have wider ranges there. A Hurst exponent that is nan is not
+    known.
     """
     corrected = _CORRECTED[dimension]
     low, high = _IN_EPS_C.get(variable, corrected)
@@ -52,5 +56,5 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     return {
         "eps_c": (low, high) if dimension == 1 else (min(low, corrected[0]), max(high, corrected[1])),
         "eps_f": (slowest, 2.0),
-        "eps_t": (0.5, 1.5),
+        "eps_t": _IN_EPS_T[dimension] if variable in _AREAS else _AS_OF_EDGES[dimension],
     }

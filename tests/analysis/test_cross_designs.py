@@ -17,7 +17,9 @@ DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
 def priced(dataset, seed=0):
     """Pilot of a campaign, and the seconds of a realisation of each case."""
     dataset = noisy(dataset, np.random.default_rng(seed))
-    return dataset, 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
+    return dataset.rename(kappa="kappa_r"), 1e-3 / (
+        dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]
+    ).values / 4096
 
 
 def asked(dataset, design):
@@ -32,7 +34,7 @@ def asked(dataset, design):
 
 
 def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not():
-    *cheap, dear = cheapest_design(*priced(crossed(*CROSS, DEAR)), target=0.01, fixed=ALPHA).cross
+    *cheap, dear = cheapest_design(*priced(crossed(*CROSS, DEAR)), target=0.01, variable="kappa_r", fixed=ALPHA).cross
     assert min(cheap) >= 20
     assert dear == 0
 
@@ -40,37 +42,44 @@ def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is
 def test_an_accuracy_that_interactions_forbid_asks_for_cross_levels():
     for levels in ((), CROSS[:2]):
         with pytest.raises(UnusableDataError, match=r"cross levels for every pair of limits \(`cross`\)"):
-            cheapest_design(*priced(crossed(*levels)), target=0.01, fixed=ALPHA)
-    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, fixed=ALPHA)
+            cheapest_design(*priced(crossed(*levels)), target=0.01, variable="kappa_r", fixed=ALPHA)
+    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, variable="kappa_r", fixed=ALPHA)
     assert min(design.cross) >= 20
 
 
 def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interactions():
     dataset, seconds = priced(crossed(*CROSS))
-    loose, tight = (cheapest_design(dataset, seconds, target=target, fixed=ALPHA) for target in (0.04, 0.01))
+    loose, tight = (
+        cheapest_design(dataset, seconds, target=target, variable="kappa_r", fixed=ALPHA) for target in (0.04, 0.01)
+    )
     assert min(tight.cross) > 3 * min(loose.cross)
     assert tight.limiting == "cross"
 
 
 def test_the_price_includes_that_of_the_cross_levels():
     dataset, seconds = priced(crossed(*CROSS, DEAR))
-    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
     assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
 
 
 def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
-    assert cheapest_design(*priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS)), target=0.02, fixed=ALPHA).cross[0] == 0
+    assert (
+        cheapest_design(
+            *priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS)), target=0.02, variable="kappa_r", fixed=ALPHA
+        ).cross[0]
+        == 0
+    )
 
 
 def test_a_limit_keeps_its_own_levels_next_to_cross_ones():
-    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, fixed=ALPHA)
+    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, variable="kappa_r", fixed=ALPHA)
     assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
 
 
 @pytest.mark.long
 def test_a_target_is_met_with_cross_levels():
     dataset, seconds = priced(crossed(*CROSS))
-    design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
+    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
     found = []
     for seed in range(40):
         whole = noisy(crossed(*CROSS, n=asked(dataset, design).max()), np.random.default_rng(1000 + seed))
@@ -91,4 +100,4 @@ def test_a_cross_level_is_one_whatever_eps_the_grid_varies():
     grid["case_id"] = ("case", [f"case-{i}" for i in range(grid.sizes["case"])])
     assert (grid["limit"] == "cross").sum() == 2
     dataset, seconds = priced(grid)
-    assert len(cheapest_design(dataset, seconds, target=0.05, fixed=ALPHA).cross) == 1
+    assert len(cheapest_design(dataset, seconds, target=0.05, variable="kappa_r", fixed=ALPHA).cross) == 1

@@ -65,9 +65,9 @@ def test_the_parts_in_quadrature_are_the_whole_error(cross, variable):
 
 def test_with_exact_exponents_all_is_sampling_and_interactions():
     dataset = noisy(campaign(realisations=30), np.random.default_rng(14), spread=0.05)
-    fit = fit_tfc(dataset, fixed=MIDDLE)
+    fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=MIDDLE)
     assert [part(fit, name) for name in MIDDLE] == [0.0, 0.0, 0.0]
-    assert whole(fit) == pytest.approx(fit["kappa_tfc_error"].item(), rel=1e-12)
+    assert whole(fit) == pytest.approx(fit["kappa_r_tfc_error"].item(), rel=1e-12)
     # what no cross level tells has nothing to do with the surfaces
     of_c_and_f = fit["interaction_error"].sel(pair="eps_c eps_f").item()
     of_t = fit["correction_error"].sel(limit="eps_t").item()

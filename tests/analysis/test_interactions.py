@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.gauss_markov import covariance_of_one
-from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy, with_axes
+from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, WANING, C, campaign, noisy
 from support.unseen_slope import of_unseen_slope
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
@@ -29,7 +29,8 @@ def error_and_scatter(truth, rng, n, asked=None, **options):
 
 @pytest.mark.parametrize("fixed", [ALPHA, {"eps_t": 1.0}], ids=["exact", "free"])
 def test_planted_interactions_are_found_with_cross_levels(fixed):
-    dataset = campaign(cross=CROSS, interactions=PLANTED).rename(kappa="kappa_r")  # which has no law but powers
+    dataset = campaign(cross=CROSS, interactions=PLANTED, waning=1.0)
+    dataset = dataset.rename(kappa="kappa_r")  # which has no law but powers
     fit = fit_tfc(dataset, "kappa_r", fixed=fixed).isel(group=0)
     np.testing.assert_allclose(fit["interaction"], list(PLANTED.values()), atol=1e-7)
     np.testing.assert_allclose(fit["interaction_error"], 0.0, atol=1e-7)
@@ -60,7 +61,8 @@ def test_without_cross_levels_likely_interactions_lie_inside_the_error(first, se
 
 
 def test_one_cross_level_leaves_the_other_pairs_open():
-    fit = fit_tfc(campaign(cross=CROSS[:1], interactions=PLANTED), fixed=ALPHA).isel(group=0)
+    dataset = campaign(cross=CROSS[:1], interactions=PLANTED, waning=1.0).rename(kappa="kappa_r")
+    fit = fit_tfc(dataset, "kappa_r", fixed=ALPHA).isel(group=0)
     lines = fit["message"].item().splitlines()
     assert "whether the corrections of eps_c and eps_t; eps_f and eps_t add up" in lines[0]
     known, *unknown = fit["interaction_error"].values
@@ -69,12 +71,9 @@ def test_one_cross_level_leaves_the_other_pairs_open():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("hurst", "is_off"), [(0.8, False), (0.9, True), (1.0, True)])
-def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst, is_off):
-    """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so.
-
-    At H = 0.8 a power through the law itself ends only 0.6 % above its limit.
-    """
+@pytest.mark.parametrize("hurst", [0.5, 0.8, 1.0])
+def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst):
+    """Of five levels of eps_f with little scatter, which follow kappa_tfc / sqrt(1 - S) without being told so."""
     levels = LEVELS | {"eps_f": [1 / 64, 1 / 256, 1 / 1024, 1 / 4096, 1 / 16384]}
     truth = of_unseen_slope(campaign(levels=levels, realisations=40, cross=CROSS, **WANING), hurst)
     rng = np.random.default_rng(2)
@@ -90,8 +89,8 @@ def test_kappa_of_unseen_slope_is_found_where_a_power_is_off(hurst, is_off):
         found.append([[value - TFC[0.8], error] for value, error in limits])
     (off, error), (off_by_power, error_of_power) = np.transpose(found, (1, 2, 0))
     assert np.sqrt(np.mean((off / error) ** 2)) < 1.6
-    assert (abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))) == is_off
-    assert (np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6) == is_off
+    assert abs(np.mean(off_by_power)) > 2 * abs(np.mean(off))
+    assert np.sqrt(np.mean((off_by_power / error_of_power) ** 2)) > 1.6
 
 
 def test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation():
@@ -124,13 +123,3 @@ def test_errors_are_as_large_as_the_differences_for_every_number_of_realisations
     asked = np.where(truth["limit"].isin(["eps_c", "cross"]), n, 3 * n) if ragged else None
     said, rms = error_and_scatter(truth, np.random.default_rng(n), 200, asked, fixed=ALPHA)
     assert 0.85 < said / rms < 1.2
-
-
-def test_the_correction_in_eps_t_of_a_slab_is_not_taken_to_wane():
-    """Its thickness goes with the period: smaller eps_t make it thicker for the longest waves, at every eps_f."""
-    half_space = campaign()
-    slab = with_axes(half_space.assign_coords(aspect_ratio=("case", np.full(half_space.sizes["case"], 0.1))))
-    own = C["eps_t"] * REFERENCE["eps_t"] ** ALPHA["eps_t"]
-    for dataset, whole in ((half_space, own), (slab, 0.0)):
-        fit = fit_tfc(dataset, fixed=ALPHA).isel(group=0)
-        assert fit["interaction"].sel(pair="eps_f eps_t").item() == pytest.approx(whole, abs=1e-3 * own)

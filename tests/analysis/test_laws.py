@@ -1,8 +1,10 @@
 """The law of the fractal limit from theory, against integrals and their limits, and which laws a fit chooses from."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, trapezoid
 
 from gfmd_numba.analysis.laws import Parameter, choices, power, unseen_slope
 
@@ -85,16 +87,31 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
     ],
 )
 def test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed(variable, hursts, given, from_theory):
-    found = choices(LIMITS, variable, hursts, given)
+    groups = [SimpleNamespace(variable=variable, dimension=1, parameters={"hurst": hurst}) for hurst in hursts]
+    found = choices(LIMITS, groups, given)
     assert [laws["eps_f"].whole for laws in found] == from_theory
     assert not any(laws[limit].whole for laws in found for limit in ("eps_c", "eps_t"))
-    assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], variable, hursts, {}) if "eps_f" in laws] == []
+    assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], groups, {}) if "eps_f" in laws] == []
 
 
 def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution():
     parameter = Parameter("eps_f", 0.01, 100.0, logarithmic=True, usual=(0.8, 1.5))
-    even = np.linspace(*parameter.ends, 100_001)[1:-1]  # all as likely
-    logarithms = np.log(parameter.values(even))
-    assert np.mean(logarithms) == pytest.approx(np.log(0.8), abs=1e-3)
-    assert np.std(logarithms) == pytest.approx(np.log(1.5), rel=1e-3)
-    assert parameter.positions(parameter.values(even)) == pytest.approx(even)
+    logarithms = np.linspace(*parameter.ends, 100_001)
+    density = np.exp(parameter.log_density(logarithms))
+    assert trapezoid(density, logarithms) == pytest.approx(1.0)
+    mean = trapezoid(density * logarithms, logarithms)
+    assert mean == pytest.approx(np.log(parameter.middle), abs=1e-9) == np.log(0.8)
+    assert trapezoid(density * (logarithms - mean) ** 2, logarithms) == pytest.approx(parameter.variance)
+    assert parameter.positions(parameter.values(logarithms)) == pytest.approx(logarithms)
+
+
+def test_contacts_see_shorter_waves_the_larger_the_load_is():
+    """The medians of the index from which half the slope is seen, as fits at 1/eps_t = 8 found it (x 1.05 to 1.2)."""
+    measured = {(0.3, 0.007): 2.4, (0.5, 0.007): 3.7, (0.8, 0.007): 8.9, (1.0, 0.007): 19.2, (0.8, 0.05): 1.8}
+    measured |= {(0.8, 0.001): 30.4, (0.5, 0.001): 17.7, (1.0, 0.05): 6.2, (0.8, 0.3): 0.15}
+    for (hurst, load), found in measured.items():
+        cut, tail = unseen_slope(hurst, load).parameters
+        assert abs(np.log(found) - np.log(cut.middle)) < 2.0 * cut.variance**0.5
+        assert cut.low < found < cut.high
+        assert tail.middle == pytest.approx(np.exp(0.25 - 0.95 * hurst))
+    assert unseen_slope(0.8).parameters[0].usual is None  # of contacts whose load is not known

@@ -4,7 +4,6 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
-from scipy.stats import norm
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
@@ -20,17 +19,28 @@ pytestmark = pytest.mark.usefixtures("laws_that_hold")
 EXACT = {name: (value, value) for name, value in ALPHA.items()}
 
 
-def group_and_means(seed=0, spread=0.05, **options):
+def group_and_means(seed=0, spread=0.05, variable="kappa", **options):
     options = {"realisations": 30, "cross": CROSS} | options
     dataset = noisy(campaign(**options, **WANING), np.random.default_rng(seed), spread=spread, own=spread / 20)
-    (group,) = groups_to_fit(dataset, "kappa", omit_nyquist=True)
+    dataset = dataset.rename(kappa=variable)
+    (group,) = groups_to_fit(dataset, variable, omit_nyquist=True)
     return dataset, group, means_of(group, group.values)
 
 
 def columns_at(means, relative):
     """Columns of a fit (case, coefficient) whose laws over their value at the reference are `relative`."""
     own = [relative[name](means.levels[name]) for name in means.levels]
-    return np.column_stack([np.ones(means.values.size), *own, *(a * b for a, b in combinations(own, 2))])
+    return np.column_stack(
+        [np.ones(means.values.size), *own, *products(dict(zip(means.levels, own, strict=True)), means.waning)]
+    )
+
+
+def products(laws, waning):
+    """Laws of each pair of limits; that of eps_f has a power where the correction in eps_t wanes with it."""
+    return [
+        laws[first] ** (waning if (first, second) == ("eps_f", "eps_t") else 1.0) * laws[second]
+        for first, second in combinations(laws, 2)
+    ]
 
 
 def ratio(exponent, name):
@@ -112,7 +122,7 @@ def quantile(share, weight, kappa, variance, freedom):
 @pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
 def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
-    dataset, group, means = group_and_means(seed, spread)
+    dataset, group, means = group_and_means(seed, spread, "kappa_r", waning=1.0)
     axes = [
         low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(ranges.values(), (36, 120), strict=True)
     ]
@@ -126,7 +136,7 @@ def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
 
     kappa, variance, chi2 = dense(means, nodes, relative_at, sizes)
     mean, error, weight = mixture(np.exp(-(chi2 - chi2.min()) / 2), kappa, variance)
-    fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA | ranges).isel(group=0)
+    fit = fit_tfc(dataset, "kappa_r", fixed=ALPHA | ranges).isel(group=0)
     assert fit["kappa_r_tfc"].item() == pytest.approx(mean, abs=0.01 * error)
     assert fit["kappa_r_tfc_error"].item() == pytest.approx(error, rel=0.01)
     ends = [quantile(share, weight, kappa, variance, group.n_realisations - 1) for share in (0.05, 0.95)]
@@ -147,23 +157,21 @@ def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
 @pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
 def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     dataset, _, means = group_and_means(seed, spread)
-    law, (low, high) = unseen_slope(0.8), (0.3, 1.5)
+    law, (low, high) = unseen_slope(0.8, 0.007), (0.3, 1.5)
     first = low + (high - low) * (np.arange(400) + 0.5)[:, np.newaxis] / 400
-    cuts, tails = (
-        np.exp(np.log(a) + np.log(b / a) * (np.arange(n) + 0.5) / n) for a, b, n in ((0.02, 200, 200), (0.25, 2.5, 60))
-    )
+    cut, tail = 0.024 * np.exp(3.0 * 0.8 - 5.0 * 0.007) / 0.007**0.75, np.exp(0.25 - 0.95 * 0.8)
+    cuts, tails = cut * 1.4 ** np.linspace(-5.0, 5.0, 161), np.geomspace(0.25, 2.5, 161)
     second = np.array(list(product(cuts, tails)))
-    usual = np.exp(-((np.log(second[:, 1] / 0.8) / np.log(1.5)) ** 2) / 2)  # density of the logarithm of a tail
+    deviations = np.log(second / [cut, tail]) / np.log([1.4, 1.2])
+    usual = np.exp(-(deviations**2).sum(axis=1) / 2)
     priors = [np.full(len(first), 1 / len(first)), usual / usual.sum()]
-    deviations = norm.cdf(np.log(np.array([0.25, 2.5]) / 0.8) / np.log(1.5))
-    middle = np.array([2.0, 0.8 * 1.5 ** norm.ppf(deviations.mean())])
     one = {name: ratio(ALPHA[name], name) for name in ALPHA}
 
     def theory(node):
         at = law.excess(np.array([REFERENCE["eps_f"]]), node[np.newaxis])[0, 0]
         return one | {"eps_f": lambda eps: law.excess(eps, node[np.newaxis])[0] / at}
 
-    sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(middle))]
+    sizes = [sizes_at(means, ALPHA | {"eps_f": 0.9}), known_before(means, theory(np.array([cut, tail])))]
 
     found = [
         dense(means, first, lambda node: one | {"eps_f": ratio(node[0], "eps_f")}, sizes[0]),
@@ -231,7 +239,7 @@ def test_a_curve_passes_through_the_fit_of_each_case():
             other: ratio(ALPHA[other], other)(there if other == name else np.full(2, REFERENCE[other]))
             for other in ALPHA
         }
-        columns = [np.ones(2), *own.values(), *(a * b for a, b in combinations(own.values(), 2))]
+        columns = [np.ones(2), *own.values(), *products(own, means.waning)]
         np.testing.assert_allclose(found, np.array(columns).T @ coefficients, rtol=1e-12)
 
 

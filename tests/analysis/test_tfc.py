@@ -38,10 +38,11 @@ def test_planted_parameters_are_recovered_exactly(exponents, fixed):
 def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():
     """Nothing tells of interactions, nor of the correction in eps_t, but what is known before.
 
-    With eps_c seen one at a time as c + cf + ct, eps_f as f + cf + ft and eps_t as t + ct + ft, the sum of all is what
-    is seen of eps_c, eps_f and eps_t less cf, ct and ft: kappa_tfc goes as cf - t.
+    It is so where interactions are products of both laws, as of kappa_r. With eps_c seen one at a time as c + cf + ct,
+    eps_f as f + cf + ft and eps_t as t + ct + ft, the sum of all is what is seen of eps_c, eps_f and eps_t less cf, ct
+    and ft: the limit goes as cf - t.
     """
-    fit = fit_tfc(campaign((0.3, 0.8)), fixed=ALPHA)
+    fit = fit_tfc(campaign((0.3, 0.8)).rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA)
     sizes = {name: C[name] * REFERENCE[name] ** ALPHA[name] for name in C}
     for row, truth in enumerate((TFC[0.3], TFC[0.8])):
         found, unknown = fit["interaction"][row], fit["interaction_error"][row]
@@ -51,9 +52,9 @@ def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():
         np.testing.assert_allclose(unknown, [of_cf, of_ct, np.hypot(of_t, of_ct)], rtol=1e-6)
         assert fit["correction"][row].sel(limit="eps_t").item() == pytest.approx(0.0, abs=1e-8)
         assert fit["correction_error"][row].sel(limit="eps_t").item() == pytest.approx(of_t, rel=1e-6)
-        assert fit["kappa_tfc"][row].item() == pytest.approx(truth + sizes["eps_t"], abs=1e-7)
+        assert fit["kappa_r_tfc"][row].item() == pytest.approx(truth + sizes["eps_t"], abs=1e-7)
         whole = np.hypot(of_cf, of_t)
-        assert fit["kappa_tfc_error"][row].item() == pytest.approx(whole, rel=1e-6)
+        assert fit["kappa_r_tfc_error"][row].item() == pytest.approx(whole, rel=1e-6)
         assert fit["error_budget"][row].sel(source="interaction").item() == pytest.approx(whole, rel=1e-6)
         said = (
             "no cross level tells whether the corrections of eps_c and eps_f; eps_c and eps_t; eps_f and eps_t add up"

@@ -17,10 +17,10 @@ from gfmd_numba.cli import main
 from support.campaigns import campaign
 
 ONE = {
-    "reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",
+    "reference: {": "fit: {exponents: free, fixed: {eps_c: 2}}\nreference: {",
     "grid: {hurst: [0.3, 0.8]}": "",
 }
-UNTIL = "--until=kappa=9%"
+UNTIL = "--until=kappa=3%"
 SECONDS = 300.0  # by when a run has ended on any machine
 
 

@@ -44,13 +44,14 @@ MUTANTS = [
     ("linear_fit.py", "_unit(scatter) * column)", "column)", "test_posterior"),
     (
         "linear_fit.py",
-        "found.append(_unit(scatter) * laws_of[first] * laws_of[second])",
-        "found.append(_unit(scatter) * laws_of[first] * laws_of[first])",
+        "laws_of[first] ** next(powers) * laws_of[second] ** next(powers)",
+        "laws_of[first] ** next(powers) * laws_of[first] ** next(powers)",
         "test_posterior",
     ),
     ("linear_fit.py", "triangular[:, -1, -1] ** 2", "abs(triangular[:, -1, -1])", "test_posterior"),
-    ("posterior.py", "moving * (ratio - 1.0)", "moving * ratio", "test_posterior"),
-    ("posterior.py", "coefficients[:, [row, *mine]]", "coefficients[:, [row]]", "test_posterior"),
+    ("posterior.py", "+ there - here", "+ there", "test_posterior"),
+    ("posterior.py", "* each + means.of_pairs(limit, each, coefficients)", "* each", "test_posterior"),
+    ("linear_fit.py", "return self.waning if", "return 1.0 if", "test_posterior"),
     ("linear_fit.py", "change[:, row, 0] = around[:, 1]", "change[:, row, 0] = around[:, 2]", "test_posterior"),
     # estimates and errors
     ("tfc.py", "_TAIL = 0.05", "_TAIL = 0.1", "test_posterior"),

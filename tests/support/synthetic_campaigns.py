@@ -21,6 +21,7 @@ CROSS = (  # for each pair of limits one, by which corrections are known to add 
 )
 # a correction in eps_t that wanes with eps_f, as it is expected without cross levels
 WANING = {"coefficients": C | {"eps_t": 0.0}, "interactions": {("eps_f", "eps_t"): C["eps_t"] * REFERENCE["eps_t"]}}
+WANING_OF_KAPPA = 1.75  # power of the correction in eps_f
 NO_INTERACTIONS: dict[tuple[str, str], float] = {}
 
 
@@ -41,11 +42,19 @@ def with_axes(dataset):
 
 
 def campaign(
-    hursts=(0.8,), levels=LEVELS, coefficients=C, alpha=ALPHA, realisations=4, cross=(), interactions=NO_INTERACTIONS
+    hursts=(0.8,),
+    levels=LEVELS,
+    coefficients=C,
+    alpha=ALPHA,
+    realisations=4,
+    cross=(),
+    interactions=NO_INTERACTIONS,
+    waning=WANING_OF_KAPPA,
 ):
     """Noise-free campaign, one at a time but for its cross levels; alpha may be given per Hurst exponent.
 
-    Interactions are what the corrections of a pair of limits together differ by from their sum, at the reference.
+    Interactions are what the corrections of a pair of limits together differ by from their sum, at the reference. That
+    of eps_f and eps_t falls with a power of the correction in eps_f, `waning`.
     """
     rows = []
     for hurst in hursts:
@@ -66,7 +75,10 @@ def campaign(
     for hurst, _, eps in rows:
         powers = {name: eps[name] ** of[hurst][name] for name in LEVELS}
         ratio = {name: powers[name] / REFERENCE[name] ** of[hurst][name] for name in LEVELS}
-        together = sum(size * ratio[first] * ratio[second] for (first, second), size in interactions.items())
+        together = sum(
+            size * ratio[first] ** (waning if (first, second) == ("eps_f", "eps_t") else 1.0) * ratio[second]
+            for (first, second), size in interactions.items()
+        )
         means.append(TFC[hurst] + sum(c * powers[name] for name, c in coefficients.items()) + together)
     kappa = np.repeat(np.array(means)[:, None], realisations, axis=1)
     dims = ("case", "realisation")
@@ -101,7 +113,8 @@ def notes(fit, group=0):
 
 def assert_refused(fit, *fragments):
     assert (fit["fit_status"] == "refused").all()
-    for name in ("kappa_tfc", "kappa_tfc_error", "kappa_tfc_low", "C", "alpha", "correction", "rms_residual"):
+    limit = f"{fit.attrs['variable']}_tfc"
+    for name in (limit, f"{limit}_error", f"{limit}_low", "C", "alpha", "correction", "rms_residual"):
         assert np.isnan(fit[name]).all(), name
     for fragment in fragments:
         assert fragment in fit["message"].values[0]

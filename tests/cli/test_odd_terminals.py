@@ -25,8 +25,13 @@ def gfmd(folder, shell, prepare=None):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-"])
-@pytest.mark.parametrize("command", ["run tiny.yaml -o out --workers 0", "solve scene.yaml -o out.nc"])
+@pytest.mark.parametrize(
+    ("command", "closed"),
+    [
+        *(("run tiny.yaml -o out --workers 0", closed) for closed in ("2>&-", ">&-", "<&-", "<&- >&- 2>&-")),
+        ("solve scene.yaml -o out.nc", "<&- >&- 2>&-"),
+    ],
+)
 def test_closed_streams_change_nothing(tmp_path, command, closed):
     done = gfmd(tmp_path, f"gfmd {command} {closed}")
     assert done.returncode == 0

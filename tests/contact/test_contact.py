@@ -99,7 +99,7 @@ def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
 )
 def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
-    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(2)), grid.wavenumbers(256)
+    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
     results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS[:3]]
     for result in results:

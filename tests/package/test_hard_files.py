@@ -69,7 +69,7 @@ def test_many_mutants_are_read_or_refused_with_a_reason(tmp_path_factory, kind):
     folder = tmp_path_factory.mktemp(kind)
 
     @given(pick=st.randoms(use_true_random=True))
-    @settings(deadline=None, max_examples=600)
+    @settings(deadline=None, max_examples=200)
     def mutants(pick):
         assert_loads_or_says_why(folder, kind, changed_text(KINDS[kind][1], pick))
 

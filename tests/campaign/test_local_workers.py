@@ -110,7 +110,7 @@ def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_pat
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path):
-    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 300\ncase_timeout: 6"}), tmp_path / "out"
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 600\ncase_timeout: 6"}), tmp_path / "out"
     code = (
         "import sys; from gfmd_numba.campaign import cluster; cluster._HEARTBEATS = 8.0\n"
         "if __name__ == '__main__':\n    from gfmd_numba.cli import main; main(sys.argv[1:])"

@@ -21,6 +21,14 @@ def pytest_xdist_auto_num_workers(config):
     return max(1, min(cores, psutil.virtual_memory().available // _MEMORY))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _written_without_waiting():
+    """No test outlives a loss of power, and thousands of them wait for the disk otherwise."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda file: None)
+        yield
+
+
 @pytest.fixture(scope="module")
 def undrawn():
     """Write an empty picture for every one: to draw takes longer than to solve, and other tests look at pictures."""

@@ -121,5 +121,5 @@ def test_errors_of_a_complete_design_are_as_large_as_the_differences():
 def test_errors_are_as_large_as_the_differences_for_every_number_of_realisations(n, ragged):
     truth = campaign(realisations=3 * n if ragged else n, cross=CROSS, **WANING)
     asked = np.where(truth["limit"].isin(["eps_c", "cross"]), n, 3 * n) if ragged else None
-    said, rms = error_and_scatter(truth, np.random.default_rng(n), 200, asked, fixed=ALPHA)
-    assert 0.85 < said / rms < 1.2
+    said, rms = error_and_scatter(truth, np.random.default_rng(n), 100, asked, fixed=ALPHA)
+    assert 0.79 < said / rms < 1.27  # three standard errors of a scatter of 100 fits

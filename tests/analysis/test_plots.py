@@ -233,8 +233,9 @@ def test_no_pyplot_state_is_left(campaign, contact):
     assert plt.get_fignums() == []
 
 
-@pytest.mark.parametrize("limits", [("eps_c",), ("eps_c", "eps_f", "eps_t")])
-@pytest.mark.parametrize("aspect_ratios", [(np.inf,), (0.05, 0.1, np.inf)])
+@pytest.mark.parametrize(
+    ("limits", "aspect_ratios"), [(("eps_c",), (np.inf,)), (("eps_c", "eps_f", "eps_t"), (0.05, 0.1, np.inf))]
+)
 def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
     rows = []
     for hurst in (0.3, 0.8):

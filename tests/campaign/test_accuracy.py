@@ -8,6 +8,8 @@ from click.testing import CliRunner
 from gfmd_numba.cli import main
 from support.campaigns import campaign
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
@@ -24,7 +26,6 @@ def study(dataset, name, curve=None):
     return chosen if curve is None else chosen.isel(point=chosen["curve"].values == curve)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("solver", ["active set newton", "conjugate gradients", "verlet", "gronbech jensen", "fire"])
 def test_kappa_converges_with_the_residual(measured, solver):
     found = study(measured[0], "solver residual", solver)
@@ -34,7 +35,6 @@ def test_kappa_converges_with_the_residual(measured, solver):
     assert (np.diff(found["transforms"]) >= 0).all()
 
 
-@pytest.mark.long
 def test_counting_needs_a_finer_grid_than_correcting(measured):
     counted, corrected = (study(measured[0], "eps_c", curve) for curve in ("counted", "corrected on average"))
     assert (np.diff(counted["error"]) < 0).all()

@@ -113,11 +113,11 @@ def test_a_stopped_run_of_dragged_bodies_is_resumed_to_the_same_numbers(tmp_path
 
 
 @pytest.mark.long
-def test_two_workers_find_the_same_numbers(tmp_path):
+def test_a_worker_finds_the_same_numbers(tmp_path):
     campaign = of("friction between two bodies")
     alone = gfmd_numba.run(campaign, tmp_path / "alone", workers=0)
-    together = gfmd_numba.run(campaign, tmp_path / "together", workers=2)
-    assert together.attrs["content_sha256"] == alone.attrs["content_sha256"]
+    there = gfmd_numba.run(campaign, tmp_path / "there", workers=1)
+    assert there.attrs["content_sha256"] == alone.attrs["content_sha256"]
 
 
 def test_identity_follows_what_acts_on_rough_bodies():

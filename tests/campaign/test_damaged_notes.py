@@ -15,8 +15,11 @@ from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import TINY, campaign, numbers
 from support.command_line import gfmd, unfolded
 
-FEW = ["", "null", "[" * 100_000, '{"status": "ok", "reason": "all is well"}', "\ud800"]
+FEW = ["[" * 100_000, '{"status": "ok", "reason": "all is well"}']
 MORE = [
+    "",
+    "null",
+    "\ud800",
     "[]",
     "{",
     '{"a":' * 100_000,
@@ -93,7 +96,7 @@ def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
         assert after[name] == before[name]
 
 
-@pytest.mark.parametrize("name", ["campaign", "campaign_sha256", "fit", "seed", "title"])
+@pytest.mark.parametrize("name", ["campaign", "fit"])
 def test_verify_notices_results_that_say_something_else_of_the_campaign(out, name):
     assert gfmd("collect", out).exit_code == 0
     assert gfmd("verify", out).exit_code == 0

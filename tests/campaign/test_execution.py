@@ -21,7 +21,7 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign
-from support.command_line import unfolded
+from support.command_line import gfmd, unfolded
 
 POISONS = ("segfault", "exception", "endless")
 
@@ -125,7 +125,7 @@ def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
     assert said.endswith("finished work is kept, the same command resumes")
     finished = Finished(out)
     assert all(finished.is_sound(name) for name in finished)
-    assert subprocess.run(command, capture_output=True).returncode == 0
+    assert gfmd("run", path, "-o", out, "--workers=0").exit_code == 0
 
 
 @pytest.mark.long

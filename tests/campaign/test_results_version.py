@@ -103,14 +103,15 @@ def test_any_change_of_code_that_makes_numbers_is_another_version_and_prose_is_n
     for file, content in contents.items():
         file.write_bytes(content + b'\n# a remark\n"""A docstring\nof two lines."""\n')
     assert results_version.code_digest(package) == same
+    one_of_each_folder = {file.parent: (file, content) for file, content in sorted(contents.items())}
     makes_numbers = 0
-    for file, content in contents.items():
+    for file, content in one_of_each_folder.values():
         file.write_bytes(content + b"CHANGED = 1\n")
         differs = results_version.code_digest(package) != same
         assert differs == (file.relative_to(package).parts[0] not in results_version._MAKE_NO_NUMBERS)
         makes_numbers += differs
         file.write_bytes(content)
-    assert makes_numbers > 100
+    assert makes_numbers > 6
     (package / "new_room").mkdir()
     (package / "new_room" / "solver.py").write_text("x = 1\n")
     assert results_version.code_digest(package) != same

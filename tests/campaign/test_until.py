@@ -114,11 +114,11 @@ def killed_at(write, patch):
 
 @pytest.mark.long
 def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, monkeypatch):
-    """After every third file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
+    """After every fifth file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
     with monkeypatch.context() as patch:
         left = killed_at(0, patch)
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "whole", HERE)
-    for write in range(1, -left[0] + 1, 3):
+    for write in range(1, -left[0] + 1, 5):
         out = tmp_path / str(write)
         with monkeypatch.context() as patch:
             killed_at(write, patch)

@@ -42,6 +42,7 @@ def serial(tmp_path_factory):
     return digest(folder / "out")
 
 
+@pytest.mark.long
 def test_two_workers_make_the_same_decisions_and_numbers(serial, tmp_path):
     done = CliRunner().invoke(main, command(campaign(tmp_path, **ONE), tmp_path / "out", "--workers=2"))
     assert done.exit_code == 0, done.output
@@ -49,7 +50,7 @@ def test_two_workers_make_the_same_decisions_and_numbers(serial, tmp_path):
 
 
 def test_a_scheduler_of_ones_own_makes_the_same_decisions_and_numbers(serial, tmp_path):
-    with LocalCluster(n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster:
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
         options = ["--scheduler", cluster.scheduler_address]
         done = CliRunner().invoke(main, command(campaign(tmp_path, **ONE), tmp_path / "out", *options))
     assert done.exit_code == 0, done.output

@@ -14,7 +14,7 @@ from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.long), 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_worker_count_changes_no_number(finished, tmp_path, workers):
     result = gfmd_numba.run(campaign(tmp_path), tmp_path / "out", workers)
     xr.testing.assert_identical(numbers(result), numbers(finished))

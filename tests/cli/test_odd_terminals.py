@@ -25,8 +25,13 @@ def gfmd(folder, shell, prepare=None):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-"])
-@pytest.mark.parametrize("command", ["run tiny.yaml -o out --workers 0", "solve scene.yaml -o out.nc"])
+@pytest.mark.parametrize(
+    ("command", "closed"),
+    [
+        *(("run tiny.yaml -o out --workers 0", closed) for closed in ("2>&-", ">&-", "<&-", "<&- >&- 2>&-")),
+        ("solve scene.yaml -o out.nc", "<&- >&- 2>&-"),
+    ],
+)
 def test_closed_streams_change_nothing(tmp_path, command, closed):
     done = gfmd(tmp_path, f"gfmd {command} {closed}")
     assert done.returncode == 0
@@ -49,7 +54,11 @@ def test_bad_input_exits_with_2_though_nobody_can_be_told(tmp_path, stream):
 
 @pytest.mark.parametrize(
     "command",
-    ["run tiny.yaml -o out --workers 0", pytest.param("solve scene.yaml -o out.nc", marks=pytest.mark.long), "schema"],
+    [
+        pytest.param("run tiny.yaml -o out --workers 0", marks=pytest.mark.long),
+        pytest.param("solve scene.yaml -o out.nc", marks=pytest.mark.long),
+        "schema",
+    ],
 )
 def test_a_full_standard_output_is_no_bad_input(tmp_path, command):
     done = gfmd(tmp_path, f"gfmd {command} >/dev/full")

@@ -107,9 +107,9 @@ def test_it_tells_the_finer_levels_of_the_next_round_and_not_what_the_target_tak
     assert "until the target is reached" not in said
 
 
-@pytest.mark.parametrize("target", [{}, pytest.param({"target": {"kappa": "1%"}}, marks=pytest.mark.long)])
-def test_a_campaign_without_levels_is_planned_from_its_pilot(tmp_path, target):
-    said = planned(written(tmp_path, SHORT | target), "--target=kappa=2%")
+@pytest.mark.long
+def test_a_campaign_without_levels_is_planned_from_its_pilot(tmp_path):
+    said = planned(written(tmp_path, SHORT), "--target=kappa=2%")
     assert said.exit_code == 0, said.output
     assert "eps_c to 1/8, eps_f to 1/1024, eps_t to 1/8: 11 cases" in unfolded(said.stderr)
     assert re.search(r"target +2.00%: (not reached by the pilot|reached)", said.stdout)

@@ -73,8 +73,8 @@ def test_full_contact_is_linear(solver):
 def test_all_solvers_find_the_same_contact():
     """Also the slab, and from light to nearly full contact."""
     q = grid.wavenumbers(1024)
-    for hurst in (0.3, 0.5, 0.8):
-        heights = self_affine.profiles(hurst, 2, 256, 1024, 2, range(5))
+    for hurst in (0.3, 0.8):
+        heights = self_affine.profiles(hurst, 2, 256, 1024, 2, range(2))
         for body in (stiffness.half_space(q), stiffness.slab(q, 0.49, 0.05)):
             for load in (0.007, 0.05, 0.3, 1.0):
                 verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
@@ -87,7 +87,7 @@ def test_all_solvers_find_the_same_contact():
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 0.0032, 0.01, 10.0])
 def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
     """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
-    heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(40)) for hurst in (0, 0.5, 1)])
+    heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(10)) for hurst in (0, 0.5, 1)])
     verlet, *others = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)
     for other in others:
         np.testing.assert_array_equal(other > 0, verlet > 0)
@@ -99,7 +99,7 @@ def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
 )
 def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
-    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(2)), grid.wavenumbers(256)
+    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
     results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS[:3]]
     for result in results:

@@ -19,7 +19,7 @@ from support.layered_reference import compliance, surface_and_inside
 NUS = (-0.5, 0.0, 0.33, 0.4999, 0.5)
 Q = np.geomspace(1e-6, 1e6, 121)
 # thin and thick, on both sides of the change of method at q h = 1, and where all below has faded
-FEW = np.array([1e-6, 1e-3, 0.03, 0.3, 0.99, 1.01, 3.0, 12.0, 45.0, 1e6])
+FEW = np.array([1e-6, 0.03, 0.99, 1.01, 3.0, 45.0, 1e6])
 
 
 def plane(modulus, nu):
@@ -259,7 +259,7 @@ def test_fields_of_two_equal_layers_are_those_of_the_slab():
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-12 * abs(expected).max(), err_msg=name)
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", range(60))
 def test_no_stack_that_a_scene_allows_ends_in_anything_but_a_positive_stiffness(seed):
     rng = np.random.default_rng(seed)
     count = rng.integers(1, 6)

@@ -70,7 +70,8 @@ def finite_elements(body, heights, depth, guess):
     return mesh, mesh.press((heights.max() - heights - depth)[::over], guess[::over].copy())
 
 
-@pytest.mark.parametrize("name", [pytest.param("hard on soft", marks=pytest.mark.long), "soft on hard"])
+@pytest.mark.long
+@pytest.mark.parametrize("name", BODIES)
 def test_a_rough_layered_body_is_that_of_finite_elements_with_flat_interfaces(name):
     body, over, worst = BODIES[name], NX // (2 * COLUMNS), []
     for amplitude in (0.01, 0.005):

@@ -56,7 +56,7 @@ def test_a_mutant_is_read_or_refused_with_a_reason(tmp_path_factory, kind):
     folder = tmp_path_factory.mktemp(kind)
 
     @given(pick=st.randoms(use_true_random=False))
-    @settings(derandomize=True, deadline=None, max_examples=150)
+    @settings(derandomize=True, deadline=None, max_examples=50)
     def mutants(pick):
         assert_loads_or_says_why(folder, kind, changed_text(KINDS[kind][1], pick))
 
@@ -69,7 +69,7 @@ def test_many_mutants_are_read_or_refused_with_a_reason(tmp_path_factory, kind):
     folder = tmp_path_factory.mktemp(kind)
 
     @given(pick=st.randoms(use_true_random=True))
-    @settings(deadline=None, max_examples=600)
+    @settings(deadline=None, max_examples=200)
     def mutants(pick):
         assert_loads_or_says_why(folder, kind, changed_text(KINDS[kind][1], pick))
 
@@ -77,7 +77,7 @@ def test_many_mutants_are_read_or_refused_with_a_reason(tmp_path_factory, kind):
 
 
 @given(text=st.text(max_size=200))
-@settings(derandomize=True, deadline=None, max_examples=150)
+@settings(derandomize=True, deadline=None, max_examples=50)
 def test_any_text_is_refused_with_a_reason(tmp_path_factory, text):
     assert_loads_or_says_why(tmp_path_factory.getbasetemp(), "campaign", text.encode("utf-8", "ignore").decode())
 

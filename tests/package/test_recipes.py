@@ -156,18 +156,21 @@ def gfmd(tmp_path):
 
 @pytest.mark.long
 def test_a_law_a_solver_and_an_observable_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):
-    gfmd("check", "contact.yaml")
-    gfmd("solve", "contact.yaml", "-o", "contact.nc")
-    gfmd("run", "campaign.yaml")
+    *_, limits, _, printed = gfmd(
+        "check contact.yaml",
+        "solve contact.yaml -o contact.nc",
+        "run campaign.yaml --workers=0",
+        "fit recipes",
+        "plot recipes -o fit.png",
+        "schema combinations",
+    )
     for file in ("contact.nc", "recipes/recipes.nc"):
         with xr.open_dataset(tmp_path / file) as found:
             assert (found["status"] == 0).all()
             assert found["largest_pressure"].units == "Pa"
             assert (found["largest_pressure"] > found["mean_pressure"]).all()
             assert found.attrs.get("solver", "heavy_ball") == "heavy_ball"
-    assert "limit" in gfmd("fit", "recipes")
-    gfmd("plot", "recipes", "-o", "fit.png")
+    assert "limit" in limits
     assert (tmp_path / "fit.png").stat().st_size > 1000
-    printed = gfmd("schema", "combinations")
     assert "Quadratic law with exponential law" in printed
     assert "`heavy_ball`" in printed

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from gfmd_numba.cli import progress
 from gfmd_numba.cli.columns import print_table
 from gfmd_numba.scene import InputError, load_scene, read_document
 from gfmd_numba.scene.surface_file import load_surface
@@ -15,6 +16,12 @@ from support.scenes import SCENE
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202e\u2066\u2028\r\nb"
 HARMLESS = re.compile(r"[^\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]*")
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch):
+    """A busy machine adds no line that says so."""
+    monkeypatch.setattr(progress, "_PATIENCE", 3600.0)
 
 
 def assert_harmless(text, lines=1):

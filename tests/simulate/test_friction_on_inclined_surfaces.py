@@ -164,13 +164,12 @@ def test_two_bodies_that_change_places_find_the_same(interface):
         assert float(one[name]) == pytest.approx(sign * float(two[name]), rel=2e-3 if interface is FRICTION else 1e-2)
 
 
-@pytest.mark.parametrize("along", ["x", "y"])
-@pytest.mark.parametrize("pair", ["punch", "counter body"])
+@pytest.mark.parametrize(("pair", "along"), [("punch", "x"), ("counter body", "y")])
 @pytest.mark.parametrize(
     ("interface", "nx"),
     [pytest.param(FRICTION, 16, id="friction"), pytest.param(COHESION, 32, id="cohesion", marks=pytest.mark.long)],
 )
-def test_ridges_are_profiles(along, pair, interface, nx):
+def test_ridges_are_profiles(pair, along, interface, nx):
     x = np.arange(nx) / nx
     own, facing = -0.01 * np.cos(2 * np.pi * x), 0.004 * np.cos(6 * np.pi * (x - 0.07))
     suffix = "" if along == "x" else "_y"

@@ -19,7 +19,7 @@ def hunt(kind, seeds):
 
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_random_maps_are_solved(kind):
-    assert hunt(kind, range(20, 25)) == ([], [])
+    assert hunt(kind, range(20, 22)) == ([], [])
 
 
 def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
@@ -45,8 +45,8 @@ def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
 
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
-def test_a_dozen_random_maps_are_solved(kind):
-    assert hunt(kind, range(100, 112)) == ([], [])
+def test_more_random_maps_are_solved(kind):
+    assert hunt(kind, range(100, 106)) == ([], [])
 
 
 def test_the_check_sees_a_wrong_displacement_along_y():

@@ -26,7 +26,9 @@ SCALING = {
 }
 RECURSIVE = {"hurst": 0.8, "roll_off": 20e-6, "cut_on": 1e-6}
 SURFACES = [
-    *(({"method": "psd", **s}, d) for s in (SELF_AFFINE, K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
+    *(({"method": "psd", **s}, d) for s in (SELF_AFFINE, K_CORRELATION) for d in (1, 2)),
+    ({"method": "psd", **EXPONENTIAL}, 1),
+    pytest.param({"method": "psd", **EXPONENTIAL}, 2, marks=pytest.mark.long),  # its spectrum takes seconds
     ({"method": "psd", **SELF_AFFINE, "plateau": False}, 1),
     *(({"method": "fourier_filter", **s}, d) for s in (K_CORRELATION, EXPONENTIAL) for d in (1, 2)),
     *(({"method": method, **s}, 2) for method in ("psd", "fourier_filter") for s in (ANISOTROPIC, SCALING)),

@@ -8,7 +8,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 
-NX, MAP = 128, (32, 32)
+NX, MAP = 64, (28, 28)
 X = np.arange(NX) / NX
 Y2, X2 = np.indices(MAP) / MAP[0]
 LAW = {"work_of_adhesion": 1e-4, "normal_length": 4e-3, "tangential_length": 4e-3}

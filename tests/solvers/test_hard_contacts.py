@@ -37,7 +37,7 @@ def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
     """At every pressure all solvers end with the same contact, which carries its load."""
     np.save(tmp_path / "profile.npy", SHAPES[shape])
     nx = len(SHAPES[shape])
-    for pressure in (1e-6, 1e-3, 0.05, 1.0, 100.0):
+    for pressure in (1e-6, 0.05, 100.0):
         found = []
         for solver in ("verlet", "conjugate_gradients", "active_set_newton"):
             scene = scene_file(

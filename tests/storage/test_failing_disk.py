@@ -62,8 +62,7 @@ def test_a_write_that_fails_at_any_call_leaves_the_old_file_or_the_new_one(tmp_p
 
 
 @pytest.mark.parametrize("every", [pytest.param(1, marks=pytest.mark.long), 13])
-@pytest.mark.parametrize("full", [False, True])
-@pytest.mark.parametrize("start", ["nothing", "half"])
+@pytest.mark.parametrize(("start", "full"), [("nothing", False), ("half", True)])
 def test_a_run_on_a_disk_that_fails_at_any_call_resumes(begun, tmp_path, start, full, every):
     path, half, digest = begun
     at, refused, said = 0, "yes", set()

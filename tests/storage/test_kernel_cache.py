@@ -56,17 +56,25 @@ def files(folder):
 
 
 @pytest.mark.parametrize("damage", ["altered", "cut", "emptied", "zeroed"])
-def test_a_damaged_kernel_is_compiled_again(compiled, tmp_path, damage):
+def test_a_damaged_kernel_is_not_found(compiled, tmp_path, monkeypatch, damage):
+    (code,) = files(copied(compiled, tmp_path / "own" / "cache"))
+    monkeypatch.setattr(kernel_cache, "folder", lambda: code.parent)
+    assert kernel_cache.load(code.name) is not None
+    content = bytearray(code.read_bytes())
+    if damage == "altered":
+        content[len(content) // 2] ^= 0xFF
+    elif damage == "zeroed":
+        content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
+    else:
+        content = content[: len(content) // 2 if damage == "cut" else 0]
+    code.write_bytes(content)
+    assert kernel_cache.load(code.name) is None
+
+
+def test_a_damaged_kernel_is_compiled_again(compiled, tmp_path):
     cache = copied(compiled, tmp_path / "own" / "cache")
-    for code in files(cache):
-        content = bytearray(code.read_bytes())
-        if damage == "altered":
-            content[len(content) // 2] ^= 0xFF
-        elif damage == "zeroed":
-            content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
-        else:
-            content = content[: len(content) // 2 if damage == "cut" else 0]
-        code.write_bytes(content)
+    (code,) = files(cache)
+    code.write_bytes(code.read_bytes()[:-1])
     assert compile_in(cache) == (0, "")
     (again,) = files(cache)
     code = again.read_bytes()[kernel_cache._HEAD :]

@@ -1,5 +1,6 @@
 """Recipes of docs/architecture.md, and how a copy of the package follows them."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -32,8 +33,24 @@ class Recipe:
         (package / self.old_file).write_text(old)
 
 
+_COMMANDS = """
+import json, sys
+from click.testing import CliRunner
+from gfmd_numba.cli import main
+said = []
+for line in json.load(sys.stdin):
+    done = CliRunner().invoke(main, line.split(), catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    said.append(done.stdout)
+json.dump(said, sys.stdout)
+"""
+
+
 def command_after(recipes, files, tmp_path):
-    """The command of a copy of the package, in which every recipe was followed, next to some files."""
+    """What runs commands of a copy of the package, in which every recipe was followed, next to some files.
+
+    All lines that it is given run in one process. It returns what each of them prints.
+    """
     package = tmp_path / "copy" / "gfmd_numba"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
     for recipe in recipes:
@@ -41,11 +58,17 @@ def command_after(recipes, files, tmp_path):
     for name, text in files.items():
         (tmp_path / name).write_text(text)
 
-    def command(*arguments):
+    def commands(*lines):
         environment = os.environ | {"PYTHONPATH": str(package.parent)}  # its kernels are those of this package
-        line = [sys.executable, "-m", "gfmd_numba", *arguments]
-        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=environment)
+        done = subprocess.run(
+            [sys.executable, "-c", _COMMANDS],
+            input=json.dumps(lines),
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env=environment,
+        )
         assert done.returncode == 0, done.stderr
-        return done.stdout
+        return json.loads(done.stdout)
 
-    return command
+    return commands

@@ -19,7 +19,7 @@ def march(stiffness, eta, dt, start, tolerance, steps):
     return last + 1
 
 
-@pytest.mark.parametrize("dt", [0.02, 0.1, 0.5])
+@pytest.mark.parametrize("dt", [0.05, 0.5])
 @pytest.mark.parametrize("ratio", [0.3, 0.99, 1.0, 1.5])
 def test_steps_are_counted_as_marched(dt, ratio):
     rng = np.random.default_rng(3)

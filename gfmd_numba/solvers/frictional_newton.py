@@ -34,11 +34,11 @@ _SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first guess of t
 _NORMAL_STEPS = 60  # of that, at most
 _COARSENING, _COARSEST = 4, 256  # nodes of a profile over those of the grid its guess is made on; where that is normal
 _COARSE_STEPS, _SHARE = 8, 0.02  # there, at most; share of the contact that may still change
-_INNER = 0.03  # error left by the linear solution of one step over that before it
+_INNER, _INNER_OF_LAW = 0.03, 0.1  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
 _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
-_PATIENCE = 4  # steps that may come no closer before the normal contact is found anew
+_PATIENCE = 4  # steps that may come no closer; then one node alone changes, or the normal contact is found anew
 _CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
 _DIRECTIONS = {1: 100, 2: 40}  # of the linear solution, at most; of maps fewer, as these are large
@@ -55,33 +55,34 @@ class _Progress:
 
     `last` is the error of the linear solution once the guess stands, `inner` that of one step before over the error it
     begins with. The last step has found `changed` nodes to be guessed wrong, and has `moved` the tractions by that much
-    over the largest of them; `fewest` and `nearest` are the least of both since the normal contact was found the last
-    time, of `tries`. `is_solved`: the last step has solved the problem of a guess that stands.
+    over the largest of them; `fewest` and `nearest` are the least of both. With a law the normal contact has been found
+    anew `tries` times, and they count since then. `is_solved`: the last step has solved the problem of a guess that
+    stands.
     """
 
     last: float
+    inner: float
     changed: int
     fewest: int
-    inner: float = _INNER
     moved: float = np.inf
     nearest: float = np.inf
     patience: int = _PATIENCE
     tries: int = 0
     is_solved: bool = False
 
-    def judge(self, changed: int, is_close: bool) -> None:
-        """Take note of how many nodes a step has found to be wrong; patience runs out where steps come no closer."""
+    def judge(self, changed: int, nears: bool) -> None:
+        """Take note of how many nodes a step has found to be wrong, and whether it `nears` the solution even so."""
         if changed > _FALLS * self.changed:
             self.inner = max(_TIGHTEN * self.inner, _EXACT)
-        self.changed = changed
-        comes_closer = self.moved < _CLOSER * self.nearest or changed < self.fewest or (changed == 0 and is_close)
+        comes_closer = changed < self.fewest or nears
         self.patience = _PATIENCE if comes_closer else self.patience - 1
-        self.nearest, self.fewest = min(self.moved, self.nearest), min(changed, self.fewest)
+        self.changed, self.fewest = changed, min(changed, self.fewest)
+        self.nearest = min(self.moved, self.nearest)
 
     @property
     def changes_one_node(self) -> bool:
-        """Whether the next step changes one node alone, as every third try does (Judice & Pires 1994)."""
-        return self.tries > 0 and self.tries % 3 == 0
+        """Whether the next step changes one node alone: out of patience, or in every second try with a law."""
+        return self.patience < 0 or (self.tries > 0 and self.tries % 2 == 0)
 
 
 class FrictionalNewton:
@@ -95,8 +96,8 @@ class FrictionalNewton:
 
     The first guess of a profile comes from the waves that a coarser grid holds. There, on maps and with a law it is the
     normal contact under the tangential tractions of the step before, roughly, with all its nodes sticking: so an
-    adhesive contact stays on its branch. Where steps come no closer, the normal contact is found anew under the
-    tangential tractions found last, or one node alone changes.
+    adhesive contact stays on its branch. Where steps come no closer, one node alone changes until fewer want to (Judice
+    & Pires 1994). With a law the normal contact is then also found anew, under the tangential tractions found last.
 
     A node slips from its anchor: where it was before this load, had it moved with the punch since. For a node that
     touched that is where the punch held it.
@@ -132,7 +133,8 @@ class FrictionalNewton:
         self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners
         self._guesses = self._first_guesses(batch, options)
-        self._progress = [_Progress(options.residual, n, n) for _ in range(rows)]
+        inner = _INNER if self._law is None else _INNER_OF_LAW
+        self._progress = [_Progress(options.residual, inner, n, n) for _ in range(rows)]
 
     @property
     def tangential(self) -> tuple[Reals, Reals, Reals]:
@@ -277,7 +279,8 @@ class FrictionalNewton:
             u = problem.deflected(x, known=True)
         problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
         self._revise(i, u, problem.tractions(x))
-        progress.is_solved = stands and progress.changed == 0
+        is_known = problem.stuck.size == wall.size  # the displacement of each node, whatever is left of the error
+        progress.is_solved = progress.changed == 0 and (stands or is_known)
 
     def _revise(self, i: int, u: Reals, tractions: Reals) -> None:
         """Revise the guess of a row, and store the displacement that is nearest to the conditions."""
@@ -289,7 +292,8 @@ class FrictionalNewton:
             u[0] = anchor[0] + (slid - slid[middle_slip(slid, pressure, contact)])  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         revision = guess.revision(found, self._friction, self._rounding[i])
-        progress.judge(revision.wrong.size, self._is_close(progress))
+        nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
+        progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
         if progress.changes_one_node:
             revision.keep(guess, revision.wrong[:-1])
         if np.isinf(self._friction):
@@ -300,11 +304,9 @@ class FrictionalNewton:
         pull = guess.revise(revision, found, self._friction, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = (guess.tractions[-1] - pull).mean()
-        if progress.patience < 0:
+        if self._law is not None and progress.patience < 0:
             progress.tries += 1
             progress.nearest, progress.fewest, progress.patience = np.inf, n, _PATIENCE
-            self._begin_anew(i)
-        elif progress.tries % 3 == 2 and (revision.leaves | revision.joins).any():
             self._begin_anew(i)
 
     def _slid_against(self, guess: FrictionGuess, found: Found) -> Reals:

@@ -81,8 +81,8 @@ class _Progress:
 
     @property
     def changes_one_node(self) -> bool:
-        """Whether the next step changes one node alone: out of patience, or in every second try with a law."""
-        return self.patience < 0 or (self.tries > 0 and self.tries % 2 == 0)
+        """Whether the next step changes one node alone: out of patience, or in every third try with a law."""
+        return self.patience < 0 or (self.tries > 0 and self.tries % 3 == 0)
 
 
 class FrictionalNewton:
@@ -304,9 +304,13 @@ class FrictionalNewton:
         pull = guess.revise(revision, found, self._friction, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = (guess.tractions[-1] - pull).mean()
-        if self._law is not None and progress.patience < 0:
+        if self._law is None:
+            return
+        if progress.patience < 0:
             progress.tries += 1
             progress.nearest, progress.fewest, progress.patience = np.inf, n, _PATIENCE
+            self._begin_anew(i)
+        elif progress.tries % 3 == 2 and (revision.leaves | revision.joins).any():  # in every step of that try
             self._begin_anew(i)
 
     def _slid_against(self, guess: FrictionGuess, found: Found) -> Reals:

@@ -13,6 +13,11 @@ class Compliance:
     s13: Reals
     s33: Reals
 
+    @property
+    def elements(self) -> tuple[Reals, Reals, Reals]:
+        """The elements of the inverse matrix, in the order and with the signs of those of the stiffness."""
+        return self.s11, -self.s13, self.s33
+
     def displacements(self, tangential: Complexes, normal: Complexes) -> tuple[Complexes, Complexes]:
         """Coefficients `[nx // 2 + 1]` of both displacements, tangential and normal, under those of both tractions."""
         return self.s11 * tangential - 1j * self.s13 * normal, self.s33 * normal + 1j * self.s13 * tangential

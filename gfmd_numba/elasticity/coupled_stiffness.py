@@ -49,6 +49,10 @@ class CoupledStiffness:
             s[0] = 1.0 / k[0] if k[0] > 0.0 else 0.0
         return Compliance(s11, s13, s33)
 
+    def inverse(self) -> tuple[Reals, Reals, Reals]:
+        """The same elements of the compliance; zero for a mean displacement that nothing restores, or that is rigid."""
+        return self.compliance().elements
+
     def deflection(self, tangential: Reals, normal: Reals) -> tuple[Reals, Reals]:
         """Displacements `[nx]` (tangential, normal) under tractions `[nx]` in E*; 0 in a mean that nothing restores."""
         t1, t3 = grid.coefficients(tangential), grid.coefficients(normal)
@@ -78,6 +82,10 @@ class CoupledStiffness:
         k11[0] = in_series(self.k11[:1], other.k11[:1], share)[0]
         k33[0] = in_series(self.k33[:1], other.k33[:1], share)[0]
         return CoupledStiffness(k11, k13, k33)
+
+    def coarsened(self, nx: int) -> "CoupledStiffness":
+        """Return the stiffness of the waves that a coarser grid of nx nodes holds."""
+        return self.on_grid(nx, *(k[: nx // 2 + 1].copy() for k in self.elements))
 
     def with_free_mean(self) -> "CoupledStiffness":
         """The same without the restoring force of the mean normal displacement, which then follows the load."""

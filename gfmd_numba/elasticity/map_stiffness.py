@@ -66,7 +66,7 @@ class MapStiffness:
         softer = xz**2 * yy - 2.0 * xy * xz * yz + yz**2 * xx
         return np.asarray(zz - np.divide(softer, plane, out=np.zeros_like(plane), where=softer != 0.0))
 
-    def compliance(self) -> Reals:
+    def inverse(self) -> Reals:
         """Elements of the inverse, in the same order; zero for a mean displacement that nothing restores, or rigid."""
         found = self.elements.copy()
         found[:, 0, 0] = 1.0, 0.0, 1.0, 0.0, 0.0, 1.0
@@ -80,7 +80,7 @@ class MapStiffness:
         """Displacements `[2, ny, nx]` and `[ny, nx]` under tractions in E*; 0 in a mean that nothing restores."""
         x, y = grid.coefficients(tangential, 2)
         z = grid.coefficients(normal, 2)
-        xx, xy, yy, xz, yz, zz = self.compliance()
+        xx, xy, yy, xz, yz, zz = self.inverse()
         along = np.stack((xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z))
         out = zz * z - 1j * (xz * x + yz * y)
         return grid.signal(along, *normal.shape), grid.signal(out, *normal.shape)
@@ -91,9 +91,9 @@ class MapStiffness:
         As for profiles (`CoupledStiffness.in_series`) compliances add up, and their couplings xz and yz subtract. Each
         body is given in its own E*, the result is in that of both; `share` is the other's part of 1/E*.
         """
-        facing = other.compliance()
+        facing = other.inverse()
         facing[[3, 4]] *= -1.0
-        compliance = (1.0 - share) * self.compliance() + share * facing
+        compliance = (1.0 - share) * self.inverse() + share * facing
         compliance[:, 0, 0] = 1.0, 0.0, 1.0, 0.0, 0.0, 1.0
         found = _inverse(compliance)
         found[:, 0, 0] = 0.0

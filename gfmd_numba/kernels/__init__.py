@@ -1,4 +1,4 @@
-"""Every compiled function, and nothing else."""
+"""Every compiled function, and the records that they take."""
 
 from gfmd_numba.kernels.active_sets import (
     closing_displacement,
@@ -10,7 +10,7 @@ from gfmd_numba.kernels.active_sets import (
     revise_contact,
 )
 from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step, prescribed_violation
-from gfmd_numba.kernels.conditions import friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.conditions import CoupledState, friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.decay_contacts import decay_contact, refined_pressure, touching_displacement
 from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.energy_descent import (
@@ -27,7 +27,6 @@ from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_updat
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_map_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
-from gfmd_numba.kernels.map_friction import couple_map, coupled_map_step, map_friction_violation
 from gfmd_numba.kernels.maps import (
     close_map,
     level_of_contact,
@@ -62,6 +61,7 @@ from gfmd_numba.kernels.tiles import (
 )
 
 __all__ = [
+    "CoupledState",
     "bound",
     "cg_direction",
     "cg_free",
@@ -74,8 +74,6 @@ __all__ = [
     "contact_nodes",
     "count",
     "couple",
-    "couple_map",
-    "coupled_map_step",
     "coupled_step",
     "damp",
     "decay_contact",
@@ -99,7 +97,6 @@ __all__ = [
     "level",
     "level_of_contact",
     "list_tiles",
-    "map_friction_violation",
     "mark_contact",
     "mark_loaded",
     "move_tiles",

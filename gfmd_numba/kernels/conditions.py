@@ -1,5 +1,7 @@
 """Compiled contact conditions: how far they are violated, and the pressure they leave."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
@@ -43,40 +45,51 @@ def kkt_violation(
         imbalance[i] = abs(total - carried) / n
 
 
+class CoupledState(NamedTuple):
+    """Displacements of a batch and their restoring tractions, where tangential ones are followed too.
+
+    Rows of `u1`, `anchor` and `k1` `[component * realisation, x]` are tangential: of one component, or of two on maps,
+    where those along x come first. A node slips from its anchor. Rows of `u3`, `k3` and the `wall` `[realisation, x]`
+    are normal; `load` `[realisation]` is the mean pressure.
+    """
+
+    u1: Reals
+    anchor: Reals
+    k1: Reals
+    u3: Reals
+    k3: Reals
+    wall: Reals
+    load: Reals
+
+
 @jit
-def friction_violation(
-    u1: Reals,
-    anchor: Reals,
-    k1: Reals,
-    u3: Reals,
-    k3: Reals,
-    wall: Reals,
-    load: Reals,
-    friction: float,
-    active: Indices,
-    n: int,
-    worst: Reals,
-) -> None:
+def friction_violation(state: CoupledState, friction: float, active: Indices, n: int, worst: Reals) -> None:
     """Raise `worst` to the largest tangential force that friction does not balance.
 
-    Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the
-    distance slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
+    Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the way
+    they have slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
     """
+    u1, anchor, k1, u3, k3, wall, load = state
     for i in active:
         largest = 0.0
         total = 0.0
         for j in range(n):
-            total += k1[i, j]
-            violation = abs(k1[i, j])
+            traction, way = 0.0, 0.0  # squares
+            for row in range(i, u1.shape[0], load.size):
+                total += k1[row, j]
+                traction += k1[row, j] ** 2
+                way += (u1[row, j] - anchor[row, j]) ** 2
+            violation, slid = np.sqrt(traction), np.sqrt(way)
             pressure = load[i] - k3[i, j]
             if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
-                slid = u1[i, j] - anchor[i, j]
-                if slid != 0.0 and np.isinf(friction):
+                if slid > 0.0 and np.isinf(friction):
                     violation = max(violation, pressure)
                 elif slid > 0.0:
-                    violation = abs(k1[i, j] + friction * pressure)
-                elif slid < 0.0:
-                    violation = abs(k1[i, j] - friction * pressure)
+                    traction = 0.0
+                    for row in range(i, u1.shape[0], load.size):
+                        against = friction * pressure * ((u1[row, j] - anchor[row, j]) / slid)
+                        traction += (k1[row, j] + against) ** 2
+                    violation = np.sqrt(traction)
                 else:
                     violation = max(violation - friction * pressure, 0.0)
             largest = max(largest, violation)

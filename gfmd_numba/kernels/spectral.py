@@ -1,4 +1,4 @@
-"""Compiled loops over spectra: the stiffness of one or both displacements."""
+"""Compiled loops over spectra: the stiffness of one displacement or of all."""
 
 import numpy as np
 
@@ -32,17 +32,25 @@ def power(spectrum: Complexes, symbol: Reals) -> float:
 
 
 @jit
-def couple(spectrum: Complexes, k11: Reals, k13: Reals, k33: Reals, active: Indices, rows: int) -> None:
-    """Restoring tractions of tangential (row i) and normal (row rows + i) displacement, in place (6.57).
+def couple(spectrum: Complexes, elements: Reals, active: Indices, rows: int) -> None:
+    """Restoring tractions of all displacements in place (6.57): tangential ones (row i), then normal ones (rows + i).
 
-    The phase is that of coefficients of exp(+i q x) with the normal displacement out of the body: a compressed
-    stretch draws the surface together.
+    On maps rows are those along x, along y, then normal ones. `elements` `[element, wave]` are k11, k13 and k33, or
+    xx, xy, yy, xz, yz and zz. The phase is that of coefficients of exp(+i q x) with the normal displacement out of the
+    body: a compressed stretch draws the surface together.
     """
+    normal = rows if elements.shape[0] == 3 else 2 * rows
     for i in active:
-        for k in range(k11.size):
-            tangential, normal = spectrum[i, k], spectrum[rows + i, k]
-            spectrum[i, k] = k11[k] * tangential + 1j * k13[k] * normal
-            spectrum[rows + i, k] = k33[k] * normal - 1j * k13[k] * tangential
+        for k in range(elements.shape[1]):
+            x, z = spectrum[i, k], spectrum[normal + i, k]
+            if elements.shape[0] == 3:
+                spectrum[i, k] = elements[0, k] * x + 1j * elements[1, k] * z
+                spectrum[normal + i, k] = elements[2, k] * z - 1j * elements[1, k] * x
+            else:
+                y, xz, yz = spectrum[rows + i, k], elements[3, k], elements[4, k]
+                spectrum[i, k] = elements[0, k] * x + elements[1, k] * y + 1j * xz * z
+                spectrum[rows + i, k] = elements[1, k] * x + elements[2, k] * y + 1j * yz * z
+                spectrum[normal + i, k] = elements[5, k] * z - 1j * (xz * x + yz * y)
 
 
 @jit

@@ -4,6 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
+from gfmd_numba.kernels.conditions import CoupledState
 
 
 @jit
@@ -80,46 +81,44 @@ def fire_step(
 
 @jit
 def coupled_step(
-    u1: Reals,
-    u1_old: Reals,
-    anchor: Reals,
-    k1: Reals,
-    u3: Reals,
-    u3_old: Reals,
-    k3: Reals,
-    wall: Reals,
-    load: Reals,
+    state: CoupledState,
+    last_tangential: Reals,
+    last_normal: Reals,
     friction: float,
     active: Indices,
     n: int,
     memory: float,
     push: float,
 ) -> None:
-    """One Verlet step of both components with the hard wall and Coulomb friction (an infinite one sticks).
+    """One Verlet step of all components with the hard wall and Coulomb friction (an infinite one sticks).
 
-    Friction acts against the distance slid from the `anchor`: where the punch held the node before this load, or
-    where it last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by
-    half the push of a free node, which is stable for every mode: within what friction can hold of the anchor the
-    node sticks to it, beyond it is drawn back by as much.
+    Friction acts against the way slid from the `anchor`: where the punch held the node before this load, or where it
+    last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by half the
+    push of a free node, which is stable for every mode: within what friction can hold of the anchor the node sticks to
+    it, beyond it is drawn back by as much.
     """
+    u1, anchor, k1, u3, k3, wall, load = state
     for i in active:
+        for row in range(i, u1.shape[0], load.size):
+            for j in range(n):  # as if nothing touched: quickly, and right for most nodes
+                now = u1[row, j]
+                u1[row, j] = now + memory * (now - last_tangential[row, j]) - push * k1[row, j]
+                last_tangential[row, j] = now
+                touches = friction > 0.0 and u3[i, j] >= wall[i, j] and load[i] - k3[i, j] > 0.0
+                anchor[row, j] = anchor[row, j] if touches else np.nan
         for j in range(n):
-            pressure = load[i] - k3[i, j]
-            now = u1[i, j]
-            if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
-                if np.isnan(anchor[i, j]):
-                    anchor[i, j] = now
-                slid = now - 0.5 * push * k1[i, j] - anchor[i, j]
-                held = 0.5 * push * friction * pressure
-                new = anchor[i, j]
-                if abs(slid) > held:
-                    new += slid - held if slid > 0.0 else slid + held
-            else:
-                anchor[i, j] = np.nan
-                new = now + memory * (now - u1_old[i, j]) - push * k1[i, j]
-            u1_old[i, j] = now
-            u1[i, j] = new
             now = u3[i, j]
-            new = now + memory * (now - u3_old[i, j]) + push * pressure
-            u3_old[i, j] = now
-            u3[i, j] = min(new, wall[i, j])
+            pressure = load[i] - k3[i, j]
+            u3[i, j] = min(now + memory * (now - last_normal[i, j]) + push * pressure, wall[i, j])
+            last_normal[i, j] = now
+            if friction > 0.0 and now >= wall[i, j] and pressure > 0.0:
+                square = 0.0
+                for row in range(i, u1.shape[0], load.size):
+                    if np.isnan(anchor[row, j]):
+                        anchor[row, j] = last_tangential[row, j]
+                    square += (last_tangential[row, j] - 0.5 * push * k1[row, j] - anchor[row, j]) ** 2
+                slid, held = np.sqrt(square), 0.5 * push * friction * pressure
+                left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
+                for row in range(i, u1.shape[0], load.size):
+                    pulled = last_tangential[row, j] - 0.5 * push * k1[row, j] - anchor[row, j]
+                    u1[row, j] = anchor[row, j] + left * pulled

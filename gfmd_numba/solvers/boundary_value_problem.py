@@ -93,8 +93,7 @@ class _BoundaryValueProblem:
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
         self.field = Convolution(components, *shape, dtype=np.float32 if options.precision == "single" else np.float64)
-        self._couple = kernels.couple if components == 2 else kernels.couple_map
-        self._symbols = [self.field.symbol(k) for k in elastic.elements]
+        self._symbols = np.array([self.field.symbol(k) for k in elastic.elements])
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = self._start(elastic, start, displacement)
         self._last = self.displacement.copy()
@@ -135,7 +134,7 @@ class _BoundaryValueProblem:
     def _restore(self) -> None:
         rows = self._rows
         self.field.forward(rows)
-        self._couple(self.field.spectrum, *self._symbols, rows[:1], 1)
+        kernels.couple(self.field.spectrum, self._symbols, rows[:1], 1)
         self.field.inverse(rows)
         if self._rigid:
             normal = rows.size - 1

@@ -37,8 +37,8 @@ class CohesiveNewton(TruncatedNewton):
         for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
                 s[0] = 1.0 / k[1:].min()
-        self._stiffness_elements = [self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, stiffness.k33)]
-        self._compliance_elements = [self.field.symbol(s) for s in (compliance.s11, -compliance.s13, compliance.s33)]
+        self._stiffness_elements = np.array([self.field.symbol(k) for k in stiffness.elements])
+        self._compliance_elements = np.array([self.field.symbol(s) for s in compliance.elements])
         share = grid.multiplicity(n) / n
         self._node_compliance = float(0.5 * ((compliance.s11 + compliance.s33) * share).sum())
         self._stiffest = float(stiffness.principal()[1].max()) + batch.law_stiffness()
@@ -80,10 +80,10 @@ class CohesiveNewton(TruncatedNewton):
         else:
             self._multiply(row, self._compliance_elements)
 
-    def _multiply(self, row: Indices, elements: list[Reals]) -> None:
+    def _multiply(self, row: Indices, elements: Reals) -> None:
         both = np.array([2 * row[0], 2 * row[0] + 1])
         self.field.forward(both)
-        kernels.couple(self.field.spectrum, *elements, both[:1], 1)
+        kernels.couple(self.field.spectrum, elements, both[:1], 1)
         self.field.inverse(both)
 
     def _slip(self, i: int) -> Reals:

@@ -50,7 +50,11 @@ class CoupledDynamics:
         self._anchor = np.full_like(self._tangential, np.nan)
         self._anchor[:, :n] = by_component(start.anchor, n)
         self._tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
-        self._elements = [self.field.symbol(k) for k in stiffness.elements]
+        self._state = kernels.CoupledState(
+            self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
+            self.load,
+        )  # fmt: skip
+        self._elements = np.array([self.field.symbol(k) for k in stiffness.elements])
         smaller, larger = stiffness.principal()
         softest = float(smaller[smaller > 0.0].min())
         stiffest = float(larger.max()) + batch.law_stiffness()
@@ -73,22 +77,16 @@ class CoupledDynamics:
     def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
         last_tangential, last_normal = self._last[: -self._rows], self._last[-self._rows :]
-        step = kernels.coupled_step if self._of_profile else kernels.coupled_map_step
-        step(
-            self._tangential, last_tangential, self._anchor, self._tangential_restoring, self.displacement, last_normal,
-            self.restoring, self.wall, self.load, self._friction, active, self.field.n, self._memory, self._push,
-        )  # fmt: skip
+        kernels.coupled_step(
+            self._state, last_tangential, last_normal, self._friction, active, self.field.n, self._memory, self._push
+        )
         self._restore(active)
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
         n, certificate = self.field.n, self.certificate
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
-        violation = kernels.friction_violation if self._of_profile else kernels.map_friction_violation
-        violation(
-            self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
-            self.load, self._friction, active, n, certificate.worst,
-        )  # fmt: skip
+        kernels.friction_violation(self._state, self._friction, active, n, certificate.worst)
         return certificate.residual(self.load, active, self._strongest(active))
 
     def _strongest(self, active: Indices) -> Reals:
@@ -124,8 +122,7 @@ class CoupledDynamics:
     def _restore(self, active: Indices) -> None:
         every = np.concatenate([active + i * self._rows for i in range(self._components)])
         self.field.forward(every)
-        couple = kernels.couple if self._of_profile else kernels.couple_map
-        couple(self.field.spectrum, *self._elements, active, self._rows)
+        kernels.couple(self.field.spectrum, self._elements, active, self._rows)
         self.field.inverse(every)
         if self._law is not None:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)

@@ -1,51 +1,53 @@
-"""From tractions to displacements and back, both components at once: the transforms of a contact with friction."""
+"""From tractions to displacements and back, all components at once: the transforms of a contact with friction."""
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.solvers.iteration import Coupled
 
 
 class CoupledProducts:
-    """Products of a batch with its coupled stiffness and with the compliance; four transforms a row each.
+    """Products of a batch with its stiffness and with the compliance; two transforms a component and row each.
 
-    Rows of the field are tangential components, then normal ones. A mean displacement that nothing restores, or that
-    is rigid, has no stiffness and no compliance here.
+    Rows of the field are tangential components, on maps along x and then along y, then normal ones. A mean displacement
+    that nothing restores, or that is rigid, has no stiffness and no compliance here.
     """
 
-    def __init__(self, stiffness: CoupledStiffness, rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> None:
-        self.field = Convolution(2 * rows, n, sources=2, dtype=dtype)
-        both, self._traction = self.field.sources
-        self.tangential, self.displacement = both[:rows], both[rows:]
-        self.tangential_restoring, self.restoring = self.field.result[:rows], self.field.result[rows:]
-        compliance = stiffness.compliance()
-        held = np.where(np.isfinite(stiffness.k33), stiffness.k33, 0.0)
-        self._stiffness = [self.field.symbol(k) for k in (stiffness.k11, stiffness.k13, held)]
-        self._compliance = [self.field.symbol(s) for s in (compliance.s11, -compliance.s13, compliance.s33)]
+    def __init__(
+        self, stiffness: Coupled, rows: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64
+    ) -> None:
+        self._components = 1 + len(shape)
+        self.field = Convolution(self._components * rows, *shape, sources=2, dtype=dtype)
+        every, self._traction = self.field.sources
+        self.tangential, self.displacement = every[:-rows], every[-rows:]
+        self.tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
+        held = (np.where(np.isfinite(element), element, 0.0) for element in stiffness.elements)
+        self._stiffness = np.array([self.field.symbol(element) for element in held])
+        self._compliance = np.array([self.field.symbol(element) for element in stiffness.inverse()])
         self._rows = rows
 
     @property
     def n_transforms(self) -> Indices:
         """Transforms made so far for each row."""
-        return self.field.n_transforms[: self._rows] + self.field.n_transforms[self._rows :]
+        return np.asarray(self.field.n_transforms.reshape(self._components, self._rows).sum(axis=0))
 
     def restore(self, active: Indices) -> None:
         """Fill the restoring tractions of the displacements in the active rows."""
         self._multiply(active, self._stiffness, source=0)
 
-    def deflect(self, i: int, tangential: Reals, pressure: Reals) -> Reals:
-        """Displacements (tangential, normal) `[2, n]` of row i under a traction and a pressure `[n]` on the body."""
-        n, rows = self.field.n, self._rows
-        self._traction[i, :n] = tangential
-        np.negative(pressure, out=self._traction[rows + i, :n])
+    def deflect(self, i: int, traction: Reals) -> Reals:
+        """Displacements `[component, n]` of row i under tangential tractions and a pressure `[component, n]`."""
+        n, own = self.field.n, slice(i, None, self._rows)
+        self._traction[own, :n] = traction
+        np.negative(traction[-1], out=self._traction[-self._rows + i, :n])
         self._multiply(np.array([i]), self._compliance, source=1)
-        return self.field.result[[i, rows + i], :n].astype(np.float64)
+        return np.array(self.field.result[own, :n], dtype=np.float64)
 
-    def _multiply(self, active: Indices, elements: list[Reals], source: int) -> None:
-        both = np.concatenate((active, active + self._rows))
-        self.field.forward(both, source)
-        kernels.couple(self.field.spectrum, *elements, active, self._rows)
-        self.field.inverse(both)
+    def _multiply(self, active: Indices, elements: Reals, source: int) -> None:
+        every = np.concatenate([active + component * self._rows for component in range(self._components)])
+        self.field.forward(every, source)
+        kernels.couple(self.field.spectrum, elements, active, self._rows)
+        self.field.inverse(every)

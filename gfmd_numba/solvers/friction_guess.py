@@ -1,75 +1,183 @@
-"""What Newton's method for friction begins with: which nodes touch, stick and slip, and the tractions on them."""
+"""What Newton's method for friction guesses of a contact: what touches, what slips which way, and the tractions."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier.resampling import resample
-from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.friction_sets import bound
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.solvers.iteration import Batch, Start
 
-_STEPS, _SETTLED = 8, 0.02  # of the frictionless contact, at most; share of it that may still change
+_FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
+
+
+class Found(NamedTuple):
+    """Solution of the linear problem of a guess, and what it is measured by, of one row.
+
+    Displacements `u` and `tractions` are `[component + 1, n]`, tangential ones and then normal ones; nodes slip from
+    the `anchor` `[component, n]`.
+    """
+
+    u: Reals
+    tractions: Reals
+    wall: Reals
+    anchor: Reals
+
+
+@dataclass
+class Revision:
+    """Nodes `[n]` that leave the contact or join it, how all slip next, and the nodes that were guessed wrong."""
+
+    leaves: Flags
+    joins: Flags
+    direction: Reals
+    slip_compliance: Reals
+    wrong: Indices
+
+    def keep(self, guess: "FrictionGuess", nodes: Indices) -> None:
+        """Leave some nodes as they were guessed."""
+        self.leaves[nodes] = self.joins[nodes] = False
+        self.direction[:, nodes] = guess.direction[:, nodes]
+        self.slip_compliance[nodes] = 0.0
 
 
 @dataclass
 class FrictionGuess:
-    """Nodes in contact, sign of the distance slid (0 where they stick) and both tractions `[realisation, x]`.
+    """What is guessed of a row `[n]`, and the tractions found last.
 
-    `transforms` `[realisation]` is what the guess has cost so far.
+    `contact` are the nodes that touch; `direction` `[component, n]` is the way each of them slips, 0 where it sticks;
+    `slip_compliance` is the slip over the friction of a slipping node. `tractions` `[component + 1, n]` are the
+    tangential ones, then the pressure on touching nodes and minus the traction of a law on others, which is linear
+    about the displacement `normal`. Nodes that are `released` bear no tangential traction: an infinite friction has
+    pulled them off, and they stick where they touch down again.
     """
 
     contact: Flags
-    slip: Indices
-    pressure: Reals
-    shear: Reals
-    transforms: Indices
+    direction: Reals
+    slip_compliance: Reals
+    tractions: Reals
+    normal: Reals
+    released: Flags
 
     @classmethod
-    def without_friction(cls, batch: Batch, options: Options) -> "FrictionGuess":
-        """The frictionless contact, roughly, with all its nodes sticking."""
-        rows, n = batch.punch.shape
-        normal = replace(batch, stiffness=batch.coupled_stiffness.condensed(), interface=HARD_WALL)
-        solver = ActiveSetNewton(normal, replace(options, solver="active_set_newton"))
-        active = np.arange(rows)
-        for _ in range(_STEPS):
-            solver.advance(active)
-            active = active[solver.changed[active] > _SETTLED * solver.touching[active]]
-        pressure = solver.pressure[:, :n].copy()
-        slip, shear = np.zeros((rows, n), dtype=np.int64), np.zeros((rows, n))
-        return cls(pressure > 0.0, slip, pressure, shear, solver.n_transforms.copy())
+    def sticking(cls, contact: Flags, tractions: Reals, normal: Reals) -> Self:
+        """Return a guess in which all nodes in contact stick."""
+        n = contact.size
+        return cls(contact, np.zeros((len(tractions) - 1, n)), np.zeros(n), tractions, normal, np.zeros(n, np.bool_))
 
-    def on_finer_grid(self, n: int, friction: float) -> "FrictionGuess":
-        """The same on n nodes; transforms count in proportion to their cost."""
-        m = self.contact.shape[1]
-        nearest = np.round(np.arange(n) * (m / n)).astype(np.int64) % m
-        contact = self.contact[:, nearest]
-        pressure = np.where(contact, _between(self.pressure, n), 0.0)
-        contact &= pressure > 0.0
-        most = bound(friction, pressure)
-        shear = np.clip(_between(self.shear, n), -most, most)
-        cost = m * np.log(m) / (n * np.log(n))
-        transforms = np.ceil(self.transforms * cost).astype(np.int64)
-        return FrictionGuess(contact, self.slip[:, nearest] * contact, pressure, shear, transforms)
+    def revision(self, found: Found, friction: float, rounding: float) -> Revision:
+        """Return what a solution speaks for.
+
+        Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
+        it slid less than friction times its overlap, and slips otherwise: a trial traction as stiff along the surface
+        as across.
+        """
+        pressure, shear = np.where(self.contact, found.tractions[-1], 0.0), found.tractions[:-1]
+        slid, overlap, held = found.u[:-1] - found.anchor, found.u[-1] - found.wall, bound(friction, pressure)
+        size, strength = length(slid), length(shear)
+        slips = self.contact & self.direction.any(axis=0)
+        leaves = self.contact & ~(pressure > 0.0)
+        joins = ~self.contact & (overlap > rounding)
+        gives_way = self.contact & ~slips & ~leaves & (strength > held)
+        turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
+        goes_on = slips & ~turns_back & ~leaves
+        starts = joins & (size > bound(friction, overlap))
+        direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
+        for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
+            direction[:, where] = way[:, where] / of[where]
+        slip_compliance[goes_on] = size[goes_on] / held[goes_on]
+        wrong = np.flatnonzero(leaves | joins | gives_way | turns_back)
+        return Revision(leaves, joins, direction, slip_compliance, wrong)
+
+    def revise(self, revision: Revision, found: Found, friction: float, law: NormalLaw | None) -> Reals | float:
+        """Follow a revision; return the traction `[n]` of the law on touching nodes."""
+        before, wall = self.contact, found.wall
+        self.contact = (before | revision.joins) & ~revision.leaves
+        self.direction, self.slip_compliance = revision.direction, revision.slip_compliance
+        pressure = np.where(before, np.maximum(found.tractions[-1], 0.0), 0.0)
+        held, strength = bound(friction, pressure), length(found.tractions[:-1])
+        part = np.divide(held, strength, out=np.ones_like(held), where=strength > held)
+        self.tractions = np.array([*(part * found.tractions[:-1]), pressure])
+        if law is None:
+            self.normal = np.where(self.contact, wall, found.u[-1])
+            return 0.0
+        free = Tangent.next_normal(law, self.normal, wall, found.u[-1], -found.tractions[-1], ~before)
+        self.normal = np.where(self.contact, wall, free)
+        pull = law.traction(wall - self.normal)
+        self.tractions[-1] = np.where(self.contact, pressure, -pull)
+        return np.where(self.contact, pull, 0.0)
+
+    def on_finer_grid(self, wall: Reals, friction: float) -> Self:
+        """The same of a profile under a wall `[x]` on a finer grid."""
+        n, m = wall.size, self.contact.size
+        x = np.arange(n) * (m / n)
+        nearest = np.round(x).astype(np.int64) % m
+        tractions = np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in self.tractions])
+        contact = self.contact[nearest] & (tractions[-1] > 0.0)
+        tractions *= contact
+        most = bound(friction, tractions[-1])
+        tractions[:-1] = np.clip(tractions[:-1], -most, most)
+        guess = self.sticking(contact, tractions, wall)
+        guess.direction = self.direction[:, nearest] * contact
+        return guess
 
 
-def on_coarser_grid(batch: Batch, anchor: Reals, m: int) -> Batch:
-    """The problem of the waves that a grid of m nodes holds; its nodes slip from the `anchor` `[realisation, x]`."""
-    fine = batch.coupled_stiffness
-    stiffness = CoupledStiffness.on_grid(m, *(k[: m // 2 + 1].copy() for k in (fine.k11, fine.k13, fine.k33)))
-    punch, anchor = _resampled(batch.punch, m), _resampled(anchor, m)
-    return replace(batch, punch=punch, stiffness=stiffness, start=replace(Start.at_rest(punch), tangential=anchor))
+def bound(friction: float, pressure: Reals) -> Reals:
+    """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
+    return np.multiply(friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
 
 
-def _resampled(rows: Reals, m: int) -> Reals:
-    return np.concatenate([resample(row[np.newaxis], (m,)) for row in rows])  # each whatever the others
+def length(vectors: Reals) -> Reals:
+    """Lengths `[n]` of vectors `[component, n]`."""
+    return np.asarray(np.abs(vectors[0]) if len(vectors) == 1 else np.hypot(*vectors))
 
 
-def _between(rows: Reals, n: int) -> Reals:
-    """Periodic values `[row, m]` on n nodes, linearly between those of m."""
-    m = rows.shape[1]
-    x = np.arange(n) * (m / n)
-    return np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in rows])
+def middle_slip(slid: Reals, pressure: Reals, contact: Flags) -> int:
+    """Node whose slip has as much friction on either side: if it sticks, that of all nodes adds up to zero."""
+    nodes = np.flatnonzero(contact)
+    order = nodes[np.argsort(slid[nodes], kind="stable")]
+    borne = np.cumsum(np.maximum(pressure[order], 0.0))
+    return int(order[min(np.searchsorted(borne, 0.5 * borne[-1]), order.size - 1)])
+
+
+def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
+    """The problem of the waves that a grid of nx nodes holds; its nodes slip from the `anchor` `[realisation, x]`."""
+    punch, anchor = (
+        np.concatenate([resample(row[np.newaxis], (nx,)) for row in rows])  # each whatever the others
+        for rows in (batch.punch, anchor)
+    )
+    start = replace(Start.at_rest(punch), tangential=anchor)
+    return replace(batch, punch=punch, stiffness=batch.coupled_stiffness.coarsened(nx), start=start)
+
+
+class Tangent(NamedTuple):
+    """A law of the gap near the last gaps: its traction `pull` `[n]`, and what that rises by as the gap closes.
+
+    Where the `slope` `[n]` is 0 the traction is known.
+    """
+
+    pull: Reals
+    slope: Reals
+
+    @classmethod
+    def of(cls, law: NormalLaw, gap: Reals, compliance: float) -> Self:
+        """Return the tangent of a law at gaps `[n]`; `compliance` is the largest one of the body."""
+        slope = -law.stiffness(gap)
+        slope[np.abs(slope) * compliance < _FAINT] = 0.0
+        return cls(law.traction(gap), slope)
+
+    @staticmethod
+    def next_normal(law: NormalLaw, last: Reals, wall: Reals, u: Reals, traction: Reals, free: Flags) -> Reals:
+        """Displacement `[n]` about which the law is linear next, after a step to u in which it has found its traction.
+
+        Where a repulsion rises on a free node that is where the law has the traction found: along its tangent a gap
+        would close far beyond what the law allows.
+        """
+        pull, slope = law.traction(wall - last), -law.stiffness(wall - last)
+        rises = free & (slope < 0.0) & (traction < pull) & (pull < 0.0)
+        length = np.divide(pull, slope, out=np.zeros_like(pull), where=rises)
+        with np.errstate(over="ignore"):
+            ratio = np.divide(traction, pull, out=np.ones_like(pull), where=rises)
+        return np.minimum(np.where(rises, last + length * np.log(ratio), u), wall)

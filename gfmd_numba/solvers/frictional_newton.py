@@ -1,44 +1,47 @@
-"""Semismooth Newton method for a hard wall with Coulomb friction: both displacements of a profile together."""
+"""Semismooth Newton method for Coulomb friction on a hard wall: all displacements of profiles and maps together."""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import aligned_rows
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.bounded_newton import newton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.coupled_products import CoupledProducts
 from gfmd_numba.solvers.decay_newton import DecayNewton
-from gfmd_numba.solvers.friction_guess import FrictionGuess, on_coarser_grid
-from gfmd_numba.solvers.friction_sets import bound, middle_slip, revised
-from gfmd_numba.solvers.frictional_law_newton import FrictionalLawNewton
-from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.map_frictional_newton import MapFrictionalNewton
+from gfmd_numba.solvers.friction_guess import (
+    Found,
+    FrictionGuess,
+    Tangent,
+    bound,
+    length,
+    middle_slip,
+    on_coarser_grid,
+)
+from gfmd_numba.solvers.iteration import Batch, Start, by_component
 from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.minimal_residual import minimal_residual
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
-from gfmd_numba.solvers.stick_slip import StickSlip
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+from gfmd_numba.solvers.stick_slip import Body, StickSlip
 from gfmd_numba.solvers.truncated_newton import TruncatedNewton
 
-# tuned on half-spaces of 2^13 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
-_COARSENING, _COARSEST = 4, 256  # nodes over those of the grid the guess is made on; where that is frictionless
-_COARSE_STEPS, _SETTLED = 8, 0.02  # there, at most; share of the contact that may still change
-_INNER = 0.02  # error left by the linear solution of one step over that before it: with 0.1 guesses may cycle
+_SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first guess of the normal contact is left, later ones
+_NORMAL_STEPS = 60  # of that, at most
+_COARSENING, _COARSEST = 4, 256  # nodes of a profile over those of the grid its guess is made on; where that is normal
+_COARSE_STEPS, _SHARE = 8, 0.02  # there, at most; share of the contact that may still change
+_INNER, _INNER_OF_LAW = 0.03, 0.1  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
 _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
-_PATIENCE = 4  # steps that may change no fewer nodes than any before; then one node alone is changed
-_CLOSE = 1e3  # change of the tractions over the residual asked for below which a changing guess may hold too
-_DIRECTIONS = 40  # of the linear solution, at most
-
-
-def frictional_newton(batch: Batch, options: Options) -> "FrictionalNewton | MapFrictionalNewton | FrictionalLawNewton":
-    """Begin the method for profiles or for maps, or for either with a law of the gap."""
-    if batch.interface.normal_law is not None:
-        return FrictionalLawNewton(batch, options)
-    return FrictionalNewton(batch, options) if batch.punch.ndim == 2 else MapFrictionalNewton(batch, options)
+_PATIENCE = 4  # steps that may come no closer; then one node alone changes, or the normal contact is found anew
+_CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
+_CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
+_DIRECTIONS = {1: 100, 2: 40}  # of the linear solution, at most; of maps fewer, as these are large
 
 
 def frictionless_newton(batch: Batch, options: Options) -> TruncatedNewton | ActiveSetNewton | DecayNewton | MapNewton:
@@ -46,14 +49,55 @@ def frictionless_newton(batch: Batch, options: Options) -> TruncatedNewton | Act
     return TruncatedNewton(batch, options) if batch.interface.normal_law is not None else newton(batch, options)
 
 
+@dataclass
+class _Progress:
+    """How close the steps of a row have come, and how exactly the next one is solved.
+
+    `last` is the error of the linear solution once the guess stands, `inner` that of one step before over the error it
+    begins with. The last step has found `changed` nodes to be guessed wrong, and has `moved` the tractions by that much
+    over the largest of them; `fewest` and `nearest` are the least of both. With a law the normal contact has been found
+    anew `tries` times, and they count since then. `is_solved`: the last step has solved the problem of a guess that
+    stands.
+    """
+
+    last: float
+    inner: float
+    changed: int
+    fewest: int
+    moved: float = np.inf
+    nearest: float = np.inf
+    patience: int = _PATIENCE
+    tries: int = 0
+    is_solved: bool = False
+
+    def judge(self, changed: int, nears: bool) -> None:
+        """Take note of how many nodes a step has found to be wrong, and whether it `nears` the solution even so."""
+        if changed > _FALLS * self.changed:
+            self.inner = max(_TIGHTEN * self.inner, _EXACT)
+        comes_closer = changed < self.fewest or nears
+        self.patience = _PATIENCE if comes_closer else self.patience - 1
+        self.changed, self.fewest = changed, min(changed, self.fewest)
+        self.nearest = min(self.moved, self.nearest)
+
+    @property
+    def changes_one_node(self) -> bool:
+        """Whether the next step changes one node alone: out of patience, or in every third try with a law."""
+        return self.patience < 0 or (self.tries > 0 and self.tries % 3 == 0)
+
+
 class FrictionalNewton:
     """Tractions of a batch, found by guessing which nodes touch, stick and slip which way (Alart & Curnier 1991).
 
-    The linear problem of a guess is solved by generalised minimal residuals, preconditioned by the inverses of both
-    compliances on its nodes; their coupling is left to the iteration. Then nodes under tension leave and overlapping
-    ones join, sticking nodes whose traction is above friction slip, and slipping ones that go along with their
-    traction stick. Where that goes to and fro, one node alone changes until fewer want to (Judice & Pires 1994). The
-    first guess comes from the waves that a coarser grid holds, there from the frictionless contact.
+    The linear problem of a guess is solved by generalised minimal residuals, preconditioned by the approximate inverse
+    of each component's compliance; what couples the components is left to the iteration. Then nodes under tension leave
+    and overlapping ones join, sticking nodes whose traction is above friction slip, and slipping ones that go along
+    with their traction stick. On maps the method also turns the direction of slip. A law of the gap is linear about the
+    last gap; its traction does not count in the bound of friction.
+
+    The first guess of a profile comes from the waves that a coarser grid holds. There, on maps and with a law it is the
+    normal contact under the tangential tractions of the step before, roughly, with all its nodes sticking: so an
+    adhesive contact stays on its branch. Where steps come no closer, one node alone changes until fewer want to (Judice
+    & Pires 1994). With a law the normal contact is then also found anew, under the tangential tractions found last.
 
     A node slips from its anchor: where it was before this load, had it moved with the punch since. For a node that
     touched that is where the punch held it.
@@ -62,34 +106,35 @@ class FrictionalNewton:
     check_every = 1
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness, start = batch.punch, batch.coupled_stiffness, batch.start
-        rows, n = punch.shape
-        if batch.interface.friction is None:
-            raise ValueError("this solver knows contacts with friction alone")
-        self._friction = batch.interface.friction
-        self._products = CoupledProducts(stiffness, rows, n, punch.dtype)
-        self.field = self._products.field
+        punch, stiffness, start, laws = batch.punch, batch.all_stiffness, batch.start, batch.interface
+        rows, shape = len(punch), punch.shape[1:]
+        if laws.friction is None or not laws.hard_wall:
+            raise ValueError("this solver knows friction on a hard wall only")
+        self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
+        self._products = CoupledProducts(stiffness, rows, shape, punch.dtype)
+        self._near = NearTractions(stiffness, shape)
+        self.field, self._components = self._products.field, len(shape)
+        n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
-        self.load = batch.loads
-        self.wall, self._anchor = (aligned_rows(rows, n, punch.dtype) for _ in range(2))
-        self.wall[:, :n] = punch
-        self._anchor[:, :n] = start.tangential + start.dragged
+        self.load = batch.loads.copy()
+        self.wall, self._anchor = (aligned_rows(each, n, punch.dtype) for each in (rows, self._components * rows))
+        self.wall[:, :n] = punch.reshape(rows, n)
+        self._anchor[:, :n] = by_component(start.tangential + start.dragged, n)
+        self._state = kernels.CoupledState(
+            self._products.tangential, self._anchor, self._products.tangential_restoring, self.displacement,
+            self.restoring, self.wall, self.load,
+        )  # fmt: skip
         self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
-        self._free_mean = batch.load is not None
-        self._drifts = stiffness.k11[0] == 0.0
-        compliance = stiffness.compliance()
-        self._inverses = ProfileInverse(compliance.s11, n), ProfileInverse(compliance.s33, n)
-        self._rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
+        self._condensed = stiffness.condensed()
+        self._softest = 1.0 / float(self._condensed.ravel()[1:].min())
+        self._drifts = bool(stiffness.k11.flat[0] == 0.0)
+        self._rounding = np.finfo(punch.dtype).eps * np.ptp(self.wall[:, :n], axis=1)
         self._asked = options.residual
-        self._last = np.full(rows, options.residual)  # error of the linear solution once the guess stands
-        self._inner = np.full(rows, _INNER)
-        self._changed = np.full(rows, n)  # nodes that the last step found to be guessed wrong
-        self._fewest = np.full(rows, n)  # and the fewest that any step did
-        self._patience = np.full(rows, _PATIENCE)
-        self._moved = np.full(rows, np.inf)  # change of the tractions in the last step over the largest pressure
-        # nodes that stick where they touch down, free of traction, as an infinite friction has pulled them off before
-        self._released = np.zeros((rows, n), dtype=np.bool_)
-        self._guess = self._first_guess(batch, options)
+        self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
+        self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners
+        self._guesses = self._first_guesses(batch, options)
+        inner = _INNER if self._law is None else _INNER_OF_LAW
+        self._progress = [_Progress(options.residual, inner, n, n) for _ in range(rows)]
 
     @property
     def tangential(self) -> tuple[Reals, Reals, Reals]:
@@ -99,117 +144,193 @@ class FrictionalNewton:
     @property
     def n_transforms(self) -> Indices:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        return self._products.n_transforms + self._guess.transforms
+        return self._products.n_transforms + self._spent
 
     def advance(self, active: Indices) -> None:
         """Solve the linear problem of the guess of each active row, and revise the guess."""
         for i in active:
+            spent = self._near.transforms
             self._step(int(i))
+            self._spent[i] += round(self._near.transforms - spent)
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the normal and tangential conditions `[active]`.
 
-        Costs four transforms for each row whose guess hardly changes any more; others are measured by their last step.
+        Costs four transforms, six on maps, for each row whose tractions hardly change any more; others are measured
+        by that change.
         """
-        n, products, certificate, guess = self.field.n, self._products, self.certificate, self._guess
-        if certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
-            self.load[active] = guess.pressure[active].mean(axis=1)
-        stands = (self._changed[active] == 0) | (self._moved[active] < _CLOSE * self._asked)
-        products.restore(active[stands])
-        changing = active[~stands]
-        products.tangential_restoring[changing, :n] = guess.shear[changing]
-        self.restoring[changing, :n] = self.load[changing, np.newaxis] - guess.pressure[changing]
+        n, products, certificate = self.field.n, self._products, self.certificate
+        progress = [self._progress[i] for i in active]
+        stands = np.array([each.is_solved or self._is_close(each) for each in progress], dtype=np.bool_)
+        sure, strongest = active[stands], np.zeros(active.size)
+        products.restore(sure)
+        if self._law is not None:
+            self._law.pull(self.displacement, self.restoring, self.wall, sure, n)
+            gap = self.wall[active, :n] - self.displacement[active, :n]
+            strongest = np.abs(self._law.traction(gap)).max(axis=1)
+        for i in active[~stands]:
+            guess = self._guesses[i]
+            products.tangential_restoring[self._own(i), :n] = guess.tractions[:-1]
+            self.restoring[i, :n] = self.load[i] - guess.contact * guess.tractions[-1]
         certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
-        kernels.friction_violation(
-            products.tangential, self._anchor, products.tangential_restoring, self.displacement, self.restoring,
-            self.wall, self.load, self._friction, active, n, certificate.worst,
-        )  # fmt: skip
-        residual = certificate.residual(self.load, active)
-        self._last[active[stands & (residual > self._asked)]] *= _TIGHTEN
-        unsure = np.maximum(self._moved[active], 10.0 * self._asked)
+        kernels.friction_violation(self._state, self._friction, active, n, certificate.worst)
+        residual = certificate.residual(self.load, active, strongest)
+        for i in sure[residual[stands] > self._asked]:
+            self._progress[i].last *= _TIGHTEN
+        unsure = np.maximum([each.moved for each in progress], 10.0 * self._asked)
         return np.where(stands, residual, np.maximum(residual, unsure))
 
+    def _is_close(self, progress: _Progress) -> bool:
+        return progress.moved < _CLOSE * self._asked
+
+    def _own(self, i: int) -> list[int]:
+        """Rows of the tangential components of a row."""
+        return [i + component * len(self.load) for component in range(self._components)]
+
+    def _first_guesses(self, batch: Batch, options: Options) -> list[FrictionGuess]:
+        """Guesses from the waves that a coarser grid holds, of coarse grids and with a law from the normal contact."""
+        start, n = batch.start, self.field.n
+        every = range(len(batch.punch))
+        if self._law is not None or self._components == 2 or n <= _COARSEST:
+            return [self._first_guess(i) for i in every]
+        anchor = start.tangential + start.dragged
+        coarse = FrictionalNewton(on_coarser_grid(batch, anchor, -(-n // _COARSENING)), options)
+        for i in every:
+            for _ in range(_COARSE_STEPS):
+                coarse.advance(np.array([i]))
+                if coarse._progress[i].changed <= _SHARE * coarse._guesses[i].contact.sum():
+                    break
+        self._spent += np.ceil(coarse.n_transforms * grid.relative_cost(coarse.field.n, n)).astype(np.int64)
+        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._friction) for i in every]
+
+    def _first_guess(self, i: int) -> FrictionGuess:
+        """Guess of the normal contact under the tangential tractions with which the row begins, all nodes sticking."""
+        n, start, products, own = self.field.n, self._batch.start, self._products, self._own(i)
+        products.tangential[own, :n] = by_component(start.tangential, n)[own]
+        self.displacement[i, :n] = np.minimum(start.displacement.reshape(-1, n)[i], self.wall[i, :n])
+        held = ~np.isnan(by_component(start.anchor, n)[own])
+        shear = np.zeros((self._components, n))
+        if held.any():
+            products.restore(np.array([i]))
+            shear = np.where(held, products.tangential_restoring[own, :n], 0.0)
+        return self._normal_contact(i, shear)
+
+    def _normal_contact(self, i: int, shear: Reals, settled: float = _SETTLED) -> FrictionGuess:
+        """Guess of the normal contact under given tangential tractions, from the displacement stored."""
+        n, batch, lifted = self.field.n, self._batch, np.zeros(self.field.n)
+        if shear.any():
+            lifted = self._products.deflect(i, np.array([*shear, np.zeros(n)]))[-1]
+        shape = (1, *batch.punch.shape[1:])
+        punch, start = self.wall[i, :n] - lifted, self.displacement[i, :n] - lifted
+        normal = replace(
+            batch,
+            punch=punch.reshape(shape),
+            stiffness=self._condensed,
+            load=None if batch.load is None else self.load[[i]],
+            interface=replace(batch.interface, friction=None),
+            start=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
+        )
+        solver, row = frictionless_newton(normal, Options("frictional_newton", settled, _NORMAL_STEPS)), np.arange(1)
+        for _ in range(_NORMAL_STEPS):
+            solver.advance(row)
+            if solver.residual(row)[0] <= settled:
+                break
+        self._spent[i] += int(solver.n_transforms[0])
+        found, wall = solver.displacement[0, :n], self.wall[i, :n]
+        solver.certificate.pressure(found[None], solver.restoring, solver.wall, solver.load, row, n, solver.restoring)
+        pressure = solver.restoring[0, :n]
+        contact = pressure > 0.0
+        u = np.where(contact, wall, np.minimum(found + lifted, wall))
+        if self._law is not None:
+            pressure = np.where(contact, pressure, -self._law.traction(wall - u))
+        return FrictionGuess.sticking(contact, np.array([*shear, pressure]), u)
+
     def _step(self, i: int) -> None:
-        n, products, guess = self.field.n, self._products, self._guess
-        total = self.load[i] * n if self._free_mean else None
-        spent = self._spent
-        contact, slip, released = guess.contact[i], guess.slip[i], self._released[i]
-        problem = StickSlip(contact, slip, self._friction, total, self._drifts, self._inverses, released)
-        asked = problem.restricted(self._anchor[i, :n], self.wall[i, :n])
-        x = problem.unknowns(guess.pressure[i], guess.shear[i])
-        u = products.deflect(i, *problem.tractions(x))
-        change, _ = problem.correction(asked - problem.restricted(*u))
+        guess, products, progress = self._guesses[i], self._products, self._progress[i]
+        total = None if self._batch.load is None else self.load[i] * self.field.n
+        body = Body(lambda f: products.deflect(i, f), self._near, self._friction, total, self._drifts)
+        wall = self.wall[i, : self.field.n]
+        law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
+        problem = StickSlip(guess, law, body)
+        asked = problem.prescribed(self._anchor[self._own(i), : self.field.n])
+        x = problem.unknowns(guess.tractions)
+        u = problem.deflected(x, known=True)
+        change, _ = problem.correction(asked - problem.restricted(u, x))
         peak, moved = float(np.abs(x).max(initial=0.0)), float(np.linalg.norm(change))
-        aim = self._last[i] * peak
-        if self._changed[i]:
-            aim = max(aim, self._inner[i] * moved)
-        self._moved[i] = moved / peak if peak > 0.0 else moved and np.inf
-        found: list[Reals] = []
+        stands = progress.changed == 0 and (self._is_linear or self._is_close(progress))
+        aim = progress.last * peak if stands else max(progress.last * peak, progress.inner * moved)
+        progress.moved = moved / peak if peak > 0.0 else moved and np.inf
+        found: list[Reals] = []  # of profiles: maps are too large to keep them
 
         def product(direction: Reals) -> Reals:
-            found.append(products.deflect(i, *problem.tractions(direction)))
-            return problem.correction(problem.restricted(*found[-1]))[0]
+            displaced = problem.deflected(direction)
+            if self._components == 1:
+                found.append(displaced)
+            return problem.correction(problem.restricted(displaced, direction))[0]
 
-        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS, change.size))
+        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS[self._components], change.size))
         x += shares @ basis
+        if not np.isfinite(x).all():
+            progress.moved = np.nan
+            return
         for share, displaced in zip(shares, found, strict=False):
             u += share * displaced
-        problem.level(u, problem.correction(asked - problem.restricted(*u))[1])
-        guess.transforms[i] += self._spent - spent
-        self._revise(i, u, *problem.tractions(x))
+        if self._components > 1 and shares.size:
+            u = problem.deflected(x, known=True)
+        problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
+        self._revise(i, u, problem.tractions(x))
+        is_known = problem.stuck.size == wall.size  # the displacement of each node, whatever is left of the error
+        progress.is_solved = progress.changed == 0 and (stands or is_known)
 
-    def _revise(self, i: int, u: Reals, shear: Reals, pressure: Reals) -> None:
+    def _revise(self, i: int, u: Reals, tractions: Reals) -> None:
         """Revise the guess of a row, and store the displacement that is nearest to the conditions."""
-        n, guess = self.field.n, self._guess
-        wall, anchor, contact, slip = self.wall[i, :n], self._anchor[i, :n], guess.contact[i], guess.slip[i]
-        middle = -1
-        if self._drifts and contact.any() and not (contact & (slip == 0)).any():
-            middle = middle_slip(u[0] - anchor, pressure, contact)
-            u[0] -= u[0, middle] - anchor[middle]
-        slid = u[0] - anchor
-        if middle >= 0:
-            slid[middle] = 0.0  # whatever rounding leaves of it
-        bears = contact & (pressure > 0.0)
-        self.displacement[i, :n] = np.where(bears, wall, np.minimum(u[1], wall))
-        stays = bears & (slip * slid <= 0.0)
-        better = revised(contact, slip, shear, pressure, wall - u[1], slid, self._friction, self._rounding[i])
-        if middle >= 0:  # nothing held the body, so that all may have slipped the wrong way
-            better[1][:] = np.sign(slid) * better[0]
-        wrong = np.flatnonzero((better[0] != contact) | (better[1] != slip))
-        other = self._to_change(i, wrong, whole=middle >= 0 or np.isinf(self._friction))
+        n, guess, own, progress = self.field.n, self._guesses[i], self._own(i), self._progress[i]
+        wall, anchor, contact = self.wall[i, :n], self._anchor[own, :n], guess.contact
+        pressure = np.where(contact, tractions[-1], 0.0)
+        if self._components == 1 and self._drifts and contact.any() and guess.direction[0, contact].all():
+            slid = u[0] - anchor[0]
+            u[0] = anchor[0] + (slid - slid[middle_slip(slid, pressure, contact)])  # nothing else tells where it is
+        found = Found(u, tractions, wall, anchor)
+        revision = guess.revision(found, self._friction, self._rounding[i])
+        nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
+        progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
+        if progress.changes_one_node:
+            revision.keep(guess, revision.wrong[:-1])
         if np.isinf(self._friction):
-            self._released[i, other] |= contact[other] & ~better[0][other]
-            anchor[:] = np.where(self._released[i], u[0], anchor)
-        self._products.tangential[i, :n] = np.where(stays, anchor, u[0])
-        contact[other], slip[other] = better[0][other], better[1][other]
-        guess.pressure[i] = np.maximum(pressure, 0.0)
-        most = bound(self._friction, guess.pressure[i])
-        guess.shear[i] = np.clip(shear, -most, most)
+            guess.released |= revision.leaves
+            anchor = self._anchor[own, :n] = np.where(guess.released, u[:-1], anchor)
+        self.displacement[i, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
+        self._products.tangential[own, :n] = self._slid_against(guess, found._replace(anchor=anchor))
+        pull = guess.revise(revision, found, self._friction, self._law)
+        if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
+            self.load[i] = (guess.tractions[-1] - pull).mean()
+        if self._law is None:
+            return
+        if progress.patience < 0:
+            progress.tries += 1
+            progress.nearest, progress.fewest, progress.patience = np.inf, n, _PATIENCE
+            self._begin_anew(i)
+        elif progress.tries % 3 == 2 and (revision.leaves | revision.joins).any():  # in every step of that try
+            self._begin_anew(i)
 
-    def _to_change(self, i: int, wrong: Indices, whole: bool) -> Indices:
-        """Nodes of a row, of those guessed wrong, that are to change: the `whole`, or one where that leads nowhere."""
-        if wrong.size > _FALLS * self._changed[i]:
-            self._inner[i] = max(_TIGHTEN * self._inner[i], _EXACT)
-        if wrong.size < self._fewest[i]:
-            self._fewest[i], self._patience[i] = wrong.size, _PATIENCE
-        else:
-            self._patience[i] -= 1
-        self._changed[i] = wrong.size
-        return wrong if whole or self._patience[i] >= 0 else wrong[-1:]
+    def _slid_against(self, guess: FrictionGuess, found: Found) -> Reals:
+        """Tangential displacements in which a slipping node has slid exactly against its traction, others not at all.
 
-    @property
-    def _spent(self) -> int:
-        """Transforms made so far by preconditioners."""
-        return round(sum(inverse.transforms for inverse in self._inverses))
+        Of a long way the direction is known better than that of the traction.
+        """
+        slid, shear, pressure = found.u[:-1] - found.anchor, found.tractions[:-1], found.tractions[-1]
+        bears, slips = guess.contact & (pressure > 0.0), guess.direction.any(axis=0)
+        forth = np.where(slips, -(slid * shear).sum(axis=0), 0.0)  # slip against the traction, times that
+        if self._components == 1:
+            return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
+        against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
+        far = (forth > 0.0) & (length(slid) * self._near.tangential_of_a_node > bound(self._friction, pressure))
+        return np.where(bears & ~far, found.anchor - against * shear, found.u[:-1])
 
-    def _first_guess(self, batch: Batch, options: Options) -> FrictionGuess:
-        rows, n = batch.punch.shape
-        if n <= _COARSEST:
-            return FrictionGuess.without_friction(batch, options)
-        coarse = FrictionalNewton(on_coarser_grid(batch, self._anchor[:, :n], -(-n // _COARSENING)), options)
-        active = np.arange(rows)
-        for _ in range(_COARSE_STEPS):
-            coarse.advance(active)
-            active = active[coarse._changed[active] > _SETTLED * coarse._guess.contact[active].sum(axis=1)]
-        coarse._guess.transforms += coarse._products.n_transforms
-        return coarse._guess.on_finer_grid(n, self._friction)
+    def _begin_anew(self, i: int) -> None:
+        """Find the normal contact under the tangential tractions found."""
+        guess = self._guesses[i]
+        shear, settled = guess.tractions[:-1] * guess.contact, _SETTLED * _TIGHTEN ** self._progress[i].tries
+        found = self._normal_contact(i, shear, max(settled, _MOST_SETTLED))
+        found.direction, found.released = guess.direction * found.contact, guess.released
+        self._guesses[i] = found

@@ -41,13 +41,13 @@ class MapCohesiveNewton(TruncatedNewton):
         n = self.field.n
         stiffness = MapStiffness(batch.map_stiffness.elements.copy())
         stiffness.elements[5] = self._with_held_mean(batch, stiffness.k33)
-        compliance = stiffness.compliance()
+        compliance = stiffness.inverse()
         diagonal = stiffness.elements[[0, 2, 5]].reshape(3, -1)
         for element, k in zip((0, 2, 5), diagonal, strict=True):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
                 compliance[element, 0, 0] = 1.0 / k[1:].min()
-        self._stiffness_elements = [self.field.symbol(k) for k in stiffness.elements]
-        self._compliance_elements = [self.field.symbol(s) for s in compliance]
+        self._stiffness_elements = np.array([self.field.symbol(k) for k in stiffness.elements])
+        self._compliance_elements = np.array([self.field.symbol(s) for s in compliance])
         share = grid.multiplicity(shape[-1]) / n
         self._node_compliance = float((compliance[[0, 2, 5]] * share).sum() / 3.0)
         self._stiffest = float(diagonal.sum(axis=0).max()) + batch.law_stiffness()  # no mode is stiffer than the trace
@@ -85,10 +85,10 @@ class MapCohesiveNewton(TruncatedNewton):
     def _comply(self, row: Indices) -> None:
         self._multiply(row, self._compliance_elements)
 
-    def _multiply(self, row: Indices, elements: list[Reals]) -> None:
+    def _multiply(self, row: Indices, elements: Reals) -> None:
         every = 3 * row[0] + np.arange(3)
         self.field.forward(every)
-        kernels.couple_map(self.field.spectrum, *elements, every[:1], 1)
+        kernels.couple(self.field.spectrum, elements, every[:1], 1)
         self.field.inverse(every)
 
     def _slip(self, i: int) -> Reals:

@@ -1,106 +1,206 @@
 """The linear problem that is left once it is guessed which nodes touch, which of them stick, and which way others slip.
 
-Unknown are the pressure on the nodes in contact and the tangential traction on those that stick; a slipping node bears
-the friction coefficient times its pressure, against the way it slips.
+Unknown are the pressure p of the wall on touching nodes and, with a law of the gap, minus its traction on others; the
+tangential tractions of sticking nodes; and on maps the traction t of a slipping node across the direction e in which it
+slips. Along e it bears -mu p. The traction of a slip s turns by as much as the slip does, t / (mu p) = -ds / s across
+e, so that the node gives way by t s / (mu p) (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991).
 """
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
+from gfmd_numba.solvers.friction_guess import FrictionGuess, Tangent
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+
+# slope of a repulsion times the compliance of a node from which on it is told by its inverse, where not every law is
+_STIFF = 0.3
+
+
+class Body(NamedTuple):
+    """What the linear problems of one row have in common.
+
+    `deflect` turns tractions on the body into displacements, both `[component, n]`; `near` is about its inverse.
+    `total` is the sum of the tractions that the load prescribes, None under a prescribed displacement. `drifts`: no
+    traction restores the mean tangential displacement, so that the tangential tractions add up to zero.
+    """
+
+    deflect: Callable[[Reals], Reals]
+    near: NearTractions
+    friction: float
+    total: float | None
+    drifts: bool
+
+
+class NormalRows(NamedTuple):
+    """Conditions of the nodes whose pressure is unknown: own * pressure - closing * displacement = asked `[row]`.
+
+    The first `held` of the `nodes` are those that the preconditioner takes, after it has been scaled by `soften`;
+    `touching` are the rows of nodes in contact. `known` `[n]` is the traction of the law that is known beforehand.
+    Without a law all but `asked` are the same for each node, and no arrays.
+    """
+
+    nodes: Indices
+    held: int
+    touching: Indices
+    asked: Reals
+    own: Reals | None = None
+    closing: Reals | float = 1.0
+    soften: Reals | float = 1.0
+    known: Reals | float = 0.0
+
+    @classmethod
+    def of(cls, guess: FrictionGuess, law: Tangent | None, near: NearTractions) -> "NormalRows":
+        """Return the rows of a guess; those of a stiff repulsion are divided by its stiffness."""
+        if law is None:
+            nodes = _ordered(guess.contact)
+            return cls(nodes, nodes.size, np.arange(nodes.size), -guess.normal[nodes])
+        contact = guess.contact
+        acts = ~contact & (law.slope != 0.0)
+        stiff = acts if near.takes_law else acts & (-law.slope > _STIFF * near.normal_of_a_node)
+        first = _ordered(contact | stiff)
+        nodes = np.concatenate((first, np.flatnonzero(acts & ~stiff)))
+        slope, touches = law.slope[nodes], contact[nodes]
+        scale = np.where(stiff[nodes], -1.0 / np.where(slope == 0.0, 1.0, slope), 1.0)
+        own = np.where(touches, 0.0, scale)
+        closing = np.where(touches, 1.0, -slope * scale)
+        at = guess.normal[nodes]
+        asked = np.where(touches, -at, -scale * law.pull[nodes] - closing * at)
+        soften = 1.0 if near.takes_law else 1.0 / np.sqrt(1.0 + own[: first.size] * near.normal_of_a_node)
+        known = np.where(contact | ~acts, law.pull, 0.0)
+        return cls(nodes, first.size, np.flatnonzero(touches), asked, own, closing, soften, known)
 
 
 class StickSlip:
-    """Nodes and loads of one guess, and an approximate inverse of its compliance.
+    """Nodes and loads of one guess, its compliance, and an approximate inverse of that; `law` acts on open nodes."""
 
-    `contact` and `slip` are `[n]`; slip is the sign of the distance slid, 0 for a node that sticks. `total` is the sum
-    of the pressure that the load prescribes, None under a prescribed displacement. `drifts`: no traction restores the
-    mean tangential displacement, so that the tangential tractions add up to zero. Nodes that are `released` `[n]`
-    neither slip nor bear a tangential traction.
-    """
+    def __init__(self, guess: FrictionGuess, law: Tangent | None, body: Body) -> None:
+        self._body, self._shape, components = body, guess.tractions.shape, len(guess.direction)
+        self._rows = rows = NormalRows.of(guess, law, body.near)
+        slips = np.asarray(guess.direction.any(axis=0))
+        at = rows.nodes[rows.touching]
+        of_stuck = rows.touching[~(slips | guess.released)[at]]
+        self._of_slipping = rows.touching[slips[at]]
+        self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
+        along = guess.direction[:, self.slipping]
+        self._drag = -body.friction * along  # tangential traction over pressure
+        self._turning = self.slipping if components == 2 else self.slipping[:0]
+        self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
+        self._slip_compliance = guess.slip_compliance[self._turning]
+        self._yield = 1.0 / np.sqrt(1.0 + self._slip_compliance * body.near.tangential_of_a_node)
+        dragged = np.concatenate((of_stuck, self._of_slipping[: self._turning.size]))
+        body.near.factor(rows.nodes[: rows.held], dragged, None if rows.own is None else rows.own[: rows.held])
+        self._parts = rows.nodes.size, rows.nodes.size + components * self.stuck.size
+        self._drifts = body.drifts and self.stuck.size + self._turning.size > 0
+        self._constrain()
 
-    def __init__(
-        self,
-        contact: Flags,
-        slip: Indices,
-        friction: float,
-        total: float | None,
-        drifts: bool,
-        inverses: tuple[ProfileInverse, ProfileInverse],
-        released: Flags | None = None,
-    ) -> None:
-        sticks = slip == 0 if released is None else (slip == 0) & ~released
-        self.touching, self.stuck = _ordered(contact), _ordered(contact & sticks)
-        sliding = slip[self.touching]
-        # tangential traction over pressure; sticking nodes have their own
-        self.drag = np.multiply(-friction, sliding, out=np.zeros(sliding.size), where=sliding != 0)
-        self._n, self._touches, self._sticks = contact.size, len(self.touching), len(self.stuck)
-        self._tangential, self._normal = inverses
-        self._normal.factor(self.touching, self._touches)
-        if self._sticks:
-            self._tangential.factor(self.stuck, self._sticks)
-        rows, sums = [], []
-        if total is not None and self._touches:
-            rows.append((self._join(1.0, 0.0), self._join(1.0, 0.0)))
-            sums.append(total)
-        if drifts and self._sticks:
-            rows.append((self._join(0.0, 1.0), self._join(self.drag, 1.0)))
-            sums.append(0.0)
-        self._normal_is_free, self._drifts = total is not None and self._touches > 0, drifts and self._sticks > 0
-        shape = len(rows), self._touches + self._sticks
-        self._sums = np.array([row[1] for row in rows]).reshape(shape)
-        self._uniform = np.array([self._inverse(row[0]) for row in rows]).reshape(shape)
-        self._prescribed = np.array(sums)
-        # uniform displacements that sums of the tractions take: two unknowns at most, and nothing to factor
-        self._taken = np.linalg.inv(self._sums @ self._uniform.T)
+    def _constrain(self) -> None:
+        """Prepare the sums of tractions that are prescribed, and the uniform displacements that they take."""
+        components = len(self._drag)
+        sums, takers, prescribed = [], [], []
+        turning, none = np.zeros(self._turning.size), np.zeros((components, self.stuck.size))
+        if self._body.total is not None:
+            one = np.ones(self._parts[0])
+            sums.append(self._join(one, none, turning))
+            takers.append(self._join(self._rows.closing * one, none, turning))
+            prescribed.append(self._body.total + np.sum(self._rows.known))
+        for component in range(components if self._drifts else 0):
+            unit, dragged = none.copy(), np.zeros(self._parts[0])
+            unit[component] = 1.0
+            dragged[self._of_slipping] = self._drag[component]
+            sums.append(self._join(dragged, unit, self._across[component]))
+            takers.append(self._join(np.zeros(self._parts[0]), unit, self._across[component]))
+            prescribed.append(0.0)
+        shape = len(sums), self._parts[1] + self._turning.size
+        self._sums = np.array(sums).reshape(shape)
+        self._uniform = np.array([self._inverse(each) for each in takers]).reshape(shape)
+        self._prescribed = np.array(prescribed, dtype=np.float64)
+        # of uniform displacements that hardly any node takes, least squares take none
+        self._taken = np.linalg.pinv(self._sums @ self._uniform.T, rcond=1e-10)
 
-    def unknowns(self, pressure: Reals, tangential: Reals) -> Reals:
-        """Unknowns `[unknown]` nearest to tractions `[n]` that have the prescribed sums."""
-        x = np.concatenate((pressure[self.touching], tangential[self.stuck]))
-        return np.asarray(x + self._solved(self._prescribed - self._sums @ x) @ self._uniform)
+    def unknowns(self, tractions: Reals) -> Reals:
+        """Return the unknowns `[unknown]` with the prescribed sums that are nearest to tractions `[component, n]`."""
+        x = self._join(tractions[-1, self._rows.nodes], tractions[:-1, self.stuck], self._part_across(tractions))
+        return np.asarray(x + (self._taken @ (self._prescribed - self._sums @ x)) @ self._uniform)
 
-    def tractions(self, x: Reals) -> tuple[Reals, Reals]:
-        """Tangential traction and pressure `[n]` of the unknowns."""
-        tangential, pressure = np.zeros((2, self._n))
-        pressure[self.touching] = x[: self._touches]
-        tangential[self.touching] = self.drag * x[: self._touches]
-        tangential[self.stuck] = x[self._touches :]
-        return tangential, pressure
+    def tractions(self, x: Reals) -> Reals:
+        """Tangential tractions and pressures `[component, n]` of the unknowns."""
+        pressure, sticking, across = self._split(x)
+        found = np.zeros(self._shape)
+        found[-1, self._rows.nodes] = pressure
+        found[:-1, self.slipping] = self._drag * pressure[self._of_slipping]
+        found[:-1, self.stuck] = sticking
+        if across.size:
+            found[:-1, self._turning] += self._across * across
+        return found
 
-    def restricted(self, tangential: Reals, normal: Reals) -> Reals:
-        """Displacements `[n]` where they are prescribed, into the body and along it `[unknown]`."""
-        return np.concatenate((-normal[self.touching], tangential[self.stuck]))
+    def deflected(self, x: Reals, known: bool = False) -> Reals:
+        """Displacements `[component, n]` that the unknowns cause, on request with the known tractions of the law."""
+        tractions = self.tractions(x)
+        if known:
+            tractions[-1] -= self._rows.known
+        return self._body.deflect(tractions)
+
+    def prescribed(self, anchor: Reals) -> Reals:
+        """Right-hand side of the linear problem `[unknown]`."""
+        return self._join(self._rows.asked, anchor[:, self.stuck], self._part_across(anchor))
+
+    def restricted(self, u: Reals, x: Reals) -> Reals:
+        """Left-hand side `[unknown]` of the unknowns, which cause displacements `[component, n]`."""
+        rows, (pressure, _, turning) = self._rows, self._split(x)
+        normal = -rows.closing * u[-1, rows.nodes]
+        if rows.own is not None:
+            normal += rows.own * pressure
+        return self._join(normal, u[:-1, self.stuck], self._part_across(u) + self._slip_compliance * turning)
 
     def correction(self, misfit: Reals) -> tuple[Reals, Reals]:
-        """Change of the unknowns that about mends a misfit of displacements and changes no sum.
+        """Return a change of the unknowns that approximately removes a misfit and keeps every sum.
 
         Also returns the uniform displacements left over, normal and tangential ones as far as these are free.
         """
         x = self._inverse(misfit)
-        uniform = self._solved(self._sums @ x)
-        return x - uniform @ self._uniform, uniform
+        uniform = self._taken @ (self._sums @ x)
+        x -= uniform @ self._uniform
+        return x, np.asarray(uniform)
 
     def level(self, u: Reals, uniform: Reals) -> None:
-        """Take uniform displacements left over off the displacements (tangential, normal) `[2, n]`."""
-        if self._normal_is_free:
-            u[1] -= uniform[0]
+        """Take uniform displacements left over off the displacements `[component, n]`."""
+        if self._body.total is not None:
+            u[-1] -= uniform[0]
         if self._drifts:
-            u[0] += uniform[-1]
+            u[:-1] += uniform[-len(u) + 1 :, np.newaxis]
 
-    def _solved(self, sums: Reals) -> Reals:
-        return np.asarray(self._taken @ sums)
+    def _inverse(self, misfit: Reals) -> Reals:
+        rows, (down, sideways, across) = self._rows, self._split(misfit)
+        if across.size:
+            sideways = np.concatenate((sideways, self._across * (self._yield * across)), axis=1)
+        pressure, tractions = self._body.near.solve(rows.soften * down[: rows.held], sideways)
+        found = np.empty_like(misfit)
+        of_nodes, sticking, turning = self._split(found)
+        of_nodes[: rows.held] = rows.soften * pressure
+        of_nodes[rows.held :] = down[rows.held :]
+        sticking[:] = tractions[:, : self.stuck.size]
+        if across.size:
+            turning[:] = self._yield * (self._across * tractions[:, self.stuck.size :]).sum(axis=0)
+        return found
 
-    def _inverse(self, displacement: Reals) -> Reals:
-        x = np.empty_like(displacement)
-        self._normal.solve(displacement[: self._touches], x[: self._touches])
-        if self._sticks:
-            self._tangential.solve(displacement[self._touches :], x[self._touches :])
-        return x
+    def _part_across(self, values: Reals) -> Reals:
+        """Part across the slip of quantities `[component, n]` that have tangential ones in front."""
+        if not self._turning.size:
+            return np.empty(0)
+        return np.asarray((self._across * values[: len(self._across), self._turning]).sum(axis=0))
 
-    def _join(self, pressure: npt.ArrayLike, tangential: float) -> Reals:
-        return np.concatenate((np.broadcast_to(pressure, self._touches), np.broadcast_to(tangential, self._sticks)))
+    def _split(self, x: Reals) -> tuple[Reals, Reals, Reals]:
+        """Pressures, tractions `[component, stuck]` and tractions across slip of the unknowns."""
+        first, second = self._parts
+        return x[:first], x[first:second].reshape(len(self._drag), -1), x[second:]
+
+    @staticmethod
+    def _join(pressure: Reals, sticking: Reals, across: Reals) -> Reals:
+        return np.concatenate((pressure, sticking.ravel(), across))
 
 
 def _ordered(flags: Flags) -> Indices:

@@ -78,7 +78,7 @@ SOLVERS = {
             {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
         ),
         condensed="gfmd_numba.solvers.frictional_newton:frictionless_newton",
-        coupled="gfmd_numba.solvers.frictional_newton:frictional_newton",
+        coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
         block_samples=2**18,
         gives_up_after=100,  # usually below 12
         successor="verlet",

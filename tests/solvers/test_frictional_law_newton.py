@@ -163,13 +163,13 @@ def test_one_more_load_with_a_law_takes_less_than_a_quarter_of_the_transforms_of
     assert np.median(damped.n_transforms) > 4 * np.median(found.n_transforms)
 
 
-def test_one_who_knows_no_law_or_no_wall_is_told():
+def test_friction_without_a_wall_is_refused():
     punch, stiffness = rough(64, 1, waves=8), ElasticBody(0.3, None).coupled_stiffness(64)
     batch = Batch(
         punch, stiffness.with_free_mean(), np.array([0.1]), Interactions(False, normal_law=ATTRACTION, friction=0.3),
         Start.at_rest(punch), 0.0, 10.0,
     )  # fmt: skip
-    with pytest.raises(ValueError, match="friction with a law of the gap only"):
+    with pytest.raises(ValueError, match="friction on a hard wall only"):
         begin(batch, NEWTON)
 
 

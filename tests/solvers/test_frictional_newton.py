@@ -1,5 +1,7 @@
 """Newton's method for friction: every result holds the conditions, and is what damped dynamics finds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,11 +9,11 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.solvers import frictional_newton
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import SOLVERS
 from support.contact_conditions import largest_violation, sticking
 
 NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it
@@ -172,17 +174,21 @@ def test_a_run_that_is_cut_short_says_so():
     assert result.pressure.mean() == pytest.approx(0.2, rel=0.2)
 
 
-def test_a_guess_that_goes_to_and_fro_ends(monkeypatch):
+def test_a_guess_that_goes_to_and_fro_ends():
     """A contact of few spots on a half-space, where each hands the task of holding the body on to the next."""
     punch, stiffness = rough(256, 384, waves=128), ElasticBody(0.3, None).coupled_stiffness(256)
     result = press(punch, stiffness, 0.04, 0.092)
     assert result.status[0] == Status.ok
     assert largest_violation(stiffness, punch, 0.04, 0.092, result) < 2e-8
-    monkeypatch.setattr(frictional_newton, "_PATIENCE", 1000)
-    assert press(punch, stiffness, 0.04, 0.092).status[0] == Status.steps_used_up
-    damped = press(punch, stiffness, 0.04, 0.092, options=Options("frictional_newton"))  # which takes over
-    assert damped.status[0] == Status.ok
-    assert damped.n_iterations[0] > 100
+
+
+def test_what_newton_gives_up_the_dynamics_takes_over(monkeypatch):
+    monkeypatch.setitem(SOLVERS, "frictional_newton", replace(SOLVERS["frictional_newton"], gives_up_after=2))
+    punch, stiffness = rough(128, 3), ElasticBody(0.3, 0.5).coupled_stiffness(128)
+    assert press(punch, stiffness, 0.2, 0.1).status[0] == Status.steps_used_up
+    found = press(punch, stiffness, 0.2, 0.1, options=Options("frictional_newton"))
+    assert found.status[0] == Status.ok
+    assert found.n_iterations[0] > 2
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])

@@ -196,13 +196,12 @@ def test_a_run_that_is_cut_short_says_so():
     assert 1e-8 < result.residual[0] < np.inf
 
 
-def test_what_newton_gives_up_the_dynamics_takes_over():
-    """Five nodes on a half-space, all of which slip: nothing holds the body, and the guess goes to and fro."""
+def test_a_guess_that_goes_to_and_fro_ends():
+    """Five nodes on a half-space, all of which slip: nothing holds the body."""
     punch, body = rough((16, 16), 18, waves=3.4), ElasticBody(0.1, None)
-    assert press(punch, body, 1.5e-3, 0.02).status[0] == Status.steps_used_up
-    found = press(punch, body, 1.5e-3, 0.02, options=Options("frictional_newton"))
+    found = press(punch, body, 1.5e-3, 0.02)
     assert found.status[0] == Status.ok
-    assert found.n_iterations[0] > 100
+    assert largest_violation(body.coupled_stiffness_of_map((16, 16)), punch, 1.5e-3, 0.02, found) < 2e-8
 
 
 @pytest.mark.parametrize("solver", ["frictional_newton", "verlet"])

@@ -5,10 +5,10 @@ import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers.coupled_products import CoupledProducts
-from gfmd_numba.solvers.friction_sets import middle_slip, revised
+from gfmd_numba.solvers.friction_guess import Found, FrictionGuess, middle_slip
 from gfmd_numba.solvers.minimal_residual import minimal_residual
-from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
-from gfmd_numba.solvers.stick_slip import StickSlip
+from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+from gfmd_numba.solvers.stick_slip import Body, StickSlip
 
 N, FRICTION = 64, 0.3
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]
@@ -36,11 +36,11 @@ def compliance_matrix(stiffness):
 def test_products_are_those_of_the_dense_compliance_and_of_its_inverse(body, free):
     stiffness = body.coupled_stiffness(N)
     stiffness = stiffness.with_free_mean() if free else stiffness
-    products, rng = CoupledProducts(stiffness, 2, N), np.random.default_rng(0)
+    products, rng = CoupledProducts(stiffness, 2, (N,)), np.random.default_rng(0)
     shear, pressure = rng.normal(size=(2, N))
     shear -= shear.mean() if stiffness.k11[0] == 0.0 else 0.0
     pressure -= pressure.mean()
-    u = products.deflect(1, shear, pressure)
+    u = products.deflect(1, np.array([shear, pressure]))
     exact = compliance_matrix(stiffness) @ np.concatenate((shear, pressure))
     np.testing.assert_allclose(u.ravel(), exact, atol=1e-13 * abs(exact).max())
     products.tangential[1, :N], products.displacement[1, :N] = u
@@ -62,18 +62,23 @@ def test_a_guess_is_solved_like_its_dense_problem(body, loaded):
     contact[[3, 4, 5, 6, 20, 21, 22, 40, 60, 61]] = True
     slip[[3, 6, 20, 60]] = [-1, 1, 1, -1]
     wall, anchor = rng.normal(size=(2, N)) * 1e-2
-    compliance, products = stiffness.compliance(), CoupledProducts(stiffness, 1, N)
-    inverses = ProfileInverse(compliance.s11, N), ProfileInverse(compliance.s33, N)
-    guess = StickSlip(contact, slip, FRICTION, load if loaded else None, drifts, inverses)
+    products = CoupledProducts(stiffness, 1, (N,))
+    body = Body(
+        lambda f: products.deflect(0, f), NearTractions(stiffness, (N,)), FRICTION, load if loaded else None, drifts
+    )
+    guess = FrictionGuess.sticking(contact, np.array([np.zeros(N), np.ones(N)]), wall)
+    guess.direction[0] = slip
+    problem = StickSlip(guess, None, body)
 
     def product(x):
-        return guess.correction(guess.restricted(*products.deflect(0, *guess.tractions(x))))[0]
+        return problem.correction(problem.restricted(problem.deflected(x), x))[0]
 
-    x = guess.unknowns(np.ones(N), np.zeros(N))
-    asked = guess.restricted(anchor, wall)
-    misfit = guess.correction(asked - guess.restricted(*products.deflect(0, *guess.tractions(x))))[0]
+    x = problem.unknowns(guess.tractions)
+    misfit = problem.correction(
+        problem.prescribed(anchor[np.newaxis]) - problem.restricted(problem.deflected(x, known=True), x)
+    )[0]
     basis, shares = minimal_residual(product, misfit, 1e-13, 40)
-    shear, pressure = guess.tractions(x + shares @ basis)
+    shear, pressure = problem.tractions(x + shares @ basis)
 
     touching, stuck, slipping = np.flatnonzero(contact), np.flatnonzero(contact & (slip == 0)), np.flatnonzero(slip)
     unknowns, matrix = len(touching) + len(stuck), compliance_matrix(stiffness)
@@ -123,27 +128,40 @@ def test_minimal_residuals_do_nothing_below_their_aim_and_pass_on_what_is_no_num
     assert np.isnan(minimal_residual(lambda x: x * np.nan, np.ones(3), 1e-8, 5)[1]).all()
 
 
-def test_a_guess_is_revised_as_node_by_node():
+@pytest.mark.parametrize("components", [1, 2])
+def test_a_guess_is_revised_as_node_by_node(components):
     rng = np.random.default_rng(3)
-    contact, slip = rng.random(N) < 0.6, rng.integers(-1, 2, N)
-    slip *= contact
-    shear, pressure, gap, slid = rng.normal(size=(4, N))
-    pressure = np.where(contact, pressure + 0.5, 0.0)
-    new_contact, new_slip = revised(contact, slip, shear, pressure, gap, slid, FRICTION, 0.05)
+    contact, slips = rng.random(N) < 0.6, rng.random(N) < 0.6
+    direction = rng.normal(size=(components, N)) * (contact & slips)
+    direction /= np.where(direction.any(axis=0), np.linalg.norm(direction, axis=0), 1.0)
+    slid, shear = rng.normal(size=(2, components, N))
+    pressure, gap = np.where(contact, rng.normal(size=N) + 0.5, 0.0), rng.normal(size=N)
+    guess = FrictionGuess.sticking(contact.copy(), np.array([*shear, pressure]), np.zeros(N))
+    guess.direction = direction.copy()
+    found = Found(np.array([*slid, -gap]), np.array([*shear, pressure]), np.zeros(N), np.zeros((components, N)))
+    revision = guess.revision(found, FRICTION, 0.05)
+    guess.revise(revision, found, FRICTION, None)
+    wrong = []
     for j in range(N):
+        way, force, most = np.linalg.norm(slid[:, j]), np.linalg.norm(shear[:, j]), FRICTION * max(pressure[j], 0.0)
+        touches, compliance, turned = contact[j], 0.0, np.zeros(components)
         if contact[j] and pressure[j] <= 0.0:
-            expected = False, 0
-        elif contact[j] and slip[j] == 0:
-            gives_way = abs(shear[j]) > FRICTION * pressure[j]
-            expected = True, -int(np.sign(shear[j])) if gives_way else 0
+            touches = False
+        elif contact[j] and direction[:, j].any():
+            if direction[:, j] @ slid[:, j] > 0.0:
+                turned, compliance = slid[:, j] / way, way / most
         elif contact[j]:
-            expected = True, 0 if slip[j] * slid[j] < 0.0 else slip[j]
+            turned = -shear[:, j] / force if force > most else turned
         elif gap[j] < -0.05:
-            expected = True, int(np.sign(slid[j])) if abs(slid[j]) > FRICTION * -gap[j] else 0
-        else:
-            expected = False, 0
-        assert (new_contact[j], new_slip[j]) == expected
-    assert (new_contact != contact).any()
+            touches, turned = True, slid[:, j] / way if way > FRICTION * -gap[j] else turned
+        if touches != contact[j] or turned.any() != direction[:, j].any():
+            wrong.append(j)
+        assert guess.contact[j] == touches
+        assert guess.slip_compliance[j] == pytest.approx(compliance)
+        np.testing.assert_allclose(guess.direction[:, j], turned)
+        assert np.linalg.norm(guess.tractions[:-1, j]) <= most * (1.0 + 1e-12)
+    np.testing.assert_array_equal(revision.wrong, wrong)
+    assert len(wrong) > 10
 
 
 def test_friction_on_both_sides_of_the_middle_slip_balances():

@@ -18,14 +18,17 @@ class NearField:
     `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count.
     """
 
+    transforms = 0.0  # it takes none
+    takes_own = False  # compliances that nodes have in addition
+
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
         self._stencil = near_stencil(stiffness, shape)
         self._shape = shape
         self._map = np.zeros(shape)
         self._nodes, self._count = np.empty(0, dtype=np.int64), 0
 
-    def factor(self, nodes: Indices, count: int) -> None:
-        """Prepare `solve` for the first `count` of the nodes."""
+    def factor(self, nodes: Indices, count: int, own: Reals | None = None) -> None:
+        """Prepare `solve` for the first `count` of the nodes; compliances of their `own` do not count."""
         self._nodes, self._count = nodes, count
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:

@@ -21,7 +21,7 @@ from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.cli.tables import duration
 
 CAMPAIGN = Path(__file__).parents[1] / "campaigns/quickstart.yaml"
-GOALS = (0.1, 0.03, 0.02)
+GOALS = (0.03, 0.02, 0.01)
 
 
 def main(picture=None, goals=GOALS):

@@ -144,9 +144,9 @@ def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
     for _ in range(200):
         dataset = noisy(truth, rng)
         beta = np.linalg.lstsq(design, dataset["kappa"].mean("realisation").values, rcond=None)[0]
-        fit = fit_tfc(dataset, fixed=ALPHA)
+        fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA)
         ordinary.append([beta[0] - 2.0, beta[1] - C["eps_c"]])
-        weighted.append([fit["kappa_tfc"].item() - 2.0, fit["C"].sel(limit="eps_c").item() - C["eps_c"]])
+        weighted.append([fit["kappa_r_tfc"].item() - 2.0, fit["C"].sel(limit="eps_c").item() - C["eps_c"]])
     ratio = np.std(weighted, axis=0) / np.std(ordinary, axis=0)
     assert ratio[0] < 0.95
     assert ratio[1] < 1.0

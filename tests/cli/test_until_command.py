@@ -96,10 +96,10 @@ def test_fit_shows_the_rounds_again(reached):
 @pytest.mark.long
 def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monkeypatch):
     path = campaign(tmp_path, **FINER)
-    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.1%", "--budget=1 s")
+    done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.7%", "--budget=1 s")
     assert done.exit_code == 3
     said = unfolded(done.stdout)
-    assert "kappa to 0.10%: not reached: the budget is too small for" in said
+    assert "kappa to 0.70%: not reached: the budget is too small for" in said
     assert "limit" in said
 
 

@@ -37,15 +37,15 @@ def prices():
 
 def test_the_readme_has_the_prices_of_the_quickstart_campaign():
     last, readme = {target: time for target, _, time, _ in prices()}, page("README.md")
-    assert list(last) == ["10", "3", "2"]
-    assert f"an error of κ of 10 % takes {last['10']} of processor time" in readme
-    assert f"and 2 % takes {last['2']}," in readme
+    assert list(last) == ["3", "2", "1"]
+    assert f"an error of κ of 3 % takes {last['3']} of processor time" in readme
+    assert f"2 % takes {last['2']}, and 1 % takes {last['1']} (" in readme
     assert f"in {last['2']} of processor time" in readme
 
 
 def test_the_picture_of_rounds_has_the_prices_of_the_quickstart_campaign():
     text = page("docs/campaigns.md").partition("![Error against processor time](until.png)")[2]
-    rounds = [(time, error) for target, _, time, error in prices() if target == "2"]
+    rounds = [(time, error) for target, _, time, error in prices() if target == "1"]
     assert len(rounds) > 1
     for time, error in rounds:
         assert f"{time}" in text[:700]

@@ -157,9 +157,8 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
         or low == high
     ):
         return [powers]
-    from_theory = powers | {
-        "eps_f": unseen_slope(hursts[0], float(np.exp(np.mean(np.log(loads)))), groups[0].dimension)
-    }
+    load = loads[0] if len(set(loads)) == 1 else np.nan  # k_c depends on it
+    from_theory = powers | {"eps_f": unseen_slope(hursts[0], load, groups[0].dimension)}
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 

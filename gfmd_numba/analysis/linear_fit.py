@@ -157,8 +157,9 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
         else:
             found.append(_unit(scatter) * column)
     for (first, second), scatter in zip(means.pairs, before.pair, strict=True):
-        powers = (means.power_in_pair(limit, (first, second)) for limit in (first, second))
-        found.append(_unit(scatter) * laws_of[first] ** next(powers) * laws_of[second] ** next(powers))
+        pair = (first, second)
+        of_first, of_second = (laws_of[limit] ** means.power_in_pair(limit, pair) for limit in pair)
+        found.append(_unit(scatter) * of_first * of_second)
     return np.stack([whole, *found], axis=-1)
 
 

@@ -43,7 +43,7 @@ def test_one_campaign_in_twenty_alarms_where_a_law_is_right(cross):
 def test_alarms_are_as_rare_for_every_number_of_realisations(n, cross, planted):
     """The covariance is shrunk, and coefficients are not quite as expected: not exactly one in twenty."""
     truth = campaign(realisations=n, cross=cross, **planted)
-    assert 0.01 < alarms(n, truth, 120) / 120 < 0.11  # three standard errors of a rate of one in twenty
+    assert 0.01 < alarms(n, truth, 120) / 120 < 0.11  # three standard errors of one in twenty above, and two below
 
 
 @pytest.mark.parametrize("exponent", [1.0, (0.5, 1.5)], ids=["exact", "range"])

@@ -115,3 +115,17 @@ def test_contacts_see_shorter_waves_the_larger_the_load_is():
         assert cut.low < found < cut.high
         assert tail.middle == pytest.approx(np.exp(0.25 - 0.95 * hurst))
     assert unseen_slope(0.8).parameters[0].usual is None  # of contacts whose load is not known
+
+
+@pytest.mark.parametrize(
+    ("loads", "expected"),
+    [([0.007, 0.007], True), ([0.007, 0.05], False), ([-0.01], False), ([0.0], False), ([], False)],
+)
+def test_the_size_of_contacts_is_expected_for_one_load_that_presses(loads, expected):
+    groups = [
+        SimpleNamespace(variable="kappa", dimension=1, parameters={"hurst": 0.8, "reduced_pressure": load})
+        for load in loads
+    ]
+    groups = groups or [SimpleNamespace(variable="kappa", dimension=1, parameters={"hurst": 0.8})]
+    (laws,) = choices(LIMITS, groups, {})
+    assert (laws["eps_f"].parameters[0].usual is not None) == expected

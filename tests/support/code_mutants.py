@@ -139,8 +139,8 @@ MUTANTS = [
     ),
     (
         "linear_fit.py",
-        "laws_of[first] ** next(powers) * laws_of[second] ** next(powers)",
-        "laws_of[first] ** next(powers) * laws_of[first] ** next(powers)",
+        "_unit(scatter) * of_first * of_second",
+        "_unit(scatter) * of_first * of_first",
         "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
     ),
     (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from gfmd_numba.campaign.file import Campaign
+    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
 
@@ -33,6 +34,7 @@ __all__ = [
     "load_curve",
     "make_surface",
     "open_campaign",
+    "rounds",
     "run",
     "solve",
 ]
@@ -136,27 +138,40 @@ def run(
     from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
 
-    if not (output is None or isinstance(output, str | os.PathLike)):
-        raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
-    if until is None:
-        from gfmd_numba.campaign.file import target_of_run
-
-        until = target_of_run(campaign)
-    if until is None and budget is not None:
-        raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
-    if until is None:
+    goal = _goal(campaign, output, until, budget)
+    if goal is None:
         results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     else:
-        from gfmd_numba.campaign.goal import goal_of
         from gfmd_numba.campaign.until import run_until
 
-        outcome = run_until(campaign, goal_of(until, budget), output, workers_of(workers))
+        outcome = run_until(campaign, goal, output, workers_of(workers))
         results = open_campaign(outcome.results)
         if not outcome.reached:
             warnings.warn(f"{results.attrs['until']} is {outcome.rounds.ended}", stacklevel=2)
     if results.attrs.get("validity"):
         warnings.warn(results.attrs["validity"], stacklevel=2)
     return results
+
+
+def rounds(
+    campaign: str | Path | Mapping[str, Any] | Campaign,
+    output: str | Path | None = None,
+    workers: int | Client | str | Path | Mapping[str, Any] = 0,
+    until: Mapping[str, float] | None = None,
+    budget: float | str | None = None,
+) -> Iterator[xr.Dataset]:
+    """Run a campaign to a target, and yield its results after each round, before the next one begins.
+
+    The arguments are those of `run`; `until`, or a `target` in the campaign, is needed. Leave the loop to stop with the
+    results you have: the same call, or `run`, goes on from there. Raises InputError as `run` does.
+    """
+    from gfmd_numba.campaign.execution import workers_of
+    from gfmd_numba.campaign.until import each_round
+
+    goal = _goal(campaign, output, until, budget)
+    if goal is None:
+        raise InputError("until: you gave none, and no target in the campaign; gfmd allows one like {'kappa': 0.01}")
+    return (open_campaign(outcome.results) for outcome in each_round(campaign, goal, output, workers_of(workers)))
 
 
 def open_campaign(path: str | Path) -> xr.Dataset:
@@ -228,6 +243,24 @@ def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
     from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
 
     return _warned(conductance_of(_dataset("contact", contact, "solve")))
+
+
+def _goal(
+    campaign: str | Path | Mapping[str, Any] | Campaign,
+    output: str | Path | None,
+    until: Mapping[str, float] | None,
+    budget: float | str | None,
+) -> Goal | None:
+    """Goal that is given, or that of the campaign, if any; raises InputError for arguments of another kind."""
+    from gfmd_numba.campaign.file import target_of_run
+    from gfmd_numba.campaign.goal import goal_of
+
+    if not (output is None or isinstance(output, str | os.PathLike)):
+        raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
+    targets = until if until is not None else target_of_run(campaign)
+    if targets is None and budget is not None:
+        raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
+    return None if targets is None else goal_of(targets, budget)
 
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:

@@ -94,6 +94,17 @@ def run_until(
         return run.all_rounds(workers)
 
 
+def each_round(
+    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers | None = None
+) -> Generator[Outcome, None, None]:
+    """Run a campaign as `run_until` does, and yield what there is after each round, before the next one begins.
+
+    If you take no more rounds, the run stops there, and a later one goes on from it. Raises as `run_until` does.
+    """
+    workers = workers or Workers()
+    return _prepared(source, goal, output, workers, None, ALL, None).each_round(workers)
+
+
 def first_decision(
     source: Source, goal: Goal, workers: Workers, watch: Watch | None = None, told: Told | None = None
 ) -> FirstDecision:
@@ -146,7 +157,7 @@ class _Run:
 
     def first_round(self, workers: Workers) -> FirstDecision:
         """Run the pilot alone, and give what it decides."""
-        with closing(self._rounds(workers)) as states:
+        with closing(self.states(workers)) as states:
             next(states)
             state = next(states)
         failures = failed(self.planned.blocks_in(self.directory), self.directory)
@@ -154,12 +165,12 @@ class _Run:
 
     def all_rounds(self, workers: Workers) -> Outcome:
         """Run rounds until they end."""
-        states = self._rounds(workers)
+        states = self.states(workers)
         state = next(states)
         try:
             for following in states:
                 state = following
-            return self._collected(state, self.of(state.now))
+            return self.collected(state, self.of(state.now))
         except KeyboardInterrupt:
             if len(state.rounds) == 1:  # there is nothing to extrapolate from
                 raise
@@ -172,9 +183,19 @@ class _Run:
                 state = state.model_copy(update={"rounds": state.rounds[:-1]})
                 partial = self.of(state.now)
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
-            raise InterruptedRunError(self._collected(interrupted, partial)) from None
+            raise InterruptedRunError(self.collected(interrupted, partial)) from None
 
-    def _rounds(self, workers: Workers) -> Generator[Rounds, None, None]:
+    def each_round(self, workers: Workers) -> Generator[Outcome, None, None]:
+        """Run rounds until they end, or are no longer asked for."""
+        with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states(workers)) as states:
+            next(states)
+            for state in states:
+                if not state.ended:  # its last round has not run
+                    done = state.model_copy(update={"rounds": state.rounds[:-1]})
+                    state = done.ending(f"not {REACHED}: the run stopped before its next round")
+                yield self.collected(state, self.of(state.now))
+
+    def states(self, workers: Workers) -> Generator[Rounds, None, None]:
         """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
 
         Raises InputError for a pilot that does not fit the memory.
@@ -222,7 +243,8 @@ class _Run:
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
         return after(state, fits, may_refine)
 
-    def _collected(self, state: Rounds, planned: Plan) -> Outcome:
+    def collected(self, state: Rounds, planned: Plan) -> Outcome:
+        """Collect the results of a round."""
         rounds.write(self.directory, state)
         results = collect(planned, self.directory)
         failures = failed(planned.blocks_in(self.directory), self.directory)

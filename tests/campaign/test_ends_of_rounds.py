@@ -264,3 +264,25 @@ def test_python_warns_of_a_target_that_is_not_reached(tmp_path, priced):
         given = gfmd_numba.run(path, tmp_path / "missed", until={"kappa": 0.001}, budget="1000 h")
     assert given.attrs["ended"].startswith("not reached: the budget")
     assert gfmd_numba.run(path, tmp_path / "reached", until={"kappa": 0.05}).attrs["ended"] == "reached"
+
+
+def test_rounds_taken_one_by_one_are_those_of_a_run(tmp_path):
+    """And a run goes on from where the loop was left."""
+    path, target = campaign(tmp_path, **ONE), {"kappa": 0.03}
+    whole = gfmd_numba.run(path, tmp_path / "whole", until=target)
+    assert whole.sizes["round"] > 1
+    results = list(gfmd_numba.rounds(path, tmp_path / "each", until=target))
+    assert [each.sizes["round"] for each in results] == list(range(1, whole.sizes["round"] + 1))
+    for first in gfmd_numba.rounds(path, tmp_path / "left", until=target):
+        assert first.attrs["ended"] == "not reached: the run stopped before its next round"
+        break
+    assert first.sizes["round"] == 1
+    for last in (results[-1], gfmd_numba.run(path, tmp_path / "left", until=target)):
+        assert last.attrs["ended"] == "reached"
+        np.testing.assert_array_equal(last.kappa, whole.kappa)
+        np.testing.assert_array_equal(last.round_error, whole.round_error)
+
+
+def test_rounds_without_a_target_are_refused_before_they_are_taken(tmp_path):
+    with pytest.raises(InputError, match=r"^until: you gave none, and no target in the campaign"):
+        gfmd_numba.rounds(campaign(tmp_path, **ONE))

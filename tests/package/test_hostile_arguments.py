@@ -31,6 +31,13 @@ FUNCTIONS = {
         "until": None,
         "budget": None,
     },
+    "gfmd_numba.rounds": lambda things: {
+        "campaign": TINY | {"limits": {"eps_f": [1 / 8, 1 / 16]}, "fit": {"fixed": EXPONENTS}},
+        "output": things.folder / "rounds" / "out",
+        "workers": 0,
+        "until": {"kappa": 0.1},
+        "budget": None,
+    },
     "gfmd_numba.open_campaign": lambda things: {"path": things.file("results.nc", things.results())},
     "gfmd_numba.fit_tfc": lambda things: {
         "dataset": things.results(),

@@ -92,21 +92,13 @@ class XuNeedlemanLaw:
         return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
 
     def pull(
-        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Indices, n: int
+        self, state: kernels.CoupledState, punch: Reals, sliding: tuple[Reals, ...], active: Indices, n: int
     ) -> None:
-        """Take the tractions of the law off the restoring tractions of both displacements in the active rows.
+        """Take the tractions of the law off the restoring tractions of a state in the active rows.
 
-        `sliding` `[n]` is how far the punch has moved over each node.
+        `sliding` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
         """
-        kernels.xu_needleman_pull(u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential)
-
-    def pull_on_map(
-        self, u1: Reals, k1: Reals, u3: Reals, k3: Reals, punch: Reals, sliding: Reals, active: Indices, n: int
-    ) -> None:
-        """Do the same on maps, dragged by `[component, n]`; tangential rows are the x, then the y components."""
-        kernels.xu_needleman_map_pull(
-            u1, k1, u3, k3, punch, sliding, active, n, self.work, self.normal, self.tangential
-        )
+        kernels.xu_needleman_pull(state, punch, sliding, active, n, self.work, self.normal, self.tangential)
 
     def _decay(self, g: Reals, slip: Reals) -> Reals:
         return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))

@@ -9,8 +9,8 @@ from gfmd_numba.kernels.active_sets import (
     open_gap,
     revise_contact,
 )
-from gfmd_numba.kernels.boundary_value_problem import free_mean, prescribed_step, prescribed_violation
-from gfmd_numba.kernels.conditions import CoupledState, friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.boundary_value_problem import Boundary, free_mean, prescribed_step, prescribed_violation
+from gfmd_numba.kernels.conditions import CoupledState, State, friction_violation, kkt_violation, wall_pressure
 from gfmd_numba.kernels.decay_contacts import decay_contact, refined_pressure, touching_displacement
 from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.energy_descent import (
@@ -25,7 +25,7 @@ from gfmd_numba.kernels.energy_descent import (
 from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
-from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_map_pull, xu_needleman_pull
+from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
 from gfmd_numba.kernels.least_squares import least_squares
 from gfmd_numba.kernels.maps import (
     close_map,
@@ -61,7 +61,9 @@ from gfmd_numba.kernels.tiles import (
 )
 
 __all__ = [
+    "Boundary",
     "CoupledState",
+    "State",
     "bound",
     "cg_direction",
     "cg_free",
@@ -134,6 +136,5 @@ __all__ = [
     "verlet_step",
     "wall_pressure",
     "wrong_gaps",
-    "xu_needleman_map_pull",
     "xu_needleman_pull",
 ]

@@ -1,16 +1,25 @@
 """Compiled loops over a surface whose tractions are prescribed on free nodes, and whose displacement elsewhere."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.kernels.compilation import jit
 
 
+class Boundary(NamedTuple):
+    """The `traction` prescribed at `free` nodes `[component, x]`, and what balances it everywhere `[component]`."""
+
+    traction: Reals
+    free: Flags
+    excess: Reals
+
+
 @jit
-def prescribed_step(
-    u: Reals, u_old: Reals, ku: Reals, traction: Reals, free: Flags, excess: Reals, n: int, memory: float, push: float
-) -> None:
+def prescribed_step(u: Reals, u_old: Reals, ku: Reals, boundary: Boundary, n: int, memory: float, push: float) -> None:
     """One Verlet step (6.55) of the free nodes of each component under traction - ku - excess."""
+    traction, free, excess = boundary
     for i in range(u.shape[0]):
         for j in range(n):
             if free[i, j]:
@@ -20,8 +29,9 @@ def prescribed_step(
 
 
 @jit
-def free_mean(ku: Reals, traction: Reals, free: Flags, i: int, n: int) -> float:
+def free_mean(ku: Reals, boundary: Boundary, i: int, n: int) -> float:
     """Mean of traction - ku over the free nodes of component i: what would move their mean displacement."""
+    traction, free, _ = boundary
     total = 0.0
     count = 0
     for j in range(n):
@@ -32,8 +42,9 @@ def free_mean(ku: Reals, traction: Reals, free: Flags, i: int, n: int) -> float:
 
 
 @jit
-def prescribed_violation(ku: Reals, traction: Reals, free: Flags, excess: Reals, n: int) -> tuple[float, float]:
+def prescribed_violation(ku: Reals, boundary: Boundary, n: int) -> tuple[float, float]:
     """Largest unbalanced traction of the free nodes, and largest traction of any; the former may be not-a-number."""
+    traction, free, excess = boundary
     worst = 0.0
     peak = 0.0
     total = 0.0

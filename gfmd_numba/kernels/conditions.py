@@ -8,24 +8,28 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
 
+class State(NamedTuple):
+    """Displacement `u` of a batch `[realisation, x]`, the traction `ku` that restores it, and what acts on it.
+
+    It may not pass the `wall`; the `load` `[realisation]` is the mean pressure.
+    """
+
+    u: Reals
+    ku: Reals
+    wall: Reals
+    load: Reals
+
+
 @jit
 def kkt_violation(
-    u: Reals,
-    ku: Reals,
-    punch: Reals,
-    load: Reals,
-    active: Indices,
-    n: int,
-    worst: Reals,
-    peak: Reals,
-    imbalance: Reals,
-    hardness: float = np.inf,
+    state: State, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals, hardness: float = np.inf
 ) -> None:
     """Largest traction that no pressure the contact allows balances, largest pressure, and mean unbalanced traction.
 
     A free node allows none, a touching one from 0 to the hardness, one that penetrates exactly the hardness.
     Not-a-number if any traction is not finite.
     """
+    u, ku, wall, load = state
     for i in active:
         largest = 0.0
         highest = 0.0
@@ -34,8 +38,8 @@ def kkt_violation(
         for j in range(n):
             traction = load[i] - ku[i, j]
             total += traction
-            pressure = min(max(traction, 0.0), hardness) if u[i, j] >= punch[i, j] else 0.0
-            if u[i, j] > punch[i, j]:
+            pressure = min(max(traction, 0.0), hardness) if u[i, j] >= wall[i, j] else 0.0
+            if u[i, j] > wall[i, j]:
                 pressure = hardness
             carried += pressure
             highest = max(highest, pressure)
@@ -97,20 +101,12 @@ def friction_violation(state: CoupledState, friction: float, active: Indices, n:
 
 
 @jit
-def wall_pressure(
-    u: Reals,
-    ku: Reals,
-    punch: Reals,
-    load: Reals,
-    active: Indices,
-    n: int,
-    p: Reals,
-    hardness: float = np.inf,
-) -> None:
+def wall_pressure(state: State, active: Indices, n: int, p: Reals, hardness: float = np.inf) -> None:
     """Pressure of the hard wall: on touching nodes under compression, the hardness where they penetrate, else zero."""
+    u, ku, wall, load = state
     for i in active:
         for j in range(n):
-            if u[i, j] > punch[i, j]:
+            if u[i, j] > wall[i, j]:
                 p[i, j] = hardness
             else:
-                p[i, j] = min(max(load[i] - ku[i, j], 0.0), hardness) if u[i, j] >= punch[i, j] else 0.0
+                p[i, j] = min(max(load[i] - ku[i, j], 0.0), hardness) if u[i, j] >= wall[i, j] else 0.0

@@ -4,6 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
+from gfmd_numba.kernels.conditions import CoupledState
 
 
 @jit
@@ -18,61 +19,32 @@ def exponential_pull(
 
 @jit
 def xu_needleman_pull(
-    u1: Reals,
-    k1: Reals,
-    u3: Reals,
-    k3: Reals,
+    state: CoupledState,
     punch: Reals,
-    sliding: Reals,
+    sliding: tuple[Reals, ...],
     active: Indices,
     n: int,
     work: float,
     normal: float,
     tangential: float,
 ) -> None:
-    """Take the tractions of Xu and Needleman's law off the restoring tractions k1 and k3.
+    """Take the tractions of Xu and Needleman's law off the restoring tractions of a state.
 
-    `sliding` is how far the punch has moved over each of the n nodes.
+    `sliding` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
     """
+    u1, k1, u3, k3 = state.u1, state.k1, state.u3, state.k3
     for i in active:
         for j in range(n):
             gap = (punch[i, j] - u3[i, j]) / normal
-            slip = (sliding[j] - u1[i, j]) / tangential
             overlap = min(gap, 0.0)  # repels as without slip
             gap = max(gap, 0.0)
-            decay = work * np.exp(-gap - slip * slip)
-            k1[i, j] -= 2.0 * slip / tangential * (1.0 + gap) * decay
-            k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)
-
-
-@jit
-def xu_needleman_map_pull(
-    u1: Reals,
-    k1: Reals,
-    u3: Reals,
-    k3: Reals,
-    punch: Reals,
-    sliding: Reals,
-    active: Indices,
-    n: int,
-    work: float,
-    normal: float,
-    tangential: float,
-) -> None:
-    """Do the same on maps, where rows of u1 and k1 are the x components of all realisations, then the y components.
-
-    `sliding` is `[component, n]`.
-    """
-    rows = punch.shape[0]
-    for i in active:
-        for j in range(n):
-            gap = (punch[i, j] - u3[i, j]) / normal
-            x = (sliding[0, j] - u1[i, j]) / tangential
-            y = (sliding[1, j] - u1[rows + i, j]) / tangential
-            overlap = min(gap, 0.0)
-            gap = max(gap, 0.0)
-            decay = work * np.exp(-gap - x * x - y * y)
+            exponent = -gap
+            for component in range(len(sliding)):
+                slip = (sliding[component][j] - u1[component * len(punch) + i, j]) / tangential
+                exponent -= slip * slip
+            decay = work * np.exp(exponent)
             drag = 2.0 / tangential * (1.0 + gap) * decay
-            k1[i, j] -= x * drag
-            k1[rows + i, j] -= y * drag
+            for component in range(len(sliding)):
+                row = component * len(punch) + i
+                k1[row, j] -= (sliding[component][j] - u1[row, j]) / tangential * drag
             k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)

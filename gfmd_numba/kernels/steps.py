@@ -4,55 +4,37 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import CoupledState
+from gfmd_numba.kernels.conditions import CoupledState, State
 
 
 @jit
-def verlet_step(
-    u: Reals,
-    u_old: Reals,
-    ku: Reals,
-    punch: Reals,
-    load: Reals,
-    active: Indices,
-    n: int,
-    memory: float,
-    push: float,
-) -> None:
+def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: float, push: float) -> None:
     """One Verlet step (6.55) with the displacement clipped at the hard wall (2.16)."""
+    u, ku, wall, load = state
     for i in active:
         for j in range(n):
             now = u[i, j]
             new = now + memory * (now - u_old[i, j]) + push * (load[i] - ku[i, j])
             u_old[i, j] = now
-            u[i, j] = min(new, punch[i, j])
+            u[i, j] = min(new, wall[i, j])
 
 
 @jit
 def fire_step(
-    u: Reals,
-    v: Reals,
-    ku: Reals,
-    punch: Reals,
-    load: Reals,
-    dt: Reals,
-    mixing: Reals,
-    downhill: Indices,
-    active: Indices,
-    n: int,
-    longest: float,
+    state: State, v: Reals, dt: Reals, mixing: Reals, downhill: Indices, active: Indices, n: int, longest: float
 ) -> None:
     """One step of FIRE (Bitzek et al., Phys. Rev. Lett. 97:170201, 2006) with the hard wall.
 
     A node that the force holds against the wall has neither force nor velocity.
     """
+    u, ku, wall, load = state
     for i in active:
         power = 0.0
         speed2 = 0.0
         force2 = 0.0
         for j in range(n):
             force = load[i] - ku[i, j]
-            if u[i, j] >= punch[i, j] and force >= 0.0:
+            if u[i, j] >= wall[i, j] and force >= 0.0:
                 v[i, j] = 0.0
             else:
                 power += force * v[i, j]
@@ -73,10 +55,10 @@ def fire_step(
             mixing[i] = 0.1
         for j in range(n):
             force = load[i] - ku[i, j]
-            if u[i, j] >= punch[i, j] and force >= 0.0:
+            if u[i, j] >= wall[i, j] and force >= 0.0:
                 continue
             v[i, j] = keep * v[i, j] + (steer + dt[i]) * force
-            u[i, j] = min(u[i, j] + dt[i] * v[i, j], punch[i, j])
+            u[i, j] = min(u[i, j] + dt[i] * v[i, j], wall[i, j])
 
 
 @jit

@@ -81,8 +81,9 @@ class _BoundaryValueProblem:
         start = np.where(np.isnan(displacement), traction, 0.0)
         displacement = displacement.reshape(components, -1)
         n = displacement.shape[1]
+        self.excess = np.zeros(components)
         self._free = np.isnan(displacement)
-        self._traction = start.reshape(components, n)
+        self._boundary = kernels.Boundary(start.reshape(components, n), self._free, self.excess)
         self._rigid = bool(np.isinf(stiffness.k33.flat[0]))
         elastic = stiffness.with_free_mean() if self._rigid else stiffness
         smaller, larger = elastic.principal()
@@ -97,23 +98,19 @@ class _BoundaryValueProblem:
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = self._start(elastic, start, displacement)
         self._last = self.displacement.copy()
-        self.excess = np.zeros(components)
         self._rows = np.arange(components)
         self._restore()
 
     def advance(self) -> None:
         """Make one time step."""
         kernels.prescribed_step(
-            self.displacement, self._last, self.field.result, self._traction, self._free, self.excess, self.field.n,
-            self._memory, self._push,
-        )  # fmt: skip
+            self.displacement, self._last, self.field.result, self._boundary, self.field.n, self._memory, self._push
+        )
         self._restore()
 
     def residual(self) -> float:
         """Largest unbalanced traction over the largest traction; costs no transform."""
-        worst, peak = kernels.prescribed_violation(
-            self.field.result, self._traction, self._free, self.excess, self.field.n
-        )
+        worst, peak = kernels.prescribed_violation(self.field.result, self._boundary, self.field.n)
         if worst == 0.0:
             return 0.0
         peak = max(peak, self._least_peak)
@@ -138,4 +135,4 @@ class _BoundaryValueProblem:
         self.field.inverse(rows)
         if self._rigid:
             normal = rows.size - 1
-            self.excess[normal] = kernels.free_mean(self.field.result, self._traction, self._free, normal, self.field.n)
+            self.excess[normal] = kernels.free_mean(self.field.result, self._boundary, normal, self.field.n)

@@ -55,17 +55,17 @@ class Certificate:
         self.hardness, self.rigid_mean = hardness, rigid_mean
         self.worst, self.peak, self.imbalance, self.drift = np.zeros((4, rows))
 
-    def look(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
+    def look(self, state: kernels.State, active: Indices, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
-        kernels.kkt_violation(u, ku, wall, load, active, n, self.worst, self.peak, self.imbalance, self.hardness)
+        kernels.kkt_violation(state, active, n, self.worst, self.peak, self.imbalance, self.hardness)
         if self.rigid_mean is not None:
-            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
+            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(state.u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
-            self.drift[active] = self.rigid_mean.drift(u, active, n)
+            self.drift[active] = self.rigid_mean.drift(state.u, active, n)
 
-    def pressure(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int, p: Reals) -> None:
+    def pressure(self, state: kernels.State, active: Indices, n: int, p: Reals) -> None:
         """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
-        kernels.wall_pressure(u, ku, wall, load, active, n, p, self.hardness)
+        kernels.wall_pressure(state, active, n, p, self.hardness)
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.

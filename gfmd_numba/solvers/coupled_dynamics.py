@@ -85,7 +85,7 @@ class CoupledDynamics:
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the normal and tangential conditions `[active]`; costs no transform."""
         n, certificate = self.field.n, self.certificate
-        certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
         kernels.friction_violation(self._state, self._friction, active, n, certificate.worst)
         return certificate.residual(self.load, active, self._strongest(active))
 
@@ -127,9 +127,4 @@ class CoupledDynamics:
         if self._law is not None:
             self._law.pull(self.displacement, self.restoring, self._punch, active, self.field.n)
         if self._cohesion is not None:
-            sideways, normal = (self._tangential, self._tangential_restoring), (self.displacement, self.restoring)
-            where = active, self.field.n
-            if self._of_profile:
-                self._cohesion.pull(*sideways, *normal, self._punch, self._sliding[0], *where)
-            else:
-                self._cohesion.pull_on_map(*sideways, *normal, self._punch, self._sliding, *where)
+            self._cohesion.pull(self._state, self._punch, tuple(self._sliding), active, self.field.n)

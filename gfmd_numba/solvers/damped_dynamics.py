@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
@@ -41,7 +42,7 @@ def _extremes(batch: Batch) -> tuple[float, float]:
 class Integrator(Protocol):
     """One step of the displacement u under the force load - ku, clipped at the wall."""
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None: ...  # noqa: D102
+    def step(self, state: kernels.State, active: Indices, n: int) -> None: ...  # noqa: D102
 
 
 class DampedDynamics:
@@ -69,6 +70,7 @@ class DampedDynamics:
         self._stiffness = self.field.symbol(batch.normal_stiffness)
         self._law = interface.normal_law
         self.certificate = Certificate(rows)
+        self._state = kernels.State(self.displacement, self.restoring, self.wall, self.load)
         self._integrator = integrator(self.displacement)
         self._restore(np.arange(rows))
 
@@ -79,14 +81,13 @@ class DampedDynamics:
 
     def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
-        field = self.field
-        self._integrator.step(self.displacement, field.result, self.wall, self.load, active, field.n)
+        self._integrator.step(self._state, active, self.field.n)
         self._restore(active)
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform."""
         field, strongest = self.field, np.zeros(active.size)
-        self.certificate.look(self.displacement, field.result, self.wall, self.load, active, field.n)
+        self.certificate.look(self._state, active, field.n)
         if self._law is not None:
             gap = self._punch[active, : field.n] - self.displacement[active, : field.n]
             strongest = np.abs(self._law.traction(gap)).max(axis=1)

@@ -141,7 +141,7 @@ class DecayNewton:
         self._transforms[active] += 4
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
         return self.certificate.residual(self.load, active)
 
     def _guess(self, i: int, start: float) -> bool:

@@ -10,6 +10,7 @@ from pkgutil import resolve_name
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
@@ -285,7 +286,8 @@ def _iterate(
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         pressure = solver.restoring  # of rows that have ended, which need it no more
-        solver.certificate.pressure(solver.displacement, pressure, solver.wall, solver.load, done, n, pressure)
+        state = kernels.State(solver.displacement, pressure, solver.wall, solver.load)
+        solver.certificate.pressure(state, done, n, pressure)
         where = rows[done]
         for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
             result.displacement[row] = solver.displacement[i, :n].reshape(solver.field.shape)

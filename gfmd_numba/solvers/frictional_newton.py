@@ -172,7 +172,7 @@ class FrictionalNewton:
             guess = self._guesses[i]
             products.tangential_restoring[self._own(i), :n] = guess.tractions[:-1]
             self.restoring[i, :n] = self.load[i] - guess.contact * guess.tractions[-1]
-        certificate.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
         kernels.friction_violation(self._state, self._friction, active, n, certificate.worst)
         residual = certificate.residual(self.load, active, strongest)
         for i in sure[residual[stands] > self._asked]:
@@ -237,7 +237,8 @@ class FrictionalNewton:
                 break
         self._spent[i] += int(solver.n_transforms[0])
         found, wall = solver.displacement[0, :n], self.wall[i, :n]
-        solver.certificate.pressure(found[None], solver.restoring, solver.wall, solver.load, row, n, solver.restoring)
+        state = kernels.State(found[None], solver.restoring, solver.wall, solver.load)
+        solver.certificate.pressure(state, row, n, solver.restoring)
         pressure = solver.restoring[0, :n]
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(found + lifted, wall))

@@ -20,9 +20,9 @@ class Verlet:
         self.memory = memory
         self.push = push
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
+    def step(self, state: kernels.State, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
-        kernels.verlet_step(u, self._last, ku, wall, load, active, n, self.memory, self.push)
+        kernels.verlet_step(state, self._last, active, n, self.memory, self.push)
 
 
 def position_verlet(displacement: Reals, softest: float, stiffest: float, time_step: float, damping: float) -> Verlet:
@@ -61,8 +61,6 @@ class Fire:
         self._mixing = np.full(rows, 0.1)
         self._downhill = np.zeros(rows, dtype=np.int64)
 
-    def step(self, u: Reals, ku: Reals, wall: Reals, load: Reals, active: Indices, n: int) -> None:
+    def step(self, state: kernels.State, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
-        kernels.fire_step(
-            u, self._velocity, ku, wall, load, self._dt, self._mixing, self._downhill, active, n, self._longest
-        )
+        kernels.fire_step(state, self._velocity, self._dt, self._mixing, self._downhill, active, n, self._longest)

@@ -89,5 +89,5 @@ class MapNewton:
         kernels.pack_rows(transform.rows, self.field.shape[1])
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = contact.pressure.sum() / n
-        self.certificate.look(self.displacement, self.restoring, self.wall, self.load, row, n)
+        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), row, n)
         return float(self.certificate.residual(self.load, row)[0])

@@ -61,5 +61,5 @@ class PressureIterate:
         field.apply(self._stiffness, active, source=2)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(self.displacement, field.result, self.wall, self.load, active, n)
+        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
         return self.certificate.residual(self.load, active)

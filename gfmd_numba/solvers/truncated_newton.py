@@ -73,7 +73,7 @@ class TruncatedNewton:
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
         """
         look, n = self.certificate, self.field.n
-        look.look(self.displacement, self.restoring, self.wall, self.load, active, n)
+        look.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
         self._look_at_more(active)
         found = look.residual(self.load, active, self._strongest[active])
         if look.rigid_mean is not None:
@@ -182,35 +182,33 @@ class TruncatedNewton:
 
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
-        i, size = row[0], self._u.shape[1]
+        i = row[0]
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
         d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
         self._fill_curvature(i)
-        kernels.descent_start(
-            self._u[i], self._ceiling[i], self._restoring[i], self._load[i], curvature, self._node_compliance, size,
-            weight, r, d, source,
-        )  # fmt: skip
+        state = kernels.State(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
+        kernels.descent_start(state, curvature, self._node_compliance, weight, r, d, source)
         self._split(i)
         self._comply(row)
-        first = last = kernels.descent_norm(r, weight, result, size)
+        first = last = kernels.descent_norm(r, weight, result)
         if not first > 0.0:
             return False
         p[:] = 0.0
-        kernels.descent_direction(weight, result, 0.0, size, p, source)
+        kernels.descent_direction(weight, result, 0.0, p, source)
         tolerance = self._tolerance(i)
         for _ in range(_INNER_ITERATIONS):
             self._stiffen(row)
-            curve, elastic = kernels.descent_curvature(p, result, curvature, size)
+            curve, elastic = kernels.descent_curvature(p, result, curvature)
             curve += self._add_coupling(i)
             if not curve > _FLAT * elastic:
                 d += last / max(elastic, _FLAT * last) * p
                 return True
-            kernels.descent_update(p, result, curvature, weight, last / curve, size, d, r, source)
+            kernels.descent_update(p, result, curvature, weight, last / curve, d, r, source)
             self._comply(row)
-            norm = kernels.descent_norm(r, weight, result, size)
+            norm = kernels.descent_norm(r, weight, result)
             if not norm > tolerance**2 * first:
                 break
-            kernels.descent_direction(weight, result, norm / last, size, p, source)
+            kernels.descent_direction(weight, result, norm / last, p, source)
             last = norm
         return False
 
@@ -239,13 +237,13 @@ class TruncatedNewton:
 
     def _trial(self, row: Indices, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
-        i, size = row[0], self._u.shape[1]
+        i = row[0]
         u, trial = self._u[i], self._source[i]
-        kernels.descent_trial(u, self._bound[i], self._direction, step, size, trial)
+        kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
         self._project(i)
         self._stiffen(row)
         work, slope, scale = kernels.descent_work(
-            u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], size, self._closing
+            u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], self._closing
         )
         with np.errstate(over="ignore", invalid="ignore"):  # too long a step, which is then cut short
             law = self._change(i)

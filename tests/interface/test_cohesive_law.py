@@ -104,7 +104,8 @@ def test_the_cohesive_kernel_is_the_law(kernel):
     gap, slip = (punch - u3)[rows, :13], dragged - u1[rows, :13]
     expected1[rows, :13] -= COHESION.tangential_traction(gap, slip)
     expected3[rows, :13] -= COHESION.normal_traction(gap, slip)
-    kernel(u1, k1, u3, k3, punch, dragged, np.array(rows), 13, 0.3, 0.2, 0.4)
+    state = kernels.CoupledState(u1, u1, k1, u3, k3, punch, np.zeros(3))
+    kernel(state, punch, (dragged,), np.array(rows), 13, 0.3, 0.2, 0.4)
     np.testing.assert_allclose(k1, expected1, rtol=1e-12)
     np.testing.assert_allclose(k3, expected3, rtol=1e-12)
 

@@ -15,17 +15,19 @@ def test_kernels_of_boundaries_are_their_plain_twins(compiled):
         kernel if compiled else getattr(kernel, "py_func", kernel)
         for kernel in (kernels.prescribed_step, kernels.free_mean, kernels.prescribed_violation)
     )
+    boundary = kernels.Boundary(traction, free, excess)
     real = free & (np.arange(16) < n)
     force = traction - ku - excess[:, None]
-    assert mean(ku, traction, free, 1, n) == pytest.approx((traction - ku)[1, real[1]].mean())
-    assert violation(ku, traction, free, excess, n) == pytest.approx(
-        (abs(force[real]).max(), abs(ku + excess[:, None])[:, :n].max())
-    )
+    assert mean(ku, boundary, 1, n) == pytest.approx((traction - ku)[1, real[1]].mean())
+    assert violation(ku, boundary, n) == pytest.approx((abs(force[real]).max(), abs(ku + excess[:, None])[:, :n].max()))
     new, kept = np.where(real, u + 0.8 * (u - old) + 0.1 * force, u), np.where(real, u, old)
-    step(u, old, ku, traction, free, excess, n, 0.8, 0.1)
+    step(u, old, ku, boundary, n, 0.8, 0.1)
     np.testing.assert_allclose(u, new)
     np.testing.assert_array_equal(old, kept)
     balanced = np.where(free, ku + excess[:, None], traction)
-    assert violation(ku, balanced, free, excess, n) == (0.0, pytest.approx(abs(ku + excess[:, None])[:, :n].max()))
+    assert violation(ku, kernels.Boundary(balanced, free, excess), n) == (
+        0.0,
+        pytest.approx(abs(ku + excess[:, None])[:, :n].max()),
+    )
     ku[1, 3] = np.nan
-    assert np.isnan(violation(ku, traction, free, excess, n)[0])
+    assert np.isnan(violation(ku, boundary, n)[0])

@@ -182,12 +182,13 @@ def test_the_certificate_holds_both_bounds(kernel, rng):
     traction = 0.3 - ku[0]
     allowed = np.where(u[0] < punch[0], 0.0, np.where(u[0] > punch[0], HARDNESS, np.clip(traction, 0.0, HARDNESS)))
     worst, peak, imbalance = np.zeros((3, 1))
-    kernel(u, ku, punch, np.array([0.3]), np.array([0]), N, worst, peak, imbalance, HARDNESS)
+    state = kernels.State(u, ku, punch, np.array([0.3]))
+    kernel(state, np.array([0]), N, worst, peak, imbalance, HARDNESS)
     assert worst[0] == pytest.approx(abs(traction - allowed).max())
     assert peak[0] == HARDNESS
     assert imbalance[0] == pytest.approx(abs((traction - allowed).mean()))
     found = np.empty((1, N))
-    kernels.wall_pressure(u, ku, punch, np.array([0.3]), np.array([0]), N, found, HARDNESS)
+    kernels.wall_pressure(state, np.array([0]), N, found, HARDNESS)
     np.testing.assert_array_equal(found[0], allowed)
 
 

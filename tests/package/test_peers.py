@@ -6,6 +6,7 @@ import numpy as np
 import peers
 import pytest
 
+from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.certificate import Certificate
@@ -54,7 +55,7 @@ def test_the_residual_is_that_of_the_certificate(case):
     restoring = grid.signal(body * grid.coefficients(displacement, punch.ndim), *punch.shape)
     certificate, row, load = Certificate(1), np.arange(1), np.array([case.load])
     flat = [array.reshape(1, -1) for array in (displacement, restoring, punch)]
-    certificate.look(*flat, load, row, punch.size)
+    certificate.look(kernels.State(*flat, load), row, punch.size)
     expected = certificate.residual(load, row)[0]
     assert expected > 1e-3
     np.testing.assert_allclose(peers.residual(punch, pressure, case.load), expected, rtol=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, lsq_linear
 
+from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -163,7 +164,7 @@ def test_the_residual_is_the_violation_of_each_condition():
 
     def residual(u):
         certificate = Certificate(1, 0.3)
-        certificate.look(u, np.fft.irfft(np.fft.rfft(u) * stiff), punch, load, row, 64)
+        certificate.look(kernels.State(u, np.fft.irfft(np.fft.rfft(u) * stiff), punch, load), row, 64)
         return certificate.residual(load, row)[0]
 
     assert residual(found.displacement) < 1e-7

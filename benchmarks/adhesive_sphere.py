@@ -11,6 +11,7 @@ import time
 import numpy as np
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -34,7 +35,9 @@ def pull_off(nodes, tabor, contact=RADIUS_AT_PULL_OFF, solver="truncated_newton"
 
     def drawn(before, height):
         start = None if before is None else following(before, punch + height, 0.0)
-        found = equilibrate(punch + height, body, None, Options(solver, residual=1e-6), law, start)
+        found = equilibrate(
+            punch + height, SpectralResponse.of_normal(body), None, Options(solver, residual=1e-6), law, start
+        )
         assert found.status[0] == 0
         spent.append(int(found.n_transforms[0]))
         return found, -float(found.pressure.mean())

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import ive
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -28,7 +29,7 @@ def pull_off(solver, nodes, work, length, step):
     punch, before, most, spent = AMPLITUDE * (1 - np.cos(2 * np.pi * x))[np.newaxis], None, 0.0, []
     while before is None or before.touching.any():
         start = None if before is None else following(before, punch, 0.0)
-        before = equilibrate(punch, body, None, Options(solver), law, start)
+        before = equilibrate(punch, SpectralResponse.of_normal(body), None, Options(solver), law, start)
         assert before.status[0] == 0
         spent.append(int(before.n_transforms[0]))
         most = max(most, -float(before.pressure.mean()))
@@ -54,8 +55,10 @@ def rough(nodes):
     law = Interactions(True, ExponentialLaw(0.1 * np.pi * nodes / 2 * 1e-6, 1e-3))
     spent = []
     for solver in ("truncated_newton", "verlet"):
-        first = equilibrate(punch, body, 0.02, Options(solver), law)
-        second = equilibrate(punch, body, 0.021, Options(solver), law, following(first, punch, 0.0))
+        first = equilibrate(punch, SpectralResponse.of_normal(body), 0.02, Options(solver), law)
+        second = equilibrate(
+            punch, SpectralResponse.of_normal(body), 0.021, Options(solver), law, following(first, punch, 0.0)
+        )
         assert (first.status == 0).all()
         assert (second.status == 0).all()
         spent.append(second.n_transforms)

@@ -12,6 +12,7 @@ from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import Fields
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
@@ -169,7 +170,7 @@ def flat_punch(displacement):
     under = abs(X - 0.5) < 0.05 + 1e-9
     wall = np.where(under, -displacement, 1e3)
     k = stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
-    found = equilibrate(wall[np.newaxis], k, None, NUMERICS)
+    found = equilibrate(wall[np.newaxis], SpectralResponse.of_normal(k), None, NUMERICS)
     flat = fields.surface_under_tractions(np.zeros(NX), -found.pressure[0], body)
     meshes = []
     for columns in (COARSE, FINE):

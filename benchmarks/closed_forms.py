@@ -4,6 +4,7 @@ import numpy as np
 
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -17,7 +18,9 @@ AMPLITUDE, RADIUS = 0.01, 1.0
 def press(heights, load):
     heights = np.atleast_2d(heights)
     punch = heights.max(axis=1, keepdims=True) - heights
-    result = equilibrate(punch, stiffness.half_space(grid.wavenumbers(heights.shape[1])), load, NUMERICS)
+    result = equilibrate(
+        punch, SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(heights.shape[1]))), load, NUMERICS
+    )
     assert (result.status == 0).all()
     return result.pressure
 

@@ -22,7 +22,7 @@ def compare(nodes, hard_wall):
     """Transforms of the first load and of the next, and processor time of each, by both solvers."""
     heights = SelfAffineWaves(0.8, 2, nodes // 16).heights((nodes, nodes), 4, range(1))
     punch = heights.max(axis=(1, 2), keepdims=True) - heights
-    body = ElasticBody(0.3, 0.5).coupled_stiffness_of_map((nodes, nodes))
+    body = ElasticBody(0.3, 0.5).response((nodes, nodes))
     work = 0.1 * np.pi * nodes / 2 * RANGE**2 * np.e**2  # x = 0.1
     laws, start = Interactions(hard_wall, cohesive=XuNeedlemanLaw(work, RANGE, 3 * RANGE)), None
     at_rest, drag = np.zeros((2, 1, 1)), np.reshape((RANGE, 0.5 * RANGE), (2, 1, 1))

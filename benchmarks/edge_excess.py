@@ -10,6 +10,7 @@ from gfmd_numba.contact import contact_area
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stiffness import half_space
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -23,7 +24,9 @@ def pressed(punch, body, load):
     """The contact of a punch, and its area in nodes as counted, corrected as of a half-space and of the body itself."""
     stiffness = body.condensed_stiffness(grid.magnitudes(punch.shape))
     stiffness.flat[0] = 0.0
-    found = equilibrate(punch[np.newaxis], stiffness, load, Options("active_set_newton", 1e-8))
+    found = equilibrate(
+        punch[np.newaxis], SpectralResponse.of_normal(stiffness), load, Options("active_set_newton", 1e-8)
+    )
     symbols = half_space, body.condensed_stiffness
     made = [Contact(-punch[np.newaxis], punch[np.newaxis], found, stiffness=symbol) for symbol in symbols]
     areas = [contact_area.contact_area_fraction_counted(made[0]), *map(contact_area.contact_area_fraction, made)]

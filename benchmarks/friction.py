@@ -26,9 +26,9 @@ def punches(hurst, surfaces):
 
 def steps(solver, hurst, body, friction, load, surfaces):
     """First loading, then half of the load, then (on a slab) a drag of half of what would make it slide."""
-    punch, stiffness = punches(hurst, surfaces), body.coupled_stiffness(NX)
+    punch, stiffness = punches(hurst, surfaces), body.response((NX,))
     interface, options = Interactions(True, friction=friction), Options(solver, max_iterations=MOST)
-    drag = 0.0 if body.aspect_ratio is None else 0.5 * friction * load / stiffness.k11[0]
+    drag = 0.0 if body.aspect_ratio is None else 0.5 * friction * load / stiffness.elements[0][0]
     path = [(load, 0.0), (0.5 * load, 0.0)] + ([(0.5 * load, 0.5 * drag)] if drag else [])
     before = None
     for pressure, sliding in path:

@@ -22,7 +22,7 @@ LOADS = ((0.3, 0.05), (0.8, 0.05), (0.8, 0.3))  # Hurst exponent, reduced pressu
 def steps(solver, nx, surfaces, law, friction, hurst, load):
     """First load and half of it, on a half-space whose surface moves sideways."""
     heights = self_affine.profiles(hurst, 2, nx // 8, nx, 1, range(surfaces))
-    punch, stiffness = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).coupled_stiffness(nx)
+    punch, stiffness = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((nx,))
     before = None
     for pressure in (load, 0.5 * load):
         start = None if before is None else following(before, punch, 0.0)

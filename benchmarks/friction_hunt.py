@@ -57,20 +57,20 @@ def random_path(seed):
                 sliding += rng.normal() * 10 ** rng.uniform(-2.5, 0.5) * 0.05 * friction * min(height, 1.0) * 4.0
         steps.append((punch, load, sliding) if loaded else (punch - depth, None, sliding))
     body = ElasticBody(nu, float(height) if np.isfinite(height) else None)
-    return body, body.coupled_stiffness(nx), friction, steps
+    return body, body.response((nx,)), friction, steps
 
 
 def violation(stiffness, punch, load, friction, found, start):
     """Largest violation of Signorini's and Coulomb's conditions by NumPy's transforms, over the largest pressure."""
     u1, u3, n = found.tangential.displacement[0], found.displacement[0], punch.shape[1]
-    k33 = stiffness.k33.copy()
+    k33 = stiffness.normal.copy()
     rigid = load is None and np.isinf(k33[0])
     if load is not None or rigid:
         k33[0] = 0.0
     c1, c3 = np.fft.rfft(u1), np.fft.rfft(u3)
-    shear = np.fft.irfft(stiffness.k11 * c1 + 1j * stiffness.k13 * c3, n)
+    shear = np.fft.irfft(stiffness.elements[0] * c1 + 1j * stiffness.elements[1] * c3, n)
     pressure = (found.pressure[0].mean() if rigid else load or 0.0) - np.fft.irfft(
-        k33 * c3 - 1j * stiffness.k13 * c1, n
+        k33 * c3 - 1j * stiffness.elements[1] * c1, n
     )
     touching = punch[0] <= u3
     slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
@@ -92,7 +92,7 @@ if __name__ == "__main__":
         body, stiffness, friction, steps = random_path(seed)
         if sys.argv[3:] == ["two"]:
             other, share = facing(seed, body)
-            stiffness = stiffness.in_series(other.coupled_stiffness(steps[0][0].shape[1]), share)
+            stiffness = stiffness.in_series(other.response((steps[0][0].shape[1],)), share)
         before = None
         for step, (punch, load, sliding) in enumerate(steps):
             start = None if before is None else following(before, punch, sliding)

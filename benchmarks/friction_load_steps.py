@@ -27,7 +27,7 @@ def off(found, exact):
 
 
 for nu in (0.3, 0.0):
-    stiffness = ElasticBody(nu, None).coupled_stiffness(NX)
+    stiffness = ElasticBody(nu, None).response((NX,))
     for friction in (0.1, 0.3):
         exact = loaded(stiffness, friction, FINEST)
         cases = [("verlet", 1), *(("frictional_newton", 4**k) for k in range(4))]

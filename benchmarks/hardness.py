@@ -16,6 +16,7 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -31,7 +32,13 @@ LOAD, NODES, FINE = 0.02, 128, 2**14
 def pressed(punch: Reals, load: float, hardness: float) -> Equilibrium:
     """A half-space under a load, to a residual of 1e-8."""
     body = stiffness.half_space(grid.magnitudes(punch.shape[1:]))
-    return equilibrate(punch, body, load, Options("active_set_newton"), Interactions(True, hardness=hardness))
+    return equilibrate(
+        punch,
+        SpectralResponse.of_normal(body),
+        load,
+        Options("active_set_newton"),
+        Interactions(True, hardness=hardness),
+    )
 
 
 def costs() -> None:

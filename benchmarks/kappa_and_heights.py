@@ -15,6 +15,7 @@ import numpy as np
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import distribution, self_affine
@@ -44,7 +45,9 @@ def kappa(heights):
     punch = heights.max(axis=1, keepdims=True) - heights
     numerics = Options("active_set_newton", residual=1e-8)
     half_space = stiffness.half_space(grid.wavenumbers(heights.shape[1]))
-    found = equilibrate(punch, half_space, PRESSURE, numerics, Interactions(True), None, 0.0)
+    found = equilibrate(
+        punch, SpectralResponse.of_normal(half_space), PRESSURE, numerics, Interactions(True), None, 0.0
+    )
     assert (found.status == 0).all()
     return evaluation.measure(Contact(heights, punch, found))["kappa"]
 

@@ -116,8 +116,8 @@ def violation(problem, contact, sliding, before):
     k11 = k13 = np.zeros(n // 2 + 1)
     k33 = problem.body.condensed_stiffness(grid.wavenumbers(n))
     if found.tangential is not None:
-        both = problem.body.coupled_stiffness(n)
-        k11, k13, k33 = both.k11, both.k13, both.k33.copy()
+        both = problem.body.response((n,))
+        k11, k13, k33 = both.elements[0], both.elements[1], both.normal.copy()
     rigid = problem.mean_pressure is None and np.isinf(k33[0])
     if problem.mean_pressure is not None or rigid:
         k33[0] = 0.0

@@ -46,7 +46,7 @@ def violation(problem, contact, sliding):
     """Largest violated condition over the largest traction, by NumPy's transforms, and what rounding leaves open."""
     found, punch, laws = contact.equilibrium, contact.punch[0], problem.interface
     u = np.concatenate((found.tangential.displacement[0], found.displacement))
-    elements = problem.body.coupled_stiffness_of_map(punch.shape).elements
+    elements = problem.body.response(punch.shape).elements
     rigid = problem.mean_pressure is None and np.isinf(elements[5, 0, 0])
     if problem.mean_pressure is not None or rigid:
         elements[5, 0, 0] = 0.0

@@ -64,14 +64,14 @@ def random_path(seed, rigid=False):
                 sliding = sliding + way * rng.normal(size=(2, 1, 1))
         steps.append((punch, load, sliding) if loaded else (punch - depth, None, sliding))
     body = ElasticBody(nu, float(height) if np.isfinite(height) else None)
-    return body, body.coupled_stiffness_of_map(shape), friction, steps
+    return body, body.response(shape), friction, steps
 
 
 def violation(stiffness, punch, load, laws, found, start):
     """Largest violation of Signorini's and Coulomb's conditions by NumPy's transforms, over the largest traction."""
     tangential, normal, shape = found.tangential.displacement[0], found.displacement[0], punch.shape[1:]
     xx, xy, yy, xz, yz, zz = stiffness.elements
-    zz, rigid = zz.copy(), load is None and np.isinf(stiffness.k33[0, 0])
+    zz, rigid = zz.copy(), load is None and np.isinf(stiffness.normal[0, 0])
     if load is not None or rigid:
         zz[0, 0] = 0.0
     x, y, z = np.fft.rfft2(np.array([*tangential, normal]))

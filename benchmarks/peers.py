@@ -19,6 +19,7 @@ import numpy as np
 import peers_page
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -73,7 +74,9 @@ class Measured:
 
 def here(punch, load, tolerance):
     body = stiffness.half_space(grid.magnitudes(punch.shape))
-    return equilibrate(punch[np.newaxis], body, load, Options("active_set_newton", residual=tolerance)).pressure[0]
+    return equilibrate(
+        punch[np.newaxis], SpectralResponse.of_normal(body), load, Options("active_set_newton", residual=tolerance)
+    ).pressure[0]
 
 
 def tamaas():

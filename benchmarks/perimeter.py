@@ -9,6 +9,7 @@ from scipy.special import ellipe, ellipk
 
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -30,7 +31,7 @@ def contact(n, body, half_width, longer, angle, rng):
     x, y = (x + x0)[np.newaxis], (x + y0)[:, np.newaxis]
     along, across = y * np.cos(angle) + x * np.sin(angle), x * np.cos(angle) - y * np.sin(angle)
     punch = (along_a + lifted) * along**2 + (along_b + lifted) * across**2
-    found = equilibrate(punch[np.newaxis], body, load, NUMERICS)
+    found = equilibrate(punch[np.newaxis], SpectralResponse.of_normal(body), load, NUMERICS)
     assert found.status[0] == Status.ok
     now = found.touching[0]
     sides = [np.count_nonzero(now != np.roll(now, 1, axis=axis)) for axis in (1, 0)]

@@ -31,7 +31,7 @@ def solvers(nx):
     heights = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(1))
     punch = heights.max(axis=1, keepdims=True) - heights
     condensed = stiffness.half_space(grid.wavenumbers(nx))
-    both = ElasticBody(0.3, None).coupled_stiffness(nx).with_free_mean()
+    both = ElasticBody(0.3, None).response((nx,)).with_mean(0.0)
     condensed[0] = 0.0
 
     def started(solver, body, **effects):

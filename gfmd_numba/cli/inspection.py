@@ -242,6 +242,7 @@ def _examine_contact() -> str:
     import numpy as np
 
     from gfmd_numba.elasticity import stiffness
+    from gfmd_numba.elasticity.spectral_response import SpectralResponse
     from gfmd_numba.fourier import grid
     from gfmd_numba.solvers.equilibrium import equilibrate
     from gfmd_numba.solvers.options import Options
@@ -250,8 +251,8 @@ def _examine_contact() -> str:
     nx, amplitude, load = 256, 0.01, 0.01
     x = np.arange(nx) / nx - 0.5
     punch = amplitude * (1.0 - np.cos(2.0 * np.pi * x))[np.newaxis]
-    options = Options("conjugate_gradients")
-    found = equilibrate(punch, stiffness.half_space(grid.wavenumbers(nx)), load, options)
+    half_space = SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(nx)))
+    found = equilibrate(punch, half_space, load, Options("conjugate_gradients"))
     expected = closed_forms.westergaard_pressure(x, load, amplitude)
     expected[np.abs(x) > closed_forms.westergaard_half_width(load, amplitude)] = 0.0
     error = float(np.sqrt(np.mean((found.pressure[0] - expected) ** 2)) / expected.max())

@@ -108,23 +108,14 @@ def moved(
     `response` is what the topography of the body adds to the latter.
     """
     pressure = inclined[1]
-    flat = body.stiffness_of_all(pressure.shape)
-    along, level_along = (
-        np.zeros(_components(pressure.shape)) if each is None else each for each in (inclined[0], level[0])
+    flat, shape = body.response(pressure.shape), (len(pressure.shape), *pressure.shape)
+    found, found_level = (
+        flat.apply(np.stack((*(np.zeros(shape) if along is None else along.reshape(shape)), -each)))
+        for along, each in (inclined, level)
     )
-    sideways, out = flat.deflection(along, -pressure)
     more = response.u1 if isinstance(response, Response) else response.along
-    sideways = sideways if more is None else sideways + more
-    level_sideways, level_out = flat.deflection(level_along, -level[1])
-    together = (-1, *pressure.shape)
-    return Moved(
-        sideways.reshape(together), out + response.u3, np.reshape(level_sideways, together), np.asarray(level_out)
-    )
-
-
-def _components(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of what has components along the plane."""
-    return shape if len(shape) == 1 else (2, *shape)
+    sideways = found[:-1] if more is None else found[:-1] + more
+    return Moved(sideways, found[-1] + response.u3, found_level[:-1], found_level[-1])
 
 
 def pair(

@@ -30,13 +30,13 @@ def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
     A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
     are prescribed, that repeats until it stands still to the residual of the problem, or the run is not converged.
     """
-    stiffness, given = problem.body.stiffness_of_all(problem.traction.shape[1:]), problem.displacement
+    response, given = problem.body.response(problem.traction.shape[1:]), problem.displacement
     if problem.heights is None:
-        return Loaded(deform(stiffness, problem.traction, given, problem.options))
+        return Loaded(deform(response, problem.traction, given, problem.options))
     held, added = ~np.isnan(given), np.zeros_like(given)
     spent: list[tuple[int, int, float]] = []
     for _ in range(_MOST_ROUNDS):
-        flat = deform(stiffness, problem.traction, given - added, problem.options)
+        flat = deform(response, problem.traction, given - added, problem.options)
         spent.append((flat.n_iterations, flat.n_transforms, flat.wall_time))
         new, _ = _response(problem, problem.heights, flat.traction, problem.order)
         total = np.where(held, given, flat.displacement + new)

@@ -132,7 +132,7 @@ def _of_map(
         flat = map_topography.flat_displacement(-pressure, body.elastic)
         yield "displacement", "height", _OUT, flat + response.u3
         return
-    (u1, u2), u3 = body.elastic.coupled_stiffness_of_map(pressure.shape).deflection(along, -pressure)
+    u1, u2, u3 = body.elastic.response(pressure.shape).apply(np.stack((*along, -pressure)))
     yield "displacement", "height", _OUT, u3 + response.u3
     yield "tangential_displacement", "height", f"{_SIDEWAYS} along x", u1 + response.along[0]
     yield "tangential_displacement_y", "height", f"{_SIDEWAYS} along y", u2 + response.along[1]

@@ -181,9 +181,9 @@ class Slopes:
         along = np.sum(traction * met.slope, axis=0) ** 2
         along = np.divide(along, size, out=np.zeros_like(size), where=size > 0.0)
         beyond = np.where(slipped, np.sqrt((1.0 + steepness) / (1.0 + along)) - 1.0, 0.0)
-        more, none = self.gradient * traction * beyond, np.zeros(size.shape)
-        moved = (b.elastic.coupled_stiffness_of_map(size.shape).deflection(b.share * more, none) for b in self.bodies)
-        return float(sum(max(float(abs(part).max()) for part in each) for each in moved))
+        more = np.stack((*(self.gradient * traction * beyond), np.zeros(size.shape)))
+        moved = (body.elastic.response(size.shape).apply(body.share * more) for body in self.bodies)
+        return float(sum(float(abs(each).max()) for each in moved))
 
 
 def in_plane(contact: Contact, met: Pairing) -> tuple[Reals, Reals]:

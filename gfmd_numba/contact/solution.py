@@ -11,9 +11,10 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
-from gfmd_numba.solvers.iteration import Start, Stiffness
+from gfmd_numba.solvers.iteration import Start
 
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
@@ -91,7 +92,7 @@ def solve(
     surface = problem.surface
     assert not isinstance(surface, SummedSurface)  # `two_step` draws it
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
-    body = _stiffness(problem)
+    response = _response(problem)
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
@@ -100,9 +101,10 @@ def solve(
         punch[abs(punch) <= _ROUNDING * np.ptp(heights)] = 0.0
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
-        coupled = problem.body.stiffness_of_all(problem.surface.shape)
         share = 1.0 if problem.counter is None else 1.0 - problem.counter.share  # of E* in that of the body
-        deflected = coupled.deflection(share * problem.tractions.tangential, share * problem.tractions.normal)
+        tangential, normal = share * problem.tractions.tangential, share * problem.tractions.normal
+        moved = problem.body.response(normal.shape).apply(np.stack((*tangential.reshape(-1, *normal.shape), normal)))
+        deflected = moved[:-1].reshape(tangential.shape), moved[-1]
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
@@ -117,7 +119,7 @@ def solve(
     elif shifted is not None:
         start = start or Start.at_rest(punch)
         start = replace(start, tangential=start.tangential - shifted, anchor=start.anchor - shifted)
-    equilibrium = equilibrate(punch, body, problem.mean_pressure, problem.numerics, problem.interface, start, slid)
+    equilibrium = equilibrate(punch, response, problem.mean_pressure, problem.numerics, problem.interface, start, slid)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
     if equilibrium.plastic is not None:  # loaded again, a dent bears the hardness to within the residual
@@ -142,17 +144,13 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     return Start(displacement, moved, np.where(touching, moved - tangential.slip, np.nan), -tangential.slip)
 
 
-def _stiffness(problem: Problem) -> Stiffness:
+def _response(problem: Problem) -> SpectralResponse:
     """Of all that deforms: of the normal displacement alone, or of all."""
     shape, counter = problem.surface.shape, problem.counter
     if not problem.interface.couples:
-        return condensed_stiffness(problem, grid.magnitudes(shape))
-    if counter is None:
-        return problem.body.stiffness_of_all(shape)
-    if len(shape) == 2:
-        of_map = problem.body.coupled_stiffness_of_map(shape)
-        return of_map.in_series(counter.body.coupled_stiffness_of_map(shape), counter.share)
-    return problem.body.coupled_stiffness(shape[0]).in_series(counter.body.coupled_stiffness(shape[0]), counter.share)
+        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
+    own = problem.body.response(shape)
+    return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

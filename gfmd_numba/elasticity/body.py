@@ -12,9 +12,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import coupled, moduli, stiffness, transfer
 from gfmd_numba.elasticity.compliance import Compliance
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.elasticity.layer import Material
-from gfmd_numba.elasticity.map_stiffness import MapStiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stack import Stack, merged
 from gfmd_numba.elasticity.transfer import Transfer
 from gfmd_numba.fourier import grid
@@ -94,29 +93,16 @@ class ElasticBody:
             return found
         return stiffness.half_space(q) if self.aspect_ratio is None else stiffness.slab(q, self.nu, self.aspect_ratio)
 
-    def coupled_stiffness(self, nx: int) -> CoupledStiffness:
-        """Stiffness of both displacements of a profile of nx nodes, in E*/L_x (6.58), (6.83)."""
-        q = grid.wavenumbers(nx)[1:]
-        tangential, normal = self.uniform_stiffness()
-        elements = np.empty((3, len(q) + 1))
-        elements[:, 0] = tangential, 0.0, normal
-        for element, over_q in zip(elements, self._elements(q), strict=True):
-            element[1:] = q * over_q
-        return CoupledStiffness.on_grid(nx, *elements)
-
-    def coupled_stiffness_of_map(self, shape: tuple[int, ...]) -> MapStiffness:
-        """Stiffness of all three displacements of a map of ny, nx nodes, in E*/L_x."""
-        q, places = np.unique(grid.magnitudes(shape), return_inverse=True)  # every length occurs several times
+    def response(self, shape: tuple[int, ...]) -> SpectralResponse:
+        """Response of all displacements of a surface of (ny,) nx nodes, in E*/L_x (6.58), (6.83)."""
+        lengths = grid.magnitudes(shape)
+        q, places = np.unique(lengths, return_inverse=True)  # on maps every length occurs several times
         tangential, normal = self.uniform_stiffness()
         elements = np.empty((4, len(q)))
         elements[:, 0] = tangential, 0.0, normal, tangential
         for element, over_q in zip(elements, (*self._elements(q[1:]), self._across(q[1:])), strict=True):
             element[1:] = q[1:] * over_q
-        return MapStiffness.on_grid(shape, *elements[:, places.reshape(shape[0], -1)])
-
-    def stiffness_of_all(self, shape: tuple[int, ...]) -> CoupledStiffness | MapStiffness:
-        """Stiffness of all displacements of a surface of (ny,) nx nodes, in E*/L_x."""
-        return self.coupled_stiffness(shape[0]) if len(shape) == 1 else self.coupled_stiffness_of_map(shape)
+        return SpectralResponse.on_grid(shape, *elements[:, places.reshape(lengths.shape)])
 
     def compliance(self, nx: int) -> Compliance:
         """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""

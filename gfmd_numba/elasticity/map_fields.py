@@ -1,6 +1,6 @@
 """Displacement, strain and stress inside a body below a map, wave by wave, at one depth at a time.
 
-A wave of wave vector q = |q| (c, s) splits in two, as in `map_stiffness.py`: along q and z it is the wave of a profile
+A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`: along q and z it is that of a profile
 (`fields.py`), and across q it is one of shear alone. Both are turned back into the axes x and y. Waves that have died
 out at a depth are left out there. The Nyquist wave k_y = ny/2 is kept as both ny/2 and -ny/2, half of it each.
 Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside.

@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
@@ -54,10 +53,10 @@ class ActiveSetNewton(PressureIterate):
         self._contact = (self.pressure > 0.0) & (self.pressure < self.hardness)
         self._inverse: ExponentialSum | FarField
         self._spare: RestrictedStiffness | None = None  # where the other cannot be used
-        self._normal_stiffness = batch.normal_stiffness
+        self._response = batch.response
         self._is_map = len(self.field.shape) == 2
         if self._is_map:
-            self._inverse = FarField(batch.normal_stiffness, self.field.shape)
+            self._inverse = FarField(batch.response.normal, self.field.shape)
         else:
             self._inverse = ExponentialSum(self.compliance.astype(np.float64) * n, n)
         self._target = 0.2 * options.residual  # the certificate's measure is a slightly different one
@@ -157,7 +156,7 @@ class ActiveSetNewton(PressureIterate):
         if isinstance(decays, FarField) or decays.is_positive or not self._needs_spare:
             return decays
         if self._spare is None:
-            self._spare = RestrictedStiffness(self._normal_stiffness, self.field.n)
+            self._spare = RestrictedStiffness(self._response.normal, self.field.n)
         self._spare.factor(nodes, count)
         return self._spare
 
@@ -176,8 +175,8 @@ class ActiveSetNewton(PressureIterate):
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
-        smooth, waves = smooth.astype(batch.punch.dtype), batch.normal_stiffness[grid.wave_indices(shape)]
-        coarse = type(self)(replace(batch, punch=smooth, stiffness=waves), replace(options, residual=_SETTLED))
+        fewer = replace(batch, punch=smooth.astype(batch.punch.dtype), response=batch.response.coarsened(shape))
+        coarse = type(self)(fewer, replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)

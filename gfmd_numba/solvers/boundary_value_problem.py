@@ -10,8 +10,8 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.solvers.iteration import Coupled
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
@@ -38,7 +38,7 @@ class Deformed:
     wall_time: float
 
 
-def deform(stiffness: Coupled, traction: Reals, displacement: Reals, options: Options) -> Deformed:
+def deform(response: SpectralResponse, traction: Reals, displacement: Reals, options: Options) -> Deformed:
     """Displace and load the surface of a body node by node `[component, (y,) x]`, tangential, then normal (L_x, E*).
 
     `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
@@ -46,7 +46,7 @@ def deform(stiffness: Coupled, traction: Reals, displacement: Reals, options: Op
     slab, which is infinite, makes the mean normal displacement 0 and asks for at least one free node.
     """
     started = time.perf_counter()
-    problem = _BoundaryValueProblem(stiffness, traction, displacement, options)
+    problem = _BoundaryValueProblem(response, traction, displacement, options)
     iterations, residual = 0, problem.residual()
     is_single, stagnation, stands = options.precision == "single", Stagnation(1, _SMALL), False
     while residual > options.residual and iterations < options.max_iterations and not stands:
@@ -76,7 +76,7 @@ class _BoundaryValueProblem:
     `excess` is the uniform pressure of an incompressible slab: the multiplier of its mean normal displacement, 0.
     """
 
-    def __init__(self, stiffness: Coupled, traction: Reals, displacement: Reals, options: Options) -> None:
+    def __init__(self, response: SpectralResponse, traction: Reals, displacement: Reals, options: Options) -> None:
         components, *shape = displacement.shape
         start = np.where(np.isnan(displacement), traction, 0.0)
         displacement = displacement.reshape(components, -1)
@@ -84,10 +84,9 @@ class _BoundaryValueProblem:
         self.excess = np.zeros(components)
         self._free = np.isnan(displacement)
         self._boundary = kernels.Boundary(start.reshape(components, n), self._free, self.excess)
-        self._rigid = bool(np.isinf(stiffness.k33.flat[0]))
-        elastic = stiffness.with_free_mean() if self._rigid else stiffness
-        smaller, larger = elastic.principal()
-        softest, stiffest = float(smaller[smaller > 0.0].min()), float(larger.max())
+        self._rigid = response.is_rigid
+        elastic = response.with_mean(0.0) if self._rigid else response
+        softest, stiffest = elastic.extremes()
         self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
         damping = options.number("damping")
         dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
@@ -116,10 +115,9 @@ class _BoundaryValueProblem:
         peak = max(peak, self._least_peak)
         return float(worst / peak) if peak > 0.0 else np.inf
 
-    def _start(self, elastic: Coupled, traction: Reals, displacement: Reals) -> Reals:
+    def _start(self, elastic: SpectralResponse, traction: Reals, displacement: Reals) -> Reals:
         """The response to the tractions alone `[component, node]`, moved to where the displacement is prescribed."""
-        tangential, normal = elastic.deflection(traction[0] if len(traction) == 2 else traction[:2], traction[-1])
-        start = np.concatenate((tangential.reshape(-1, normal.size), normal.reshape(1, -1)))
+        start = elastic.apply(traction).reshape(displacement.shape)
         for u, given, free in zip(start, displacement, self._free, strict=True):
             if not free.all():
                 u += (given - u)[~free].mean()

@@ -21,7 +21,7 @@ def newton(batch: Batch, options: Options) -> ActiveSetNewton | DecayNewton | Ma
     if batch.interface.hardness is not None:
         return BoundedNewton(batch, options)
     if batch.punch.ndim == 2 and batch.punch.dtype == np.float64:
-        model = decay_model(batch.normal_stiffness, batch.punch.shape[1], batch.load is not None)
+        model = decay_model(batch.response.normal, batch.punch.shape[1], batch.load is not None)
         if model is not None:
             return DecayNewton(batch, options, model)
     if fits(batch.punch.shape[1:]):

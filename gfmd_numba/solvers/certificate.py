@@ -6,6 +6,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 
 _NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
@@ -23,11 +24,12 @@ class RigidMean:
     impossible: Flags
 
     @classmethod
-    def of(cls, punch: Reals, stiffness: Reals) -> "RigidMean | None":
-        """Return the condition for punches `[realisation, (y,) x]`; None where the stiffness at q = 0 is finite."""
-        if np.isfinite(stiffness.flat[0]):
+    def of(cls, punch: Reals, response: SpectralResponse) -> "RigidMean | None":
+        """Return the condition for punches `[realisation, (y,) x]`; None where the body may change its volume."""
+        if not response.is_rigid:
             return None
         mean = punch.reshape(len(punch), -1).mean(axis=1)
+        stiffness = response.normal
         return cls(float(stiffness[np.isfinite(stiffness)].max()), mean < 0.0)
 
     def violation(self, u: Reals, active: Indices, n: int) -> Reals:
@@ -82,8 +84,8 @@ class Certificate:
         return np.where((worst < _NO_TRACTION) & ~loaded, 0.0, found)
 
 
-def pressure_scale(punch: Reals, stiffness: Reals) -> Reals:
+def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*."""
-    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
-    waves = grid.coefficients(punch, stiffness.ndim).reshape(len(punch), -1)[:, 1:]
+    weight = (grid.multiplicity(punch.shape[-1]) * response.condensed().normal ** 2).ravel()[1:]
+    waves = grid.coefficients(punch, len(punch.shape) - 1).reshape(len(punch), -1)[:, 1:]
     return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))

@@ -4,7 +4,6 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.solvers.iteration import Batch
@@ -31,17 +30,16 @@ class CohesiveNewton(TruncatedNewton):
         rows, n = batch.punch.shape
         self._cohesive, self._sliding = cohesive, batch.sliding
         self.field = Convolution(2 * rows, n, dtype=batch.punch.dtype)
-        given = batch.coupled_stiffness
-        stiffness = CoupledStiffness(given.k11, given.k13, self._with_held_mean(batch, given.k33))
-        compliance = stiffness.compliance()
-        for s, k in ((compliance.s11, stiffness.k11), (compliance.s33, stiffness.k33)):
+        response = self._with_held_mean(batch)
+        compliance = response.inverse()
+        for s, k in zip(compliance[::2], response.diagonal, strict=True):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
                 s[0] = 1.0 / k[1:].min()
-        self._stiffness_elements = np.array([self.field.symbol(k) for k in stiffness.elements])
-        self._compliance_elements = np.array([self.field.symbol(s) for s in compliance.elements])
+        self._stiffness_elements = np.array([self.field.symbol(k) for k in response.elements])
+        self._compliance_elements = np.array([self.field.symbol(s) for s in compliance])
         share = grid.multiplicity(n) / n
-        self._node_compliance = float(0.5 * ((compliance.s11 + compliance.s33) * share).sum())
-        self._stiffest = float(stiffness.principal()[1].max()) + batch.law_stiffness()
+        self._node_compliance = float(0.5 * ((compliance[0] + compliance[2]) * share).sum())
+        self._stiffest = response.extremes()[1] + batch.law_stiffness()
         (both,), length = self.field.sources, self.field.result.shape[1]
         self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._sideways, self._together = slice(0, n), np.zeros(n)
@@ -50,7 +48,7 @@ class CohesiveNewton(TruncatedNewton):
         self._u[:, length : length + n] = starting_displacement(
             batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n))
         )
-        self._parallel = ParallelLaw((compliance.s11, compliance.s33), n, length)
+        self._parallel = ParallelLaw((compliance[0], compliance[2]), n, length)
         self._nowhere = np.broadcast_to(np.nan, (rows, n))
         self._begin(batch, options, slice(length, length + n), cohesive.normal)
 

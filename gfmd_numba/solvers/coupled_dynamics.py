@@ -25,7 +25,7 @@ class CoupledDynamics:
     check_every = 10
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness, interface, start = batch.punch, batch.all_stiffness, batch.interface, batch.start
+        punch, response, interface, start = batch.punch, batch.response, batch.interface, batch.start
         rows, shape = len(punch), punch.shape[1:]
         self._of_profile = len(shape) == 1
         self._rows, self._components = rows, 1 + len(shape)
@@ -54,10 +54,9 @@ class CoupledDynamics:
             self._tangential, self._anchor, self._tangential_restoring, self.displacement, self.restoring, self.wall,
             self.load,
         )  # fmt: skip
-        self._elements = np.array([self.field.symbol(k) for k in stiffness.elements])
-        smaller, larger = stiffness.principal()
-        softest = float(smaller[smaller > 0.0].min())
-        stiffest = float(larger.max()) + batch.law_stiffness()
+        self._elements = np.array([self.field.symbol(k) for k in response.elements])
+        softest, stiffest = response.extremes()
+        stiffest += batch.law_stiffness()
         time_step, damping = options.number("time_step"), options.number("damping")
         dt = time_step * stability_limit(softest, stiffest, damping)
         self._push = dt * dt

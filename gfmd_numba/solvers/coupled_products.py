@@ -5,8 +5,8 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.solvers.iteration import Coupled
 
 
 class CoupledProducts:
@@ -17,16 +17,16 @@ class CoupledProducts:
     """
 
     def __init__(
-        self, stiffness: Coupled, rows: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64
+        self, response: SpectralResponse, rows: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64
     ) -> None:
-        self._components = 1 + len(shape)
+        self._components = response.components
         self.field = Convolution(self._components * rows, *shape, sources=2, dtype=dtype)
         every, self._traction = self.field.sources
         self.tangential, self.displacement = every[:-rows], every[-rows:]
         self.tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]
-        held = (np.where(np.isfinite(element), element, 0.0) for element in stiffness.elements)
+        held = (np.where(np.isfinite(element), element, 0.0) for element in response.elements)
         self._stiffness = np.array([self.field.symbol(element) for element in held])
-        self._compliance = np.array([self.field.symbol(element) for element in stiffness.inverse()])
+        self._compliance = np.array([self.field.symbol(element) for element in response.inverse()])
         self._rows = rows
 
     @property

@@ -35,8 +35,8 @@ def fire_dynamics(batch: Batch, options: Options) -> "DampedDynamics":
 
 def _extremes(batch: Batch) -> tuple[float, float]:
     """Stiffness of the softest and of the stiffest mode, the latter with the laws."""
-    elastic = batch.normal_stiffness[batch.normal_stiffness > 0.0]
-    return float(elastic.min()), float(elastic.max()) + batch.law_stiffness()
+    softest, stiffest = batch.response.extremes()
+    return softest, stiffest + batch.law_stiffness()
 
 
 class Integrator(Protocol):
@@ -67,7 +67,7 @@ class DampedDynamics:
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = np.minimum(start, punch)
         self.restoring = self.field.result
-        self._stiffness = self.field.symbol(batch.normal_stiffness)
+        self._stiffness = self.field.symbol(batch.response.normal)
         self._law = interface.normal_law
         self.certificate = Certificate(rows)
         self._state = kernels.State(self.displacement, self.restoring, self.wall, self.load)

@@ -53,7 +53,7 @@ class DecayNewton:
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
         self.pressure, self.displacement, self.restoring = (aligned_rows(rows, n) for _ in range(3))
-        rigid_mean = RigidMean.of(batch.punch, batch.normal_stiffness)
+        rigid_mean = RigidMean.of(batch.punch, batch.response)
         self.certificate = Certificate(rows, rigid_mean=rigid_mean)
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
@@ -62,8 +62,7 @@ class DecayNewton:
         self._expected = np.full(rows, np.inf)
         self._looks = np.zeros(rows, dtype=np.bool_)
         self._target = np.full(rows, _EXACT * options.residual)
-        stiffness = batch.normal_stiffness
-        softest = stiffness[1] if self._free_mean or rigid_mean else stiffness[0]
+        softest = batch.response.normal[1 if self._free_mean or rigid_mean else 0]
         start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
         dense = []

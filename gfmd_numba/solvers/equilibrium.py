@@ -12,11 +12,12 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.growing_wave import growing_wave
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, Stiffness, tangential_shape
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, tangential_shape
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
@@ -98,7 +99,7 @@ def begin(batch: Batch, options: Options) -> Iteration:
     lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
     if lacks:
         raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
-    implementation = solver.condensed if isinstance(batch.stiffness, np.ndarray) else solver.coupled
+    implementation = solver.condensed if batch.response.components == 1 else solver.coupled
     if implementation is None:
         raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
     return _implementation(implementation)(batch, options)
@@ -112,7 +113,7 @@ def _implementation(path: str) -> Callable[[Batch, Options], Iteration]:
 
 def equilibrate(
     punch: Reals,
-    stiffness: Stiffness,
+    response: SpectralResponse,
     load: float | None,
     options: Options,
     interface: Interactions = HARD_WALL,
@@ -121,11 +122,10 @@ def equilibrate(
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
-    `stiffness` is K(q) `[(ny,) nx // 2 + 1]` in E*/L_x, condensed for frictionless interfaces and coupled otherwise;
-    `load` the mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0)
-    counts); `sliding` the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the
-    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
-    cannot carry.
+    `response` is that of the normal displacement alone for frictionless interfaces and of all otherwise; `load` the
+    mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0) counts); `sliding`
+    the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the elastic contact comes
+    first, and is the result where it stays below. Raises ValueError for a load that the hardness cannot carry.
     """
     hardness = interface.hardness
     if load is not None and hardness is not None:
@@ -133,8 +133,7 @@ def equilibrate(
         if load >= most:
             raise ValueError(f"a mean pressure of {load:g} at or above the {most:g} that the hardness bears")
     realisations, n = len(punch), punch[0].size
-    condensed = stiffness if isinstance(stiffness, np.ndarray) else stiffness.condensed()
-    scale = pressure_scale(punch, condensed)
+    scale = pressure_scale(punch, response)
     result = Equilibrium(
         displacement=np.empty_like(punch),
         pressure=np.empty_like(punch),
@@ -149,7 +148,7 @@ def equilibrate(
         plastic=None if hardness is None else np.zeros(punch.shape, dtype=np.bool_),
     )
     start = Start.at_rest(punch) if start is None else start
-    elastic = _with_free_mean(stiffness) if load is not None else stiffness
+    elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
     blown_up = _BLOWN_UP * (scale + borne)
     block = max(1, SOLVERS[options.solver].block_samples // n)
@@ -179,13 +178,13 @@ def equilibrate(
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
         _add_tractions_of_laws(result, interface, punch, sliding)
     unstable = result.status == Status.unstable
-    if load is None and np.isinf(condensed.flat[0]) and "time_step" not in SOLVERS[options.solver].options:
+    if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
     if not unstable.any():
         return result
     sideways = None if result.tangential is None else result.tangential.displacement[unstable]
     growing = np.full(realisations, -1, dtype=np.int64)
-    growing[unstable] = growing_wave(result.displacement[unstable], sideways, stiffness, load is not None)
+    growing[unstable] = growing_wave(result.displacement[unstable], sideways, elastic)
     return replace(result, growing_wave=growing)
 
 
@@ -221,7 +220,7 @@ def _solve(
     """
     solver, whole = SOLVERS[options.solver], batch(rows, laws)
     _iterate(begin(whole, options), rows, blown_up, options, result, hardness)
-    if whole.has_rigid_mean and solver.successor is not None and "rigid mean" not in SOLVERS[solver.successor].can:
+    if whole.response.is_rigid and solver.successor is not None and "rigid mean" not in SOLVERS[solver.successor].can:
         return
     stuck = rows[(result.status[rows] != Status.ok) & ~_above(_SURELY_YIELDS * hardness, result, rows)]
     if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
@@ -252,15 +251,6 @@ def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
     if pressure == np.inf:
         return np.zeros(rows.size, dtype=np.bool_)
     return np.asarray((result.pressure[rows] > pressure).reshape(rows.size, -1).any(axis=1))
-
-
-def _with_free_mean(stiffness: Stiffness) -> Stiffness:
-    """Stiffness of bodies whose mean displacement follows the load without restoring force."""
-    if not isinstance(stiffness, np.ndarray):
-        return stiffness.with_free_mean()
-    stiffness = stiffness.copy()
-    stiffness.flat[0] = 0.0
-    return stiffness
 
 
 def _iterate(

@@ -149,7 +149,7 @@ def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
         for rows in (batch.punch, anchor)
     )
     start = replace(Start.at_rest(punch), tangential=anchor)
-    return replace(batch, punch=punch, stiffness=batch.coupled_stiffness.coarsened(nx), start=start)
+    return replace(batch, punch=punch, response=batch.response.coarsened((nx,)), start=start)
 
 
 class Tangent(NamedTuple):

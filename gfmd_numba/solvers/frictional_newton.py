@@ -106,13 +106,13 @@ class FrictionalNewton:
     check_every = 1
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness, start, laws = batch.punch, batch.all_stiffness, batch.start, batch.interface
+        punch, response, start, laws = batch.punch, batch.response, batch.start, batch.interface
         rows, shape = len(punch), punch.shape[1:]
         if laws.friction is None or not laws.hard_wall:
             raise ValueError("this solver knows friction on a hard wall only")
         self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
-        self._products = CoupledProducts(stiffness, rows, shape, punch.dtype)
-        self._near = NearTractions(stiffness, shape)
+        self._products = CoupledProducts(response, rows, shape, punch.dtype)
+        self._near = NearTractions(response, shape)
         self.field, self._components = self._products.field, len(shape)
         n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
@@ -124,10 +124,10 @@ class FrictionalNewton:
             self._products.tangential, self._anchor, self._products.tangential_restoring, self.displacement,
             self.restoring, self.wall, self.load,
         )  # fmt: skip
-        self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, stiffness.k33))
-        self._condensed = stiffness.condensed()
-        self._softest = 1.0 / float(self._condensed.ravel()[1:].min())
-        self._drifts = bool(stiffness.k11.flat[0] == 0.0)
+        self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, response))
+        self._condensed = response.condensed()
+        self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
+        self._drifts = response.drifts
         self._rounding = np.finfo(punch.dtype).eps * np.ptp(self.wall[:, :n], axis=1)
         self._asked = options.residual
         self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
@@ -225,7 +225,7 @@ class FrictionalNewton:
         normal = replace(
             batch,
             punch=punch.reshape(shape),
-            stiffness=self._condensed,
+            response=self._condensed,
             load=None if batch.load is None else self.load[[i]],
             interface=replace(batch.interface, friction=None),
             start=replace(Start.at_rest(punch), displacement=start.reshape(shape)),

@@ -3,22 +3,20 @@
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.iteration import Stiffness
 
 
-def growing_wave(displacement: Reals, sideways: Reals | None, stiffness: Stiffness, free_mean: bool) -> Indices:
+def growing_wave(displacement: Reals, sideways: Reals | None, response: SpectralResponse) -> Indices:
     """Return the index `[realisation]` of the wave with the largest restoring traction: the run blew up from nothing.
 
     `displacement` is normal, `[realisation, (y,) x]`; `sideways` the tangential one `[realisation, (component, y,) x]`,
-    None without any (L_x). `stiffness` is that of `equilibrate`; with a `free_mean` nothing restores the mean.
+    None without any (L_x). The `response` is the one that the run has had.
     """
-    normal = stiffness if isinstance(stiffness, np.ndarray) else stiffness.k33
-    tractions = np.abs(grid.coefficients(displacement, normal.ndim)) * normal
-    if free_mean:
-        tractions.reshape(len(tractions), -1)[:, 0] = 0.0
-    if not isinstance(stiffness, np.ndarray) and sideways is not None:
-        tangential = np.abs(grid.coefficients(sideways, normal.ndim)) * stiffness.k11
-        tractions = np.maximum(tractions, tangential if normal.ndim == 1 else tangential.max(axis=1))
-    index = grid.magnitudes(displacement.shape[1:]).ravel() / (2.0 * np.pi)
-    return np.asarray(np.round(index[tractions.reshape(len(tractions), -1).argmax(axis=1)]), dtype=np.int64)
+    rows, shape = len(displacement), displacement.shape[1:]
+    moved = displacement[:, np.newaxis]
+    if sideways is not None:
+        moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
+    tractions = (np.abs(grid.coefficients(moved, len(shape))) * response.diagonal[-moved.shape[1] :]).max(axis=1)
+    index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
+    return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)

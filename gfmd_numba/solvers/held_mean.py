@@ -26,21 +26,15 @@ class HeldMean:
     stiffness: float
 
     @classmethod
-    def of(cls, batch: Batch, stiffness: Reals) -> "HeldMean | None":
+    def of(cls, batch: Batch) -> "HeldMean | None":
         """Return what holds the mean of a batch, None where the mean is free; only a hard wall may leave it no room."""
-        condition = RigidMean.of(batch.punch, stiffness)
+        condition = RigidMean.of(batch.punch, batch.response)
         if condition is None:
             return None
         if not batch.interface.hard_wall:
             condition = replace(condition, impossible=np.zeros_like(condition.impossible))
         softening = batch.interface.softening * batch.punch[0].size
         return cls(condition, _HELD * condition.stiffest + softening)
-
-    def on(self, stiffness: Reals) -> Reals:
-        """Stiffness `[(ny,) nx // 2 + 1]` of a body whose mean displacement is held."""
-        finite = stiffness.copy()
-        finite.flat[0] = self.stiffness
-        return finite
 
     def pressure(self, displacement: Reals) -> float:
         """Mean pressure, in E*, that holds a displacement `[node]` in place of that stiffness."""

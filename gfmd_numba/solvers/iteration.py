@@ -7,13 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.elasticity.coupled_stiffness import CoupledStiffness
-from gfmd_numba.elasticity.map_stiffness import MapStiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
-
-Coupled = CoupledStiffness | MapStiffness  # of all displacements, of profiles and of maps
-Stiffness = Reals | Coupled
 
 HARD_WALL = Interactions(hard_wall=True)
 
@@ -58,14 +54,14 @@ class Start:
 class Batch:
     """Elastic bodies under rigid punches `[realisation, (y,) x]` (L_x, E*), as a solver is given them.
 
-    `stiffness` is K(q) `[(ny,) nx // 2 + 1]`, condensed or coupled; `load` the mean pressure `[realisation]`, with
-    K(0) = 0, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
+    `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
+    nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
     displacement of the punch, on maps `[component, 1, 1]`, and with a cohesive law also `[(component, y,) x]`: less
     what else moves each node. `largest_pressure` is what no pressure is expected to exceed.
     """
 
     punch: Reals
-    stiffness: Stiffness
+    response: SpectralResponse
     load: Reals | None
     interface: Interactions
     start: Start
@@ -76,40 +72,6 @@ class Batch:
     def loads(self) -> Reals:
         """Mean pressure `[realisation]` that pushes the body, 0 where the displacement is prescribed."""
         return np.zeros(len(self.punch)) if self.load is None else self.load
-
-    @property
-    def has_rigid_mean(self) -> bool:
-        """Whether the displacement is prescribed of bodies that do not change their volume."""
-        normal = self.stiffness if isinstance(self.stiffness, np.ndarray) else self.stiffness.k33
-        return not np.isfinite(normal.flat[0])
-
-    @property
-    def normal_stiffness(self) -> Reals:
-        """Stiffness of the normal displacement where the tangential one is not followed; raises TypeError otherwise."""
-        if not isinstance(self.stiffness, np.ndarray):
-            raise TypeError("this solver follows the normal displacement alone")
-        return self.stiffness
-
-    @property
-    def coupled_stiffness(self) -> CoupledStiffness:
-        """Stiffness of both displacements of a profile; raises TypeError where only the normal one is followed."""
-        if not isinstance(self.stiffness, CoupledStiffness):
-            raise TypeError("this solver follows both displacements of profiles")
-        return self.stiffness
-
-    @property
-    def map_stiffness(self) -> MapStiffness:
-        """Stiffness of all displacements of a map; raises TypeError where only the normal one is followed."""
-        if not isinstance(self.stiffness, MapStiffness):
-            raise TypeError("this solver follows all displacements of maps")
-        return self.stiffness
-
-    @property
-    def all_stiffness(self) -> Coupled:
-        """Stiffness of all displacements of a profile or a map; raises TypeError where only the normal is followed."""
-        if isinstance(self.stiffness, np.ndarray):
-            raise TypeError("this solver follows all displacements")
-        return self.stiffness
 
     def law_stiffness(self) -> float:
         """Bound of the stiffness that the laws add to that of the bodies."""

@@ -4,7 +4,6 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.elasticity.map_stiffness import MapStiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
 from gfmd_numba.interface import vector_slip
@@ -39,14 +38,13 @@ class MapCohesiveNewton(TruncatedNewton):
         self._sliding = np.broadcast_to(batch.sliding, (2, *shape)).reshape(2, -1).astype(dtype, copy=False)
         self.field = Convolution(3 * rows, *shape, dtype=dtype)
         n = self.field.n
-        stiffness = MapStiffness(batch.map_stiffness.elements.copy())
-        stiffness.elements[5] = self._with_held_mean(batch, stiffness.k33)
-        compliance = stiffness.inverse()
-        diagonal = stiffness.elements[[0, 2, 5]].reshape(3, -1)
+        response = self._with_held_mean(batch)
+        compliance = response.inverse()
+        diagonal = response.diagonal.reshape(3, -1)
         for element, k in zip((0, 2, 5), diagonal, strict=True):
             if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
                 compliance[element, 0, 0] = 1.0 / k[1:].min()
-        self._stiffness_elements = np.array([self.field.symbol(k) for k in stiffness.elements])
+        self._stiffness_elements = np.array([self.field.symbol(k) for k in response.elements])
         self._compliance_elements = np.array([self.field.symbol(s) for s in compliance])
         share = grid.multiplicity(shape[-1]) / n
         self._node_compliance = float((compliance[[0, 2, 5]] * share).sum() / 3.0)

@@ -33,7 +33,7 @@ class MapNewton:
     tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness = batch.punch, batch.normal_stiffness
+        punch, stiffness = batch.punch, batch.response.normal
         rows, shape = len(punch), punch.shape[1:]
         memory = storage(rows, shape, punch.dtype)
         self._transforms = [InPlaceTransform(shape, each) for each in memory]
@@ -42,7 +42,7 @@ class MapNewton:
         self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
         self.restoring: Reals = memory.view(punch.dtype).reshape(rows, -1)
         self.load = batch.loads
-        rigid_mean = RigidMean.of(punch, stiffness)
+        rigid_mean = RigidMean.of(punch, batch.response)
         self.certificate = Certificate(rows, rigid_mean=rigid_mean)
         self._stiffness, self._residual = stiffness, options.residual
         # the certificate of the last iteration is looked at whatever the error

@@ -20,9 +20,9 @@ class PressureIterate:
 
     def __init__(self, batch: Batch) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
-        punch, stiffness = batch.punch.reshape(rows, -1), batch.normal_stiffness.ravel()
+        punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
         self.free_mean = batch.load is not None
-        rigid_mean = RigidMean.of(punch, stiffness)
+        rigid_mean = RigidMean.of(punch, batch.response)
         self.field = Convolution(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources

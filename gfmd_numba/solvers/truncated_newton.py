@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -45,7 +46,8 @@ class TruncatedNewton:
         self.field = Convolution(rows, *shape, dtype=batch.punch.dtype)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
-        stiffness = self._with_held_mean(batch, batch.normal_stiffness)
+        response = self._with_held_mean(batch)
+        stiffness = response.normal
         # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
         compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
@@ -90,12 +92,12 @@ class TruncatedNewton:
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
 
-    def _with_held_mean(self, batch: Batch, stiffness: Reals) -> Reals:
-        """Normal stiffness in which a mean that has to vanish is held; begins the certificate, which says so."""
-        self._held_mean = held = HeldMean.of(batch, stiffness)
+    def _with_held_mean(self, batch: Batch) -> SpectralResponse:
+        """Response in which a mean that has to vanish is held; begins the certificate, which says so."""
+        self._held_mean = held = HeldMean.of(batch)
         limits = batch.interface.hardness or np.inf, held.condition if held is not None else None
         self.certificate = Certificate(len(batch.punch), *limits)
-        return stiffness if held is None else held.on(stiffness)
+        return batch.response if held is None else batch.response.with_mean(held.stiffness)
 
     def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
         """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""

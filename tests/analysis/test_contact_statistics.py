@@ -59,8 +59,8 @@ def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     assert (result.equilibrium.status == 0).all()
     u = grid.coefficients(result.equilibrium.displacement)
     v = grid.coefficients(result.equilibrium.tangential.displacement)
-    k = ElasticBody(0.2, None).coupled_stiffness(256)
-    waves = k.k11 * abs(v) ** 2 + k.k33 * abs(u) ** 2 + 2 * k.k13 * (v * u.conj()).imag
+    k = ElasticBody(0.2, None).response((256,))
+    waves = k.elements[0] * abs(v) ** 2 + k.normal * abs(u) ** 2 + 2 * k.elements[1] * (v * u.conj()).imag
     energy = 0.5 * (grid.multiplicity(256) * waves)[:, 1:].sum(axis=1)
     np.testing.assert_allclose(evaluation.elastic_energy(result), energy, rtol=1e-5)
     assert (abs(v) ** 2).sum() > 1e-3 * (abs(u[:, 1:]) ** 2).sum()

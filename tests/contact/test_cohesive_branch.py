@@ -10,7 +10,7 @@ from support.laws import nearly_flat
 
 WORK, NORMAL, TANGENTIAL = 0.2, 0.03, 0.05
 LAW = {"work_of_adhesion": WORK, "normal_length": NORMAL, "tangential_length": TANGENTIAL}
-BODY = ElasticBody(0.3, 0.1).coupled_stiffness(256)
+BODY = ElasticBody(0.3, 0.1).response((256,))
 
 
 def fold(traction, stiffness, between):
@@ -36,7 +36,7 @@ def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):
     def energy(gap, position):
         return 0.5 * k * (position - gap) ** 2 - WORK * (1.0 + gap / NORMAL) * np.exp(-gap / NORMAL)
 
-    k = BODY.k33[0]
+    k = BODY.normal[0]
     (far, closes), (near, opens) = (
         fold(pull, k, between) for between in ((2 * NORMAL, 20 * NORMAL), (NORMAL, 2 * NORMAL))
     )
@@ -58,7 +58,7 @@ def test_a_flat_punch_that_is_dragged_lets_go_where_a_spring_does(tmp_path, step
     def drag(slip):
         return 2.0 * WORK / TANGENTIAL**2 * slip * np.exp(-((slip / TANGENTIAL) ** 2))
 
-    k = BODY.k11[0]
+    k = BODY.elements[0][0]
     near, lets_go = fold(drag, k, (0.5 * TANGENTIAL, 1.2 * TANGENTIAL))
     path = [{"sliding": float(sliding)} for sliding in np.arange(lets_go - 1.5 * step, lets_go + 2 * step, step)]
     found = nearly_flat(tmp_path, path, 0.02, hard_wall={}, cohesive=LAW)

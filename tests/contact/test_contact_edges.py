@@ -12,6 +12,7 @@ from gfmd_numba.contact.edges import HALF_SPACE, contact_length, edge
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -22,7 +23,10 @@ NUMERICS = Options("conjugate_gradients", residual=1e-10)
 
 def press(height, load):
     found = equilibrate(
-        (height.max() - height)[np.newaxis], stiffness.half_space(grid.wavenumbers(len(height))), load, NUMERICS
+        (height.max() - height)[np.newaxis],
+        SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(len(height)))),
+        load,
+        NUMERICS,
     )
     assert (found.status == 0).all()
     return found
@@ -111,7 +115,7 @@ def test_edges_on_thin_bodies_lie_where_a_finer_grid_has_them(name):
         stiff = body.condensed_stiffness(grid.wavenumbers(nx))
         stiff[0] = 0.0
         punch = (np.arange(nx) / nx - 0.5 + positions[:, np.newaxis]) ** 2 / 2
-        found = equilibrate(punch, stiff, load, Options("active_set_newton"))
+        found = equilibrate(punch, SpectralResponse.of_normal(stiff), load, Options("active_set_newton"))
         assert (found.status == 0).all()
         made = solution.Contact(-punch, punch, found, stiffness=body.condensed_stiffness)
         return contact_area.contact_area_fraction(made) * nx, contact_area.contact_area_fraction_edges(made) * nx
@@ -180,7 +184,7 @@ def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
         load = 2.0 / 3.0 * np.pi * a * b
         lifted = load * images / (4.0 * np.pi)
         punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
-        found = equilibrate(punch[np.newaxis], stiff, load, Options("active_set_newton"))
+        found = equilibrate(punch[np.newaxis], SpectralResponse.of_normal(stiff), load, Options("active_set_newton"))
         made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
         left += contact_area.contact_area_fraction(made)[0] - np.pi * a * b
         excess += contact_area.contact_area_fraction_counted(made)[0] - np.pi * a * b

@@ -6,6 +6,7 @@ from scipy.special import ive
 
 from gfmd_numba.contact.law_resolution import COARSEST
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -25,8 +26,8 @@ def pull_off(nodes):
         punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
         if before is None:  # on the branch in contact
             punch_in = punch - 0.04
-            before = equilibrate(punch_in, body, None, OPTIONS, law)
-        before = equilibrate(punch, body, None, OPTIONS, law, following(before, punch, 0.0))
+            before = equilibrate(punch_in, SpectralResponse.of_normal(body), None, OPTIONS, law)
+        before = equilibrate(punch, SpectralResponse.of_normal(body), None, OPTIONS, law, following(before, punch, 0.0))
         assert before.status[0] == 0
         most = max(most, -before.pressure.mean())
     return most, law.softening / body[-1]
@@ -50,7 +51,7 @@ def first_pull_off(nodes, work, tabor):
     punch, before, most = AMPLITUDE * (1 - np.cos(2 * np.pi * np.arange(nodes) / nodes))[np.newaxis], None, 0.0
     while before is None or before.touching.any():
         start = None if before is None else following(before, punch, 0.0)
-        before = equilibrate(punch, body, None, OPTIONS, Interactions(True, law), start)
+        before = equilibrate(punch, SpectralResponse.of_normal(body), None, OPTIONS, Interactions(True, law), start)
         assert before.status[0] == 0
         most, punch = max(most, -before.pressure.mean()), punch + min(stretch / 50, law.length / 4)
     return most, law.softening / body[-1]

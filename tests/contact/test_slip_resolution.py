@@ -47,9 +47,9 @@ def problem(nodes, law, body=None):
 @pytest.mark.parametrize("nodes", [256, 257])
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 1e-3), ElasticBody(0.2, 3e-3)])
 def test_the_larger_of_gap_and_slip_counts_over_the_stiffness_of_its_own_displacement(body, nodes):
-    found = body.coupled_stiffness(256)  # at Nyquist the other displacement is free
-    by_slip = 4 * 6e-3 / 5e-3**2 * np.exp(-1.5) / found.k11[-1]
-    by_gap = 6e-3 / 0.0125**2 * np.exp(-2.0) / found.k33[-1]
+    found = body.response((256,))  # at Nyquist the other displacement is free
+    by_slip = 4 * 6e-3 / 5e-3**2 * np.exp(-1.5) / found.elements[0][-1]
+    by_gap = 6e-3 / 0.0125**2 * np.exp(-2.0) / found.normal[-1]
     assert resolution(problem(nodes, LAW, body)) == pytest.approx(max(by_slip, by_gap))
     assert resolution(problem(nodes, XuNeedlemanLaw(6e-3, 0.0125, 1.0), body)) == pytest.approx(by_gap)
 
@@ -68,7 +68,7 @@ def test_the_grid_it_asks_for_resolves_slip(body):
 def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
     of_map = RandomSurface(SelfAffineWaves(0.8, 2, 16), 64, 1, dimension=2)
     map_ = replace(problem(64, LAW, body), surface=of_map)
-    slips_along, _, slips_across, *_ = body.coupled_stiffness_of_map((64, 64)).elements[:, 0, -1]
+    slips_along, _, slips_across, *_ = body.response((64, 64)).elements[:, 0, -1]
     by_slip = LAW.slip_softening / min(slips_along, slips_across)
     assert resolution(map_) == pytest.approx(by_slip)
     assert resolution(map_) >= resolution(problem(64, LAW, body))
@@ -78,7 +78,7 @@ def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
 def test_between_two_bodies_the_compliances_to_slip_add_up(dimension):
     body, counter = ElasticBody(0.5, 0.02), CounterBody(ElasticBody(0.0, 3e-3), 0.9)
     surface = RandomSurface(SelfAffineWaves(0.8, 2, 16), 64, 1, dimension=dimension)
-    found, facing = (each.stiffness_of_all(surface.shape) for each in (body, counter.body))
+    found, facing = (each.response(surface.shape) for each in (body, counter.body))
     elements = found.in_series(facing, 0.9).elements
     slips = [np.ravel(element[..., -1])[0] for element in elements]  # at Nyquist along x
     by_slip = LAW.slip_softening / (slips[0] if dimension == 1 else min(slips[0], slips[2]))
@@ -93,7 +93,7 @@ def test_the_length_that_is_too_short_is_named_as_in_the_scene():
 
 def largest_drag(nodes):
     """Largest mean tangential traction of a wave on a slab that is dragged until it lets go, and x."""
-    body = ElasticBody(0.3, 1.0).coupled_stiffness(nodes)
+    body = ElasticBody(0.3, 1.0).response((nodes,))
     punch, before, most = 0.1 * (1 - np.cos(2 * np.pi * np.arange(nodes) / nodes))[np.newaxis] - 0.02, None, 0.0
     laws, options = Interactions(True, cohesive=LAW), Options("truncated_newton", residual=1e-6)
     for sliding in np.concatenate([np.linspace(0.0, 0.19, 12), np.arange(0.2, 0.26, 2e-3)]):
@@ -101,7 +101,7 @@ def largest_drag(nodes):
         before = equilibrate(punch, body, None, options, laws, start, sliding)
         assert before.status[0] == 0
         most = max(most, abs(before.tangential.traction.mean()))
-    return most, LAW.slip_softening / body.k11[-1]
+    return most, LAW.slip_softening / body.elements[0][-1]
 
 
 @pytest.mark.long

@@ -94,9 +94,9 @@ def test_fields_meet_the_boundary_conditions(body):
     found = random_surface(body)
     depths = [0.0] if body.aspect_ratio is None else [0.0, -body.aspect_ratio]
     result = fields.fields_inside(found, NX, np.array(depths), body)
-    stiff = body.coupled_stiffness(NX)
-    tangential = stiff.k11 * found.u1 + 1j * stiff.k13 * found.u3
-    normal = -1j * stiff.k13[1:] * found.u1[1:] + stiff.k33[1:] * found.u3[1:]
+    stiff = body.response((NX,))
+    tangential = stiff.elements[0] * found.u1 + 1j * stiff.elements[1] * found.u3
+    normal = -1j * stiff.elements[1][1:] * found.u1[1:] + stiff.normal[1:] * found.u3[1:]
     tangential[0] = found.mean_traction[0]
     for stress, traction in (
         (result.stress5[0], tangential),
@@ -129,9 +129,12 @@ def test_normal_displacement_under_pressure_is_that_of_the_condensed_stiffness()
 def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
     nx, body = 16, ElasticBody(0.3, 0.2)
     u1, u3 = np.random.default_rng(3).standard_normal((2, nx))
-    stiff = ElasticBody(0.3, 0.2).coupled_stiffness(nx)
+    stiff = ElasticBody(0.3, 0.2).response((nx,))
     v1, v3 = grid.coefficients(u1), grid.coefficients(u3)
-    t1, t3 = (grid.signal(t, nx) for t in (stiff.k11 * v1 + 1j * stiff.k13 * v3, stiff.k33 * v3 - 1j * stiff.k13 * v1))
+    t1, t3 = (
+        grid.signal(t, nx)
+        for t in (stiff.elements[0] * v1 + 1j * stiff.elements[1] * v3, stiff.normal * v3 - 1j * stiff.elements[1] * v1)
+    )
     result = fields.fields_inside(fields.surface_with_displacements(u1, u3, body), nx, np.array([0.0, -0.2]), body)
     for field, given in ((result.u1, u1), (result.u3, u3), (result.stress5, t1), (result.stress3, t3)):
         np.testing.assert_allclose(field[0], given, atol=1e-11 * abs(given).max())

@@ -7,6 +7,7 @@ from finite_elements import Body, graded
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -104,12 +105,12 @@ def test_forming_a_topography_takes_the_stiffness_times_it(nu):
     """(5.15) with the sign that holds the topography: F = q C11 M u''."""
     body, heights = ElasticBody(nu, 0.3), 0.01 * BUMPY
     stress = fields.fields_inside(topography.formed_surface(heights, body), NX, np.array([0.0]), body)
-    k = body.coupled_stiffness(NX)
+    k = body.response((NX,))
     waves = grid.coefficients(heights)
     waves[0] = 0.0
-    normal = np.where(np.isfinite(k.k33), k.k33, 0.0) * waves
+    normal = np.where(np.isfinite(k.normal), k.normal, 0.0) * waves
     np.testing.assert_allclose(stress.stress3[0], grid.signal(normal, NX), atol=1e-13)
-    np.testing.assert_allclose(stress.stress5[0], grid.signal(1j * k.k13 * waves, NX), atol=1e-13)
+    np.testing.assert_allclose(stress.stress5[0], grid.signal(1j * k.elements[1] * waves, NX), atol=1e-13)
 
 
 def pressed(heights, body, displacement, order):
@@ -119,7 +120,7 @@ def pressed(heights, body, displacement, order):
     numerics = Options("conjugate_gradients", residual=1e-10)
     for _ in range(8):
         wall = heights.max() - heights - displacement - raised
-        found = equilibrate(wall[np.newaxis], k, None, numerics)
+        found = equilibrate(wall[np.newaxis], SpectralResponse.of_normal(k), None, numerics)
         response = topography.respond(found.pressure[0], heights, body, order)
         raised = response.u3
     normal = found.displacement[0] + response.u3

@@ -128,12 +128,12 @@ def test_a_cohesive_contact_is_sheared_off(tmp_path):
 def test_cohesive_forces_balance_on_a_rough_surface(hard_wall):
     punch, _ = surface()
     law = XuNeedlemanLaw(0.002, 0.02, 0.02)
-    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
+    both = ElasticBody(0.2, None).response((punch.shape[1],))
     result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(hard_wall, cohesive=law))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
-    f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
-    f3 = grid.signal(both.k33 * c3 - 1j * both.k13 * c1, punch.shape[1])
+    f1 = grid.signal(both.elements[0] * c1 + 1j * both.elements[1] * c3, punch.shape[1])
+    f3 = grid.signal(both.normal * c3 - 1j * both.elements[1] * c1, punch.shape[1])
     gap, slip = punch - result.displacement, -result.tangential.displacement
     wall = result.pressure + law.normal_traction(gap, slip)
     np.testing.assert_allclose(f1, law.tangential_traction(gap, slip), atol=2e-8)
@@ -158,12 +158,12 @@ def test_adhesion_lets_an_unloaded_punch_rub(tmp_path):
 def test_forces_of_law_and_friction_balance_on_a_rough_surface(work):
     punch, _ = surface()
     law, friction = ExponentialLaw(work, 0.02), 0.2
-    both = ElasticBody(0.2, None).coupled_stiffness(punch.shape[1])
+    both = ElasticBody(0.2, None).response((punch.shape[1],))
     result = equilibrate(punch, both, 0.05, Options("verlet"), Interactions(True, law, friction))
     assert (result.status == 0).all()
     c1, c3 = grid.coefficients(result.tangential.displacement), grid.coefficients(result.displacement)
-    f1 = grid.signal(both.k11 * c1 + 1j * both.k13 * c3, punch.shape[1])
-    f3 = grid.signal(both.k33 * c3 - 1j * both.k13 * c1, punch.shape[1])
+    f1 = grid.signal(both.elements[0] * c1 + 1j * both.elements[1] * c3, punch.shape[1])
+    f3 = grid.signal(both.normal * c3 - 1j * both.elements[1] * c1, punch.shape[1])
     pull = law.traction(punch - result.displacement)
     wall = result.pressure + pull
     np.testing.assert_allclose(0.05 - f3 + pull, wall, atol=2e-8)

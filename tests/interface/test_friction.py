@@ -6,6 +6,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -15,9 +16,9 @@ from gfmd_numba.solvers.options import Options
 
 NX = 256
 BODIES = [
-    ElasticBody(0.2, None).coupled_stiffness(NX),
-    ElasticBody(0.2, 0.1).coupled_stiffness(NX),
-    ElasticBody(0.49, 0.3).coupled_stiffness(NX),
+    ElasticBody(0.2, None).response((NX,)),
+    ElasticBody(0.2, 0.1).response((NX,)),
+    ElasticBody(0.49, 0.3).response((NX,)),
 ]
 COUPLED = {"half-space": BODIES[0], "slab": BODIES[1], "nearly incompressible": BODIES[2]}
 
@@ -25,8 +26,8 @@ COUPLED = {"half-space": BODIES[0], "slab": BODIES[1], "nearly incompressible": 
 def restored(body, u1, u3):
     """Tractions (tangential, normal) that a displacement calls up on the body, by NumPy's transforms."""
     c1, c3 = grid.coefficients(u1), grid.coefficients(u3)
-    f1 = body.k11 * c1 + 1j * body.k13 * c3
-    f3 = body.k33 * c3 - 1j * body.k13 * c1
+    f1 = body.elements[0] * c1 + 1j * body.elements[1] * c3
+    f3 = body.normal * c3 - 1j * body.elements[1] * c1
     return grid.signal(f1, u1.shape[-1]), grid.signal(f3, u1.shape[-1])
 
 
@@ -66,14 +67,14 @@ def test_tractions_are_the_gradient_of_the_energy(body):
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.5])
 def test_normal_pressure_draws_the_surface_together(nu):
     """Johnson (1985), 2.25a: the tangential strain under a pressure p is -(1 - 2 nu)(1 + nu) p / E."""
-    body, n = ElasticBody(nu, None).coupled_stiffness(NX), 12
+    body, n = ElasticBody(nu, None).response((NX,)), 12
     x = np.arange(NX) / NX
     pressure = np.cos(2 * np.pi * n * x + 0.3)
     c3 = -grid.coefficients(pressure)  # pressure pushes the body down
     q = grid.wavenumbers(NX)
-    det = body.k11 * body.k33 - body.k13**2
+    det = body.elements[0] * body.normal - body.elements[1] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
-        u1 = np.where(q > 0, -1j * body.k13 / det * c3, 0.0)
+        u1 = np.where(q > 0, -1j * body.elements[1] / det * c3, 0.0)
     strain = grid.signal(1j * q * u1, NX)
     young = 1 - nu**2  # in E*
     np.testing.assert_allclose(strain, -(1 - 2 * nu) * (1 + nu) / young * pressure, atol=1e-13)
@@ -84,11 +85,11 @@ def test_normal_pressure_draws_the_surface_together(nu):
 def test_without_friction_both_components_equal_the_condensed_one(nu, aspect_ratio, nx):
     heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
     punch, q = heights.max(axis=1, keepdims=True) - heights, grid.wavenumbers(nx)
-    both = ElasticBody(nu, aspect_ratio).coupled_stiffness(nx)
+    both = ElasticBody(nu, aspect_ratio).response((nx,))
     one = stiffness.half_space(q) if aspect_ratio is None else stiffness.slab(q, nu, aspect_ratio)
-    np.testing.assert_allclose(both.condensed(), one, rtol=1e-13)
+    np.testing.assert_allclose(both.condensed().normal, one, rtol=1e-13)
     coupled = press(punch, both, 0.05, 0.0, residual=1e-10)
-    condensed = equilibrate(punch, one, 0.05, Options("verlet", residual=1e-10))
+    condensed = equilibrate(punch, SpectralResponse.of_normal(one), 0.05, Options("verlet", residual=1e-10))
     np.testing.assert_array_equal(coupled.touching, condensed.touching)
     np.testing.assert_allclose(coupled.pressure, condensed.pressure, atol=3e-8 * condensed.pressure.max())
     assert abs(coupled.tangential.traction).max() < 1e-10 * condensed.pressure.max()
@@ -129,7 +130,7 @@ def flat_punch_error(nx, nodes, nu, friction, pressure, shear, smooth):
     """
     punch, x = flat_punch(nx, nodes)
     load, half_width = 0.01, nodes / nx / 2
-    result = press(punch, ElasticBody(nu, None).coupled_stiffness(nx), load, friction)
+    result = press(punch, ElasticBody(nu, None).response((nx,)), load, friction)
     assert result.touching.sum() == nodes
     inside = abs(x) < 0.8 * half_width
     scale = load / (2 * half_width)
@@ -224,9 +225,9 @@ def test_an_absent_component_takes_no_memory():
     the displacements besides, the anchors, and three elements of the stiffness, which all rows share."""
     punch, rows, nx = rough(), 3, NX
     load, start, free = np.full(rows, 0.05), Start.at_rest(punch), stiffness.half_space(grid.wavenumbers(nx))
-    one = begin(Batch(punch, free, load, HARD_WALL, start), Options("verlet"))
+    one = begin(Batch(punch, SpectralResponse.of_normal(free), load, HARD_WALL, start), Options("verlet"))
     touching = Interactions(True, friction=0.3)
-    both = begin(Batch(punch, BODIES[0].with_free_mean(), load, touching, start), Options("verlet"))
+    both = begin(Batch(punch, BODIES[0].with_mean(0.0), load, touching, start), Options("verlet"))
 
     def grids(value, seen):
         if isinstance(value, np.ndarray):

@@ -6,6 +6,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -60,7 +61,7 @@ def test_the_kernel_is_the_law(kernel):
 def test_forces_balance_under_a_law(interface, solver):
     punch, body = surface()
     load = 0.05
-    result = equilibrate(punch, body, load, Options(solver), interface)
+    result = equilibrate(punch, SpectralResponse.of_normal(body), load, Options(solver), interface)
     assert (result.status == 0).all()
     restoring = grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
     law = interface.normal_law.traction(punch - result.displacement)
@@ -75,7 +76,9 @@ def test_forces_balance_under_a_law(interface, solver):
 def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
     punch, body = surface()
     areas = [
-        equilibrate(punch, body, 0.05, Options("verlet"), Interactions(True, law)).touching.sum(axis=1)
+        equilibrate(
+            punch, SpectralResponse.of_normal(body), 0.05, Options("verlet"), Interactions(True, law)
+        ).touching.sum(axis=1)
         for law in (ExponentialLaw(-0.002, 0.01), None, ExponentialLaw(0.002, 0.01))
     ]
     assert (areas[0] < areas[1]).all()
@@ -84,10 +87,16 @@ def test_attraction_enlarges_and_repulsion_shrinks_the_contact():
 
 def test_a_short_repulsion_is_a_hard_wall():
     punch, body = surface(256)
-    hard = equilibrate(punch, body, 0.05, Options("verlet")).pressure
+    hard = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("verlet")).pressure
     errors = []
     for length in (1e-2, 1e-3):
-        soft = equilibrate(punch, body, 0.05, Options("verlet"), Interactions(False, ExponentialLaw(-length, length)))
+        soft = equilibrate(
+            punch,
+            SpectralResponse.of_normal(body),
+            0.05,
+            Options("verlet"),
+            Interactions(False, ExponentialLaw(-length, length)),
+        )
         assert (soft.status == 0).all()
         errors.append(np.sqrt(((soft.pressure - hard) ** 2).mean()))
     assert errors[1] < errors[0] / 2

@@ -5,6 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -36,13 +37,15 @@ def test_a_ridge_is_the_profile(solver, law, slab):
         profile -= 0.02
     ridge = np.repeat(profile[:, np.newaxis], 12, axis=1)
     options = Options(solver, residual=TIGHT)
-    expected = equilibrate(profile, body((64,), slab), load, options, LAWS[law])
-    found = equilibrate(ridge, body((12, 64), slab), load, options, LAWS[law])
+    expected = equilibrate(profile, SpectralResponse.of_normal(body((64,), slab)), load, options, LAWS[law])
+    found = equilibrate(ridge, SpectralResponse.of_normal(body((12, 64), slab)), load, options, LAWS[law])
     assert found.status[0] == expected.status[0] == 0
     scale = abs(expected.pressure).max()
     np.testing.assert_allclose(found.pressure[0], np.broadcast_to(expected.pressure, (12, 64)), atol=1e-8 * scale)
     across = found.pressure[0].T  # a ridge along x, of the transposed map
-    turned = equilibrate(ridge.swapaxes(1, 2).copy(), body((64, 12), slab), load, options, LAWS[law])
+    turned = equilibrate(
+        ridge.swapaxes(1, 2).copy(), SpectralResponse.of_normal(body((64, 12), slab)), load, options, LAWS[law]
+    )
     np.testing.assert_allclose(turned.pressure[0], across, atol=1e-8 * scale)
 
 
@@ -53,7 +56,9 @@ def test_forces_balance_and_all_solvers_find_the_same(law, load):
     punch, stiff = rough(32, range(2)), body((32, 32), slab)
     if load is None:
         punch -= 0.01
-    found = [equilibrate(punch, stiff, load, Options(solver), interface) for solver in SOLVERS]
+    found = [
+        equilibrate(punch, SpectralResponse.of_normal(stiff), load, Options(solver), interface) for solver in SOLVERS
+    ]
     for result in found:
         assert (result.status == 0).all()
         restoring = grid.signal(stiff * grid.coefficients(result.displacement, 2), 32, 32)
@@ -70,9 +75,9 @@ def test_forces_balance_and_all_solvers_find_the_same(law, load):
 def test_a_map_under_a_law_does_not_know_its_batch():
     punch, stiff = rough(32, range(3)), body((32, 32))
     options, law = Options("truncated_newton"), LAWS["adhesive wall"]
-    together = equilibrate(punch, stiff, 0.03, options, law)
+    together = equilibrate(punch, SpectralResponse.of_normal(stiff), 0.03, options, law)
     for i in range(3):
-        alone = equilibrate(punch[i : i + 1], stiff, 0.03, options, law)
+        alone = equilibrate(punch[i : i + 1], SpectralResponse.of_normal(stiff), 0.03, options, law)
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
 
 
@@ -93,7 +98,9 @@ def pull_off(nodes, radius_of_contact, tabor, step):
     stiff, before, most = body((nodes, nodes), (0.3, 1.0)), None, 0.0
     while before is None or before.touching.any():
         start = None if before is None else following(before, punch, 0.0)
-        before = equilibrate(punch, stiff, None, Options("truncated_newton", residual=1e-6), law, start)
+        before = equilibrate(
+            punch, SpectralResponse.of_normal(stiff), None, Options("truncated_newton", residual=1e-6), law, start
+        )
         assert before.status[0] == 0
         most = max(most, -before.pressure.mean())
         punch = punch + step * length
@@ -153,7 +160,9 @@ def test_a_path_of_a_ridge_jumps_and_loses_energy_like_the_profile():
 def test_the_smallest_curvature_of_a_map_is_that_of_the_dense_matrix(load):
     punch, stiff = rough(8), body((8, 8), None if load else (0.33, 0.2))
     law = ExponentialLaw(0.01, 0.05)
-    found = equilibrate(punch, stiff, load, Options("truncated_newton"), Interactions(True, law))
+    found = equilibrate(
+        punch, SpectralResponse.of_normal(stiff), load, Options("truncated_newton"), Interactions(True, law)
+    )
     gap, held = punch[0] - found.displacement[0], found.touching[0]
     assert 0 < held.sum() < 60
     free = ~held.ravel()

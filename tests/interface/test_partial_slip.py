@@ -30,7 +30,7 @@ def step(nx, friction, load, sliding, before, solver="frictional_newton"):
     x = np.arange(nx) / nx - 0.5
     punch = HEIGHT * (1.0 - np.cos(2.0 * np.pi * x))[np.newaxis]
     start = None if before is None else following(before, punch, sliding)
-    interface, body = Interactions(True, friction=friction), ElasticBody(0.5, 4.0).coupled_stiffness(nx)
+    interface, body = Interactions(True, friction=friction), ElasticBody(0.5, 4.0).response((nx,))
     found = equilibrate(punch, body, load, Options(solver), interface, start, sliding)
     assert found.status[0] == Status.ok
     return x, found, None if start is None else sticking(found, start)
@@ -46,7 +46,7 @@ def checked(found, x, exact, stuck, width):
 def slid_and_back(nx):
     """Largest error of the traction as the punch is dragged until it nearly slides, and back, and all Q/(mu P)."""
     _, before, _ = step(nx, FRICTION, LOAD, 0.0, None)
-    stiffness = ElasticBody(0.5, 4.0).coupled_stiffness(nx).k11[0]
+    stiffness = ElasticBody(0.5, 4.0).response((nx,)).elements[0][0]
     far = 1.02 * FRICTION * LOAD / stiffness  # the body as a whole gives way more than its surface
     shares, errors = [], []
     for sliding in far * np.linspace(0.03, 0.985, 15):
@@ -76,7 +76,7 @@ def test_partial_slip_and_its_reversal_have_their_closed_form():
 
 def test_less_load_makes_a_sticking_contact_slip_from_its_edge():
     """Unloaded at a constant drag, the contact slips where it is lost; the dynamics finds the same."""
-    nx, drag = 256, 0.3 * FRICTION * LOAD / ElasticBody(0.5, 4.0).coupled_stiffness(256).k11[0]
+    nx, drag = 256, 0.3 * FRICTION * LOAD / ElasticBody(0.5, 4.0).response((256,)).elements[0][0]
     found = {}
     for solver in ("frictional_newton", "verlet"):
         before = None

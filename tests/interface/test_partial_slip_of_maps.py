@@ -26,7 +26,7 @@ def dragged_spheres():
     """A sphere, then dragged in steps towards 30 degrees; frictionless pressures under what is left of the load."""
     x = (np.arange(SPHERE) - SPHERE // 2) / SPHERE
     r = np.hypot(x[:, np.newaxis], x)
-    punch, stiffness = 0.5 * r[np.newaxis] ** 2, BODY.coupled_stiffness_of_map((SPHERE, SPHERE))
+    punch, stiffness = 0.5 * r[np.newaxis] ** 2, BODY.response((SPHERE, SPHERE))
     way = np.reshape([np.cos(np.pi / 6), np.sin(np.pi / 6)], (2, 1, 1))
     law = Interactions(True, friction=FRICTION)
     pressed = before = equilibrate(punch, stiffness, LOAD, NEWTON, law)
@@ -97,7 +97,7 @@ def ridge_dragged_along_itself(nx):
     """
     x, law = np.arange(nx) / nx - 0.5, Interactions(True, friction=FRICTION)
     punch = np.tile(HEIGHT * (1.0 - np.cos(2.0 * np.pi * x)), (1, 32, 1))
-    stiffness = BODY.coupled_stiffness_of_map((32, nx))
+    stiffness = BODY.response((32, nx))
     pressed = before = equilibrate(punch, stiffness, WAVE, NEWTON, law)
     far = FRICTION * WAVE / stiffness.elements[2, 0, 0]
     widths, errors, exact, first = [], [], 0.0, 0.0

@@ -184,7 +184,7 @@ def test_the_first_order_under_drag_turns_with_its_ridge():
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.2, 0.4), LAYERED])
 def test_displacements_of_a_flat_map_under_pressure_alone_are_those_without_tangential_traction(body):
     pressure = np.random.default_rng(4).normal(size=(12, 16))
-    found = body.coupled_stiffness_of_map(pressure.shape).deflection(np.zeros((2, *pressure.shape)), pressure)[1]
+    found = body.response(pressure.shape).apply(np.stack((*np.zeros((2, *pressure.shape)), pressure)))[2]
     expected = map_topography.flat_displacement(pressure, body)
     np.testing.assert_allclose(found, expected, atol=1e-13 * abs(expected).max())
 

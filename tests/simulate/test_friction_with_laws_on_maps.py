@@ -26,7 +26,7 @@ def test_tiny_and_odd_maps_obey_the_conditions_of_contact_on_every_step(work, no
     }
     path = [{"sliding": 5e-4, "sliding_y": -2e-4}, {"reduced_pressure": 0.1}]
     found = gfmd_numba.solve({"scene": scene, "path": path}, heights)
-    stiffness = ElasticBody(0.3, 0.5).coupled_stiffness_of_map(heights.shape)
+    stiffness = ElasticBody(0.3, 0.5).response(heights.shape)
     assert (found["status"] == 0).all()
     for _, step in found.groupby("step", squeeze=False):
         step = step.squeeze("step")

@@ -16,6 +16,7 @@ from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
@@ -115,7 +116,9 @@ def flattened(nx, dimension, load, hardness, shifts):
     punch = wave if dimension == 1 else 0.5 * (wave[:, np.newaxis, :] + wave[:, :, np.newaxis])
     wall = Interactions(hard_wall=True, hardness=hardness)
     body = stiffness.half_space(grid.magnitudes(punch.shape[1:]))
-    pressed = Contact(-punch, punch, equilibrate(punch, body, load, Options("active_set_newton"), wall))
+    pressed = Contact(
+        -punch, punch, equilibrate(punch, SpectralResponse.of_normal(body), load, Options("active_set_newton"), wall)
+    )
     assert (pressed.equilibrium.status == Status.ok).all()
     return pressed
 

@@ -44,12 +44,9 @@ def boundary(folder, dimension=1):
 
 def deflected(dimension):
     """Displacements of the loaded body, along the surface `[(component, y,) x]` and out of it."""
-    *along, normal = GIVEN[dimension].values()
-    return (
-        ElasticBody(0.3, 0.5)
-        .stiffness_of_all(normal.shape)
-        .deflection(along[0] if dimension == 1 else np.stack(along), normal)
-    )
+    tractions = np.stack([*GIVEN[dimension].values()])
+    *along, out = ElasticBody(0.3, 0.5).response(tractions.shape[1:]).apply(tractions)
+    return along[0] if dimension == 1 else np.stack(along), out
 
 
 def solved(heights, loading, path, interface=COHESIVE, **scene):
@@ -97,12 +94,12 @@ def test_all_tractions_of_law_and_boundary_balance(tmp_path):
     found = solved(
         HEIGHTS[1], {"pressure": 2e-3}, [{"sliding": sliding}], boundary=boundary(tmp_path)
     ).isel(step=-1)  # fmt: skip
-    law, k = XuNeedlemanLaw(*LAW.values()), ElasticBody(0.3, 0.5).coupled_stiffness(NX)
+    law, k = XuNeedlemanLaw(*LAW.values()), ElasticBody(0.3, 0.5).response((NX,))
     u1, u3 = found["tangential_displacement"].values, found["displacement"].values
     slip, gap = sliding - (u1 - deflected(1)[0]), found["gap"].values
     drag, pull = law.tangential_traction(gap, slip), law.normal_traction(gap, slip)
     c1, c3 = grid.coefficients(u1), grid.coefficients(u3)
-    along, normal = k.k11 * c1 + 1j * k.k13 * c3, k.k33 * c3 - 1j * k.k13 * c1
+    along, normal = k.elements[0] * c1 + 1j * k.elements[1] * c3, k.normal * c3 - 1j * k.elements[1] * c1
     close(grid.signal(along, NX), drag + GIVEN[1]["tangential_traction"])
     held = pull + GIVEN[1]["normal_traction"]
     close(grid.signal(normal, NX)[1:] - grid.signal(normal, NX)[:-1], held[1:] - held[:-1], 1e-6)

@@ -21,7 +21,7 @@ WALL = pytest.mark.parametrize("hard_wall", [True, False], ids=["wall", "law alo
 
 def press(punch, body, load, law, hard_wall=True, start=None, sliding=(0.0, 0.0), solver="truncated_newton"):
     laws, drag = Interactions(hard_wall, cohesive=law), np.reshape(sliding, (2, 1, 1))
-    stiffness = body.coupled_stiffness_of_map(punch.shape[1:])
+    stiffness = body.response(punch.shape[1:])
     found = equilibrate(punch, stiffness, load, EXACT[solver], laws, start, drag)
     assert (found.status == 0).all()
     return found
@@ -48,7 +48,7 @@ def test_ridges_are_profiles(body, load, hard_wall, solver, along):
     law, one, two = Interactions(hard_wall, cohesive=LAW), None, None
     for drag in (0.0,) if body.aspect_ratio is None else (0.0, 2e-2, 1.9e-2):
         start = None if one is None else following(one, punch, drag)
-        one = equilibrate(punch, body.coupled_stiffness(n), load, EXACT[solver], law, start, drag)
+        one = equilibrate(punch, body.response((n,)), load, EXACT[solver], law, start, drag)
         way = (drag, 0.0) if along == "x" else (0.0, drag)
         start = None if two is None else following(two, ridges, np.reshape(way, (2, 1, 1)))
         two = press(ridges, body, load, LAW, hard_wall, start, way, solver)
@@ -95,9 +95,9 @@ def test_the_energy_never_rises_and_its_slopes_balance(hard_wall, load):
     """The energy is summed from displacements and the law's own formula; at its end no node is out of balance."""
     punch = 4.0 * rough((32, 48), 1)
     punch -= 0.02 if load is None else 0.0
-    body, drag = ElasticBody(0.2, 0.5).coupled_stiffness_of_map((32, 48)), np.reshape((1e-2, 2e-2), (2, 1, 1))
+    body, drag = ElasticBody(0.2, 0.5).response((32, 48)), np.reshape((1e-2, 2e-2), (2, 1, 1))
     if load is not None:
-        body = body.with_free_mean()
+        body = body.with_mean(0.0)
     loads, laws = None if load is None else np.array([load]), Interactions(hard_wall, cohesive=LAW)
     solver = begin(Batch(punch, body, loads, laws, Start.at_rest(punch), drag), EXACT["truncated_newton"])
     row, energies, n = np.zeros(1, dtype=np.int64), [], 32 * 48

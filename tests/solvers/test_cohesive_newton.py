@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -23,8 +24,8 @@ WALL = pytest.mark.parametrize("hard_wall", [True, False], ids=["wall", "law alo
 def energy(u1, u3, punch, body, load, law, sliding=0.0):
     """Mean energy per area of body, law and load, from Fourier coefficients `[x]`."""
     c1, c3 = grid.coefficients(u1), grid.coefficients(u3)
-    k33 = np.where(np.isfinite(body.k33), body.k33, 0.0)
-    waves = body.k11 * np.abs(c1) ** 2 + k33 * np.abs(c3) ** 2 - 2.0 * body.k13 * (c1.conj() * c3).imag
+    k33 = np.where(np.isfinite(body.normal), body.normal, 0.0)
+    waves = body.elements[0] * np.abs(c1) ** 2 + k33 * np.abs(c3) ** 2 - 2.0 * body.elements[1] * (c1.conj() * c3).imag
     elastic = 0.5 * (grid.multiplicity(len(u1)) * waves).sum()
     return elastic + law.energy(punch - u3, sliding - u1).mean() - load * u3.mean()
 
@@ -33,10 +34,10 @@ def violation(found, punch, body, load, law, hard_wall, sliding=0.0):
     """Largest violated condition of the first row over the largest traction, by NumPy's transforms."""
     u1, u3, n = found.tangential.displacement[0], found.displacement[0], punch.shape[1]
     c1, c3 = np.fft.rfft(u1), np.fft.rfft(u3)
-    shear = np.fft.irfft(body.k11 * c1 + 1j * body.k13 * c3, n)
+    shear = np.fft.irfft(body.elements[0] * c1 + 1j * body.elements[1] * c3, n)
     gap, slip = punch[0] - u3, sliding - u1
     pull, drag = law.normal_traction(gap, slip), law.tangential_traction(gap, slip)
-    wall = load - np.fft.irfft(body.k33 * c3 - 1j * body.k13 * c1, n) + pull
+    wall = load - np.fft.irfft(body.normal * c3 - 1j * body.elements[1] * c1, n) + pull
     touching = (gap <= 0.0) & hard_wall
     assert not (hard_wall and (gap < 0.0).any())
     worst = max(np.where(touching, -wall, np.abs(wall)).max(), np.abs(shear - drag).max())
@@ -46,11 +47,11 @@ def violation(found, punch, body, load, law, hard_wall, sliding=0.0):
 @WALL
 @pytest.mark.parametrize("load", [0.05, None], ids=["load", "displacement"])
 def test_the_energy_never_rises_and_ends_in_equilibrium(hard_wall, load):
-    punch, body = surface(256)[0][:1], ElasticBody(0.2, 0.5).coupled_stiffness(256)
+    punch, body = surface(256)[0][:1], ElasticBody(0.2, 0.5).response((256,))
     if load is None:
         punch = punch - 0.02
     else:
-        body = body.with_free_mean()
+        body = body.with_mean(0.0)
     laws, loads = Interactions(hard_wall, cohesive=LAW), None if load is None else np.array([load])
     solver, energies = begin(Batch(punch, body, loads, laws, Start.at_rest(punch), 0.01), NEWTON), []
     row = np.zeros(1, dtype=np.int64)
@@ -70,7 +71,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(hard_wall, load):
 
 @WALL
 def test_a_rough_contact_is_that_of_the_dynamics(hard_wall):
-    punch, body = surface()[0], ElasticBody(0.2, None).coupled_stiffness(512)
+    punch, body = surface()[0], ElasticBody(0.2, None).response((512,))
     laws = Interactions(hard_wall, cohesive=LAW)
     newton, verlet = (
         equilibrate(punch, body, 0.05, Options(solver, residual=1e-9), laws)
@@ -85,7 +86,7 @@ def test_a_rough_contact_is_that_of_the_dynamics(hard_wall):
 
 def test_the_last_steps_converge_as_those_of_newton_do():
     """With a part of the law's second derivatives wrong or left out it takes 8 to 300 steps."""
-    punch, body = surface()[0] - 0.02, ElasticBody(0.2, 0.5).coupled_stiffness(512)
+    punch, body = surface()[0] - 0.02, ElasticBody(0.2, 0.5).response((512,))
     laws, exact = Interactions(True, cohesive=LAW), Options("truncated_newton", 1e-11, max_iterations=100)
     first = equilibrate(punch, body, None, exact, laws, sliding=0.03)
     found = equilibrate(punch - 1e-3, body, None, exact, laws, following(first, punch - 1e-3, 0.031), 0.031)
@@ -95,7 +96,7 @@ def test_the_last_steps_converge_as_those_of_newton_do():
 
 def test_one_more_load_on_a_fine_grid_takes_below_a_tenth_of_the_transforms_of_the_dynamics():
     heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(2))
-    punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).coupled_stiffness(2048)
+    punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((2048,))
     laws = Interactions(True, cohesive=XuNeedlemanLaw(2e-3, 1e-3, 3e-3))
     first = equilibrate(punch, body, 0.02, NEWTON, laws)
     spent = []
@@ -109,13 +110,13 @@ def test_one_more_load_on_a_fine_grid_takes_below_a_tenth_of_the_transforms_of_t
 
 def test_a_body_that_is_dragged_keeps_what_carries_it():
     """Repulsion of surfaces that overlap does not decay with slip: no load pushes one through the other."""
-    punch, body = surface(256)[0][:1], ElasticBody(0.3, 0.3).coupled_stiffness(256)
+    punch, body = surface(256)[0][:1], ElasticBody(0.3, 0.3).response((256,))
     laws, before = Interactions(False, cohesive=XuNeedlemanLaw(2e-4, 3e-3, 5e-3)), None
     for sliding in (0.0, 0.01, 0.1):
         start = None if before is None else following(before, punch, sliding)
         before = equilibrate(punch, body, 0.05, NEWTON, laws, start, sliding)
         assert before.status[0] == 0
-        assert violation(before, punch, body.with_free_mean(), 0.05, laws.cohesive, False, sliding) <= 1e-8
+        assert violation(before, punch, body.with_mean(0.0), 0.05, laws.cohesive, False, sliding) <= 1e-8
     assert ((punch - before.displacement) / 3e-3).min() > -4.0
     assert ((sliding - before.tangential.displacement) / 5e-3).max() > 3.0  # far past what the law resists
 
@@ -134,11 +135,11 @@ def test_a_body_that_is_dragged_keeps_what_carries_it():
 def test_a_rigid_mean_is_that_of_a_body_that_is_almost_incompressible(laws, displacement):
     """The stiffness of the mean displacement is infinite, or 1e7."""
     punch, body = surface(256)[0] - displacement, ElasticBody(0.5, 0.3)
-    rigid, almost = body.coupled_stiffness(256), body.coupled_stiffness(256)
-    almost.k33[0] = 1e7
+    rigid, almost = body.response((256,)), body.response((256,))
+    almost.normal[0] = 1e7
     if not laws.couples:
         rigid, almost = rigid.condensed(), almost.condensed()
-    assert np.isinf((rigid.k33 if laws.couples else rigid)[0])
+    assert rigid.is_rigid
     held, loose = (equilibrate(punch, stiffness, None, NEWTON, laws, sliding=0.004) for stiffness in (rigid, almost))
     assert (held.status == 0).all()
     assert (loose.status == 0).all()
@@ -154,7 +155,7 @@ def test_a_weak_attraction_across_a_wide_gap_is_solved_for_itself(solver):
     n, law = 64, ExponentialLaw(2e-3, 1e-2)
     punch = 0.2 + 0.01 * (1.0 - np.cos(2.0 * np.pi * np.arange(n) / n))[np.newaxis]
     body = ElasticBody(0.3, 0.5).condensed_stiffness(grid.wavenumbers(n))
-    found = equilibrate(punch, body, None, Options(solver), Interactions(True, law))
+    found = equilibrate(punch, SpectralResponse.of_normal(body), None, Options(solver), Interactions(True, law))
     assert found.status[0] == 0
     expected = grid.signal(grid.coefficients(law.traction(punch[0])) / body, n)
     np.testing.assert_allclose(found.displacement[0], expected, rtol=1e-6)
@@ -164,7 +165,7 @@ def test_dynamics_that_diverges_says_so_by_its_status_alone():
     """Numbers overflow in the law then, which NumPy would warn of."""
     heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(1, 2))
     laws = Interactions(False, cohesive=XuNeedlemanLaw(1e-4 * np.pi * 1.024 * np.e**2, 1e-3, 3e-3))
-    body = ElasticBody(0.3, None).coupled_stiffness(2048)
+    body = ElasticBody(0.3, None).response((2048,))
     for raised in (0.0, 0.01, 0.03):
         found = equilibrate(heights.max() - raised - heights, body, 0.02, Options("verlet"), laws)
         assert found.status[0] == Status.nonfinite

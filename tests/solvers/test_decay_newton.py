@@ -7,6 +7,7 @@ import pytest
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
@@ -42,8 +43,10 @@ def drawn(seed):
 @pytest.mark.parametrize("seed", range(40))
 def test_the_contact_is_that_of_conjugate_gradients(seed):
     punch, body, load = drawn(seed)
-    found = equilibrate(punch, body, load, NEWTON)
-    expected = equilibrate(punch, body, load, Options("conjugate_gradients", max_iterations=20_000))
+    found = equilibrate(punch, SpectralResponse.of_normal(body), load, NEWTON)
+    expected = equilibrate(
+        punch, SpectralResponse.of_normal(body), load, Options("conjugate_gradients", max_iterations=20_000)
+    )
     assert (found.status == Status.ok).all()
     assert (expected.status == Status.ok).all()
     np.testing.assert_array_equal(found.touching, expected.touching)
@@ -54,7 +57,9 @@ def test_the_contact_is_that_of_conjugate_gradients(seed):
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("n", [2**10, 2**13, 2**15])
 def test_a_contact_takes_at_most_eight_pairs_of_transforms(hurst, n):
-    result = equilibrate(punches(hurst, n, 2018, 4), stiffness.half_space(grid.wavenumbers(n)), 0.007, NEWTON)
+    result = equilibrate(
+        punches(hurst, n, 2018, 4), SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(n))), 0.007, NEWTON
+    )
     assert (result.status == Status.ok).all()
     assert (result.n_transforms <= 16).all()
 
@@ -62,9 +67,9 @@ def test_a_contact_takes_at_most_eight_pairs_of_transforms(hurst, n):
 def test_no_digit_depends_on_the_batch():
     n = 1000
     punch, body = punches(0.5, n, 7, 6), stiffness.half_space(grid.wavenumbers(n))
-    together = equilibrate(punch, body, 0.02, NEWTON)
+    together = equilibrate(punch, SpectralResponse.of_normal(body), 0.02, NEWTON)
     for row in (0, 3, 5):
-        alone = equilibrate(punch[row : row + 1].copy(), body, 0.02, NEWTON)
+        alone = equilibrate(punch[row : row + 1].copy(), SpectralResponse.of_normal(body), 0.02, NEWTON)
         for name in ("displacement", "pressure", "residual", "n_transforms", "n_iterations"):
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[row])
 
@@ -73,7 +78,7 @@ def test_no_digit_depends_on_the_batch():
 def test_the_certificate_holds_whatever_the_residual_asked_for(residual):
     n = 1024
     body, punch = stiffness.half_space(grid.wavenumbers(n)), punches(0.3, n, 3, 4)
-    result = equilibrate(punch, body, 0.05, Options("active_set_newton", residual=residual))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("active_set_newton", residual=residual))
     assert (result.residual <= residual).all()
     spectrum = grid.coefficients(result.displacement) * body
     spectrum[:, 0] = 0.0
@@ -115,7 +120,7 @@ def test_a_run_cut_short_says_how_far_it_came():
     n = 1024
     punch = punches(0.3, n, 1)
     short = Options("active_set_newton", max_iterations=1)
-    result = equilibrate(punch, stiffness.half_space(grid.wavenumbers(n)), 0.01, short)
+    result = equilibrate(punch, SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(n))), 0.01, short)
     assert (result.status == Status.steps_used_up).all()
     assert np.isfinite(result.residual).all()
     assert (result.displacement <= punch + 1e-15).all()
@@ -125,7 +130,9 @@ def test_conjugate_gradients_take_over_where_decays_do_not_converge(monkeypatch)
     n = 512
     hasty = replace(table.SOLVERS["active_set_newton"], gives_up_after=1)
     monkeypatch.setitem(table.SOLVERS, "active_set_newton", hasty)
-    result = equilibrate(punches(0.3, n, 1), stiffness.half_space(grid.wavenumbers(n)), 0.01, NEWTON)
+    result = equilibrate(
+        punches(0.3, n, 1), SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(n))), 0.01, NEWTON
+    )
     assert (result.status == Status.ok).all()
     assert (result.n_iterations > 1).all()
 
@@ -139,7 +146,9 @@ def test_profiles_are_solved_by_decays_and_bodies_far_from_them_are_not():
     ):
         stiff = body.copy()
         stiff[0] = 0.0
-        solver = begin(Batch(punch, stiff, np.full(2, 0.01), HARD_WALL, Start.at_rest(punch)), NEWTON)
+        solver = begin(
+            Batch(punch, SpectralResponse.of_normal(stiff), np.full(2, 0.01), HARD_WALL, Start.at_rest(punch)), NEWTON
+        )
         assert isinstance(solver, DecayNewton) == by_decays
 
 
@@ -153,13 +162,13 @@ def test_dense_and_sparse_contacts_of_a_batch_do_not_know_of_each_other(monkeypa
         "gfmd_numba.solvers.decay_newton.ActiveSetNewton.advance",
         lambda self, active, advance=ActiveSetNewton.advance: (solved.append(active.size), advance(self, active)),
     )
-    together = equilibrate(punch, body, load, NEWTON)
+    together = equilibrate(punch, SpectralResponse.of_normal(body), load, NEWTON)
     assert (together.status == Status.ok).all()
     assert solved
     for i in range(4):
-        alone = equilibrate(punch[i : i + 1], body, load, NEWTON)
+        alone = equilibrate(punch[i : i + 1], SpectralResponse.of_normal(body), load, NEWTON)
         np.testing.assert_array_equal(alone.displacement[0], together.displacement[i])
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
         assert alone.n_transforms[0] == together.n_transforms[i]
-        expected = equilibrate(punch[i : i + 1], body, load, Options("conjugate_gradients"))
+        expected = equilibrate(punch[i : i + 1], SpectralResponse.of_normal(body), load, Options("conjugate_gradients"))
         np.testing.assert_array_equal(alone.touching, expected.touching)

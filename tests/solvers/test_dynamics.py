@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.certificate import pressure_scale
@@ -57,11 +58,11 @@ def test_members_of_a_batch_end_on_their_own(solver):
     punch, body = scene()
     punch *= np.array([[0.01], [0.1], [1.0], [10.0]])  # from full contact to a few spots
     numerics = Options(solver)
-    batch = equilibrate(punch, body, 0.05, numerics)
+    batch = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, numerics)
     assert (batch.status == Status.ok).all()
     assert len(set(batch.n_transforms)) > 1
     for i in range(len(punch)):
-        alone = equilibrate(punch[i : i + 1], body, 0.05, numerics)
+        alone = equilibrate(punch[i : i + 1], SpectralResponse.of_normal(body), 0.05, numerics)
         for field in dataclasses.fields(batch):
             whole = getattr(batch, field.name)
             if field.name != "wall_time" and whole is not None:  # of an effect that is absent
@@ -74,16 +75,16 @@ def test_transforms_are_those_of_the_algorithm():
     The last check also opens the gap, which every other one leaves to the next iteration.
     """
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Options("verlet"))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("verlet"))
     np.testing.assert_array_equal(result.n_transforms, 2 * (result.n_iterations + 1))
-    result = equilibrate(punch, body, 0.05, Options("conjugate_gradients"))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("conjugate_gradients"))
     np.testing.assert_array_equal(result.n_transforms, 4 * result.n_iterations + 2 * (result.n_iterations // 10) + 2)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_certificate_is_recomputed_independently(solver):
     punch, body = scene()
-    result = equilibrate(punch, body, 0.05, Options(solver))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options(solver))
     assert (result.residual <= 1e-8).all()
     traction = 0.05 - grid.signal(body * grid.coefficients(result.displacement), punch.shape[1])
     touching = result.displacement == punch
@@ -93,7 +94,7 @@ def test_the_certificate_is_recomputed_independently(solver):
     expected = np.maximum(violation / result.pressure.max(axis=1), imbalance)
     np.testing.assert_allclose(result.residual, expected, rtol=1e-3, atol=1e-12)
     full_contact = grid.signal(body * grid.coefficients(punch), punch.shape[1])
-    np.testing.assert_allclose(pressure_scale(punch, body), full_contact.std(axis=1))
+    np.testing.assert_allclose(pressure_scale(punch, SpectralResponse.of_normal(body)), full_contact.std(axis=1))
     np.testing.assert_allclose(result.pressure, np.where(touching, np.maximum(traction, 0), 0), atol=1e-12)
     np.testing.assert_allclose(result.pressure.mean(axis=1), 0.05, rtol=1e-6)
 
@@ -102,7 +103,7 @@ def test_the_certificate_is_recomputed_independently(solver):
 def test_too_few_iterations_are_not_converged(solver):
     punch, body = scene()
     few = 1 if solver == "active_set_newton" else 13
-    result = equilibrate(punch, body, 0.05, Options(solver, max_iterations=few))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options(solver, max_iterations=few))
     assert (result.status == Status.steps_used_up).all()
     assert (result.residual > 1e-8).all()
     assert (result.n_iterations == few).all()
@@ -112,14 +113,14 @@ def test_too_few_iterations_are_not_converged(solver):
 def test_a_nonfinite_member_ends_alone(solver):
     punch, body = scene()
     punch[1, 7] = np.nan
-    result = equilibrate(punch, body, 0.05, Options(solver))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options(solver))
     assert result.status.tolist() == [Status.ok, Status.nonfinite, Status.ok, Status.ok]
 
 
 def test_a_step_beyond_the_limit_is_reported_unstable():
     punch, body = scene()
     beyond = Options("verlet", time_step=1.05)
-    result = equilibrate(punch, body, 0.05, beyond)
+    result = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, beyond)
     assert (result.status == Status.unstable).all()
     assert (result.growing_wave > 0.9 * (len(body) - 1)).all()  # those stiffer than 1/1.05^2 of the last
-    assert equilibrate(punch, body, 0.05, Options("verlet")).growing_wave is None
+    assert equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("verlet")).growing_wave is None

@@ -18,7 +18,7 @@ def test_a_frictionless_flat_punch_in_a_deep_slab_has_its_closed_form():
     errors = []
     for nx in (256, 1024):
         given, x = flat(nx, int(width * nx), -0.01)
-        result = settled(ElasticBody(0.2, depth).coupled_stiffness(nx), np.zeros((2, nx)), given, residual=1e-8)
+        result = settled(ElasticBody(0.2, depth).response((nx,)), np.zeros((2, nx)), given, residual=1e-8)
         arc = np.sin(np.pi * width / 2)
         load = 0.01 / (depth / (0.8**2 / 0.6) - 2 / np.pi * np.log(arc))
         inside = abs(x) < 0.4 * width
@@ -37,11 +37,11 @@ def test_prescribed_displacements_are_a_flat_punch(friction):
     for nu in (0.2, 0.5):
         given, _ = flat(NX, nodes, 0.0, None if friction is None else 0.0)
         pull = np.where(np.isnan(given), [[0.0], [load]], np.nan)
-        result = settled(ElasticBody(nu, None).coupled_stiffness(NX), pull, given)
+        result = settled(ElasticBody(nu, None).response((NX,)), pull, given)
         punch = np.where(np.isnan(given[1]), 10.0, 0.0)[np.newaxis]
         wall = equilibrate(
             punch,
-            ElasticBody(nu, None).coupled_stiffness(NX),
+            ElasticBody(nu, None).response((NX,)),
             load,
             Options("verlet", residual=1e-10),
             Interactions(True, friction=friction or 0.0),
@@ -63,7 +63,7 @@ def test_a_sticking_flat_punch_has_its_closed_form(nu):
         given, x = flat(nx, nx // 32, 0.0, 0.0)
         given[0] += (1 - 2 * nu) / (1 - nu) * load * x
         pull = np.where(np.isnan(given), [[0.0], [load]], np.nan)
-        result = settled(ElasticBody(nu, None).coupled_stiffness(nx), pull, given, residual=1e-8)
+        result = settled(ElasticBody(nu, None).response((nx,)), pull, given, residual=1e-8)
         inside = abs(x) < 0.8 * a
         x = x[inside]
         size = load * 2 * (1 - nu) / np.sqrt(3 - 4 * nu) / (np.pi * np.sqrt(a**2 - x**2))

@@ -41,7 +41,7 @@ def test_ridges_are_profiles(body, friction, along):
     for drag, (found, _) in zip(drags, maps, strict=True):
         start = None if before is None else following(before, punch, drag)
         law = Interactions(True, friction=friction)
-        before = equilibrate(punch, body.coupled_stiffness(n), 0.1, options, law, start, drag)
+        before = equilibrate(punch, body.response((n,)), 0.1, options, law, start, drag)
         assert before.status[0] == found.status[0] == Status.ok
         own, other = found.tangential.traction[0], found.tangential.slip[0]
         if along == "y":
@@ -67,7 +67,7 @@ def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
         Options("verlet", residual=1e-10),
         Interactions(True, friction=friction),
     )
-    one = equilibrate(profile, body.coupled_stiffness(64), 0.01, options, law)
+    one = equilibrate(profile, body.response((64,)), 0.01, options, law)
     two = press(np.repeat(profile[:, np.newaxis], 4, axis=1), body, 0.01, friction, options=options)
     assert one.status[0] == two.status[0] == Status.ok
     peak = one.pressure.max()

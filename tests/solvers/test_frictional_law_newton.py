@@ -48,7 +48,7 @@ def random_path(seed):
         load, deep = load * factor, min(deep * factor, 0.6 * punch.mean())
         if aspect_ratio is not None:
             sliding += rng.normal() * min(friction, 1.0) * min(aspect_ratio, 1.0) * 10 ** rng.uniform(-3.0, -0.5)
-    return ElasticBody(nu, aspect_ratio).coupled_stiffness(nx), friction, law, steps
+    return ElasticBody(nu, aspect_ratio).response((nx,)), friction, law, steps
 
 
 @pytest.mark.parametrize("seed", range(24))
@@ -68,9 +68,9 @@ def test_every_step_of_a_random_path_holds_the_conditions_with_a_law(seed):
 def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, friction, law):
     """Damped dynamics anchors a node where its own motion touched down, so its anchors are given to Newton's method."""
     nx, load = 256, 0.1
-    punch, stiffness = rough(nx, 3), ElasticBody(nu, 0.5).coupled_stiffness(nx)
+    punch, stiffness = rough(nx, 3), ElasticBody(nu, 0.5).response((nx,))
     at_rest, row, laws = Start.at_rest(punch), np.arange(1), Interactions(True, normal_law=law, friction=friction)
-    batch = Batch(punch, stiffness.with_free_mean(), np.array([load]), laws, at_rest, 0.0, 10.0)
+    batch = Batch(punch, stiffness.with_mean(0.0), np.array([load]), laws, at_rest, 0.0, 10.0)
     dynamics = begin(batch, Options("verlet"))
     while dynamics.residual(row)[0] > 1e-10:
         for _ in range(20):
@@ -91,7 +91,7 @@ def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, fr
 
 @pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
 def test_a_law_without_strength_leaves_friction_as_it_is_alone(law):
-    punch, stiffness, friction = rough(512, 4), ElasticBody(0.2, 0.4).coupled_stiffness(512), 0.3
+    punch, stiffness, friction = rough(512, 4), ElasticBody(0.2, 0.4).response((512,)), 0.3
     faint = ExponentialLaw(1e-14 * law.work, law.length)
     alone, together = None, None
     for load, sliding in ((0.1, 0.0), (0.05, 2e-3)):
@@ -108,7 +108,7 @@ def test_a_law_without_strength_leaves_friction_as_it_is_alone(law):
 @pytest.mark.parametrize("friction", [0.3, np.inf])
 def test_friction_leaves_the_pressure_of_a_law_on_an_incompressible_half_space(law, friction):
     """Shear does not lift its surface, so that Newton's method without friction finds the pressure."""
-    punch, stiffness = rough(512, 5), ElasticBody(0.5, None).coupled_stiffness(512)
+    punch, stiffness = rough(512, 5), ElasticBody(0.5, None).response((512,))
     rubbed = press(punch, stiffness, 0.1, friction, law)
     laws = Interactions(True, normal_law=law)
     smooth = equilibrate(punch, stiffness.condensed(), 0.1, Options("truncated_newton"), laws)
@@ -121,7 +121,7 @@ def test_a_rigid_mean_with_a_law_is_the_limit_of_one_that_is_nearly_rigid():
     punch, friction, found = rough(256, 2), 0.3, []
     punch -= 0.4 * punch.mean()
     for nu in (0.5, 0.5 - 1e-9):
-        stiffness, before = ElasticBody(nu, 0.3).coupled_stiffness(256), None
+        stiffness, before = ElasticBody(nu, 0.3).response((256,)), None
         for sliding in (0.0, 5e-3):
             start = None if before is None else following(before, punch, sliding)
             before = press(punch, stiffness, None, friction, ATTRACTION, start, sliding)
@@ -137,14 +137,14 @@ def test_a_rigid_mean_with_a_law_is_the_limit_of_one_that_is_nearly_rigid():
 def test_ridges_with_a_law_are_profiles(law):
     n, across, body, friction = 64, 6, ElasticBody(0.2, 0.3), 0.3
     punch = rough(n, 3, waves=16)
-    ridges, stiffness = np.repeat(punch[:, np.newaxis], across, axis=1), body.coupled_stiffness_of_map((across, n))
+    ridges, stiffness = np.repeat(punch[:, np.newaxis], across, axis=1), body.response((across, n))
     of_map, of_profile = None, None
     for drag in (0.0, 5e-3):
         sliding = np.reshape((drag, 0.0), (2, 1, 1))
         first = None if of_map is None else following(of_map, ridges, sliding)
         second = None if of_profile is None else following(of_profile, punch, drag)
         of_map = press(ridges, stiffness, 0.1, friction, law, first, sliding)
-        of_profile = press(punch, body.coupled_stiffness(n), 0.1, friction, law, second, drag)
+        of_profile = press(punch, body.response((n,)), 0.1, friction, law, second, drag)
         assert of_map.status[0] == of_profile.status[0] == Status.ok
         peak, own = of_profile.pressure.max(), of_map.tangential.traction[0]
         np.testing.assert_allclose(of_map.pressure[0], np.tile(of_profile.pressure, (across, 1)), atol=5e-8 * peak)
@@ -154,7 +154,7 @@ def test_ridges_with_a_law_are_profiles(law):
 
 def test_one_more_load_with_a_law_takes_less_than_a_quarter_of_the_transforms_of_the_dynamics():
     nx, rows, law = 1024, 3, ExponentialLaw(2e-5, 3e-4)
-    punch, stiffness = rough(nx, 7, 0.8, 128, rows), ElasticBody(0.3, None).coupled_stiffness(nx)
+    punch, stiffness = rough(nx, 7, 0.8, 128, rows), ElasticBody(0.3, None).response((nx,))
     first = press(punch, stiffness, 0.05, 0.3, law)
     start = following(first, punch, 0.0)
     found = press(punch, stiffness, 0.06, 0.3, law, start)
@@ -164,9 +164,9 @@ def test_one_more_load_with_a_law_takes_less_than_a_quarter_of_the_transforms_of
 
 
 def test_friction_without_a_wall_is_refused():
-    punch, stiffness = rough(64, 1, waves=8), ElasticBody(0.3, None).coupled_stiffness(64)
+    punch, stiffness = rough(64, 1, waves=8), ElasticBody(0.3, None).response((64,))
     batch = Batch(
-        punch, stiffness.with_free_mean(), np.array([0.1]), Interactions(False, normal_law=ATTRACTION, friction=0.3),
+        punch, stiffness.with_mean(0.0), np.array([0.1]), Interactions(False, normal_law=ATTRACTION, friction=0.3),
         Start.at_rest(punch), 0.0, 10.0,
     )  # fmt: skip
     with pytest.raises(ValueError, match="friction on a hard wall only"):

@@ -5,6 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError
@@ -103,7 +104,7 @@ def test_a_member_without_room_does_not_take_the_others_along():
     room = punch.mean(axis=1)
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
     body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
-    result = equilibrate(punch, body, None, Options("conjugate_gradients"))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), None, Options("conjugate_gradients"))
     assert result.status.tolist() == [Status.no_equilibrium, Status.ok, Status.no_equilibrium, Status.ok]
     volume = result.displacement[1::2].mean(axis=1)
     np.testing.assert_allclose(volume, 0.0, atol=1e-9 * np.ptp(punch))
@@ -188,7 +189,9 @@ def test_a_million_steps_do_not_move_the_state():
     heights = self_affine.profiles(0.8, 1, 8, 32, 3, range(1))
     punch, body = heights.max() - heights, stiffness.half_space(grid.wavenumbers(32))
     early, late = (
-        equilibrate(punch, body, 0.05, Options("verlet", residual=1e-300, max_iterations=steps))
+        equilibrate(
+            punch, SpectralResponse.of_normal(body), 0.05, Options("verlet", residual=1e-300, max_iterations=steps)
+        )
         for steps in (10_000, 1_000_000)
     )
     np.testing.assert_array_equal(early.touching, late.touching)

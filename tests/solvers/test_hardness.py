@@ -8,6 +8,7 @@ from scipy.optimize import brentq, lsq_linear
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -26,7 +27,9 @@ def body(shape, slab=None):
 
 def press(punch, load, hardness, solver="active_set_newton", slab=None, **options):
     wall = Interactions(hard_wall=True, hardness=hardness)
-    return equilibrate(punch, body(punch.shape[1:], slab), load, Options(solver, **options), wall)
+    return equilibrate(
+        punch, SpectralResponse.of_normal(body(punch.shape[1:], slab)), load, Options(solver, **options), wall
+    )
 
 
 def rough(shape, hurst=0.8, seed=1, realisations=range(2)):
@@ -220,9 +223,9 @@ def test_contacts_far_too_soft_to_deform_the_body_are_the_load_over_the_hardness
 def test_single_precision_has_the_same_nodes():
     punch = rough((256,), realisations=range(1))
     wall = Interactions(hard_wall=True, hardness=0.3)
-    double = equilibrate(punch, body((256,)), 0.1, Options("active_set_newton"), wall)
+    double = equilibrate(punch, SpectralResponse.of_normal(body((256,))), 0.1, Options("active_set_newton"), wall)
     options = Options("active_set_newton", residual=1e-3, precision="single")
-    single = equilibrate(punch.astype(np.float32), body((256,)), 0.1, options, wall)
+    single = equilibrate(punch.astype(np.float32), SpectralResponse.of_normal(body((256,))), 0.1, options, wall)
     assert single.status[0] == Status.ok
     assert single.pressure.max() == np.float32(0.3)
     assert (single.plastic != double.plastic).sum() <= 2
@@ -238,7 +241,13 @@ def test_a_load_beyond_the_hardness_is_refused(solver):
 def test_solvers_without_a_second_bound_refuse_it():
     for solver in ("verlet", "gronbech_jensen", "fire"):
         with pytest.raises(ValueError, match="knows no hardness"):
-            equilibrate(rough((64,)), body((64,)), 0.1, Options(solver), Interactions(True, hardness=0.2))
+            equilibrate(
+                rough((64,)),
+                SpectralResponse.of_normal(body((64,))),
+                0.1,
+                Options(solver),
+                Interactions(True, hardness=0.2),
+            )
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])

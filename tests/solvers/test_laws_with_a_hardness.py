@@ -10,6 +10,7 @@ from gfmd_numba.contact.load_path import solve_steps
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -35,7 +36,7 @@ def stiff(shape, body=SLAB):
 def press(punch, load, hardness, law, residual=1e-10):
     wall = Interactions(True, normal_law=law, hardness=hardness)
     options = Options("truncated_newton", residual=residual)
-    return equilibrate(punch[np.newaxis], stiff(punch.shape), load, options, wall)
+    return equilibrate(punch[np.newaxis], SpectralResponse.of_normal(stiff(punch.shape)), load, options, wall)
 
 
 def dense(wall, hardness, law):
@@ -97,7 +98,11 @@ def test_a_vanishing_law_leaves_the_contact_of_the_active_sets(shape):
     heights = rough(shape)
     punch = heights.max() - heights
     alone = equilibrate(
-        punch[np.newaxis], stiff(shape), 0.1, Options("active_set_newton"), Interactions(True, hardness=0.2)
+        punch[np.newaxis],
+        SpectralResponse.of_normal(stiff(shape)),
+        0.1,
+        Options("active_set_newton"),
+        Interactions(True, hardness=0.2),
     )
     found = press(punch, 0.1, 0.2, ExponentialLaw(1e-12, 0.01))
     np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import map_contact
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
@@ -59,7 +60,9 @@ def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, shar
 @pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (96, 96)), (0.5, (104, 64)), (0.5, (100, 100))])
 def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
     punch, stiff = oblong(shape, hurst), body(shape, slab)
-    found, expected = (equilibrate(punch, stiff, load, options) for options in (NEWTON, GRADIENTS))
+    found, expected = (
+        equilibrate(punch, SpectralResponse.of_normal(stiff), load, options) for options in (NEWTON, GRADIENTS)
+    )
     assert found.status[0] == expected.status[0] == Status.ok
     np.testing.assert_array_equal(found.touching, expected.touching)
     np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
@@ -72,7 +75,9 @@ def test_a_prescribed_displacement_makes_the_contact_of_conjugate_gradients(slab
     punch = rough(128, hurst=0.5)
     punch -= depth * punch.mean()
     stiff = body((128, 128), slab)
-    found, expected = (equilibrate(punch, stiff, None, options) for options in (NEWTON, GRADIENTS))
+    found, expected = (
+        equilibrate(punch, SpectralResponse.of_normal(stiff), None, options) for options in (NEWTON, GRADIENTS)
+    )
     assert found.status[0] == expected.status[0] == Status.ok
     np.testing.assert_array_equal(found.touching, expected.touching)
     np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
@@ -81,12 +86,14 @@ def test_a_prescribed_displacement_makes_the_contact_of_conjugate_gradients(slab
 @pytest.mark.parametrize(("share", "status"), [(0.5, Status.ok), (1.01, Status.no_equilibrium)])
 def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch(share, status):
     punch = rough(64)
-    found = equilibrate(punch - share * punch.mean(), body((64, 64), (0.5, 0.3)), None, NEWTON)
+    found = equilibrate(
+        punch - share * punch.mean(), SpectralResponse.of_normal(body((64, 64), (0.5, 0.3))), None, NEWTON
+    )
     assert found.status[0] == status
 
 
 def test_a_punch_that_does_not_touch_has_no_pressure():
-    found = equilibrate(np.full((1, 64, 64), 0.1), body((64, 64), (0.3, 1.0)), None, NEWTON)
+    found = equilibrate(np.full((1, 64, 64), 0.1), SpectralResponse.of_normal(body((64, 64), (0.3, 1.0))), None, NEWTON)
     assert found.status[0] == Status.ok
     assert found.pressure.max() == 0.0
 
@@ -104,9 +111,9 @@ def test_near_and_exact_compliance_lead_to_the_same_contact(monkeypatch, dense):
 def test_a_map_in_a_batch_is_what_it_is_alone():
     """Few contacts, so that the compliance between tiles is used, and a pressure and a count of transforms each."""
     punch, stiff = rough(128, range(3)), body((128, 128))
-    together = equilibrate(punch, stiff, 0.003, NEWTON)
+    together = equilibrate(punch, SpectralResponse.of_normal(stiff), 0.003, NEWTON)
     for i in range(3):
-        alone = equilibrate(punch[i : i + 1], stiff, 0.003, NEWTON)
+        alone = equilibrate(punch[i : i + 1], SpectralResponse.of_normal(stiff), 0.003, NEWTON)
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
         np.testing.assert_array_equal(alone.displacement[0], together.displacement[i])
         assert alone.n_transforms[0] == together.n_transforms[i]
@@ -115,7 +122,7 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
 @pytest.mark.parametrize("load", [0.003, 0.3])
 def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     punch, stiff = rough(128), body((128, 128))
-    found = equilibrate(punch, stiff, load, Options("active_set_newton", max_iterations=1))
+    found = equilibrate(punch, SpectralResponse.of_normal(stiff), load, Options("active_set_newton", max_iterations=1))
     assert found.status[0] == Status.steps_used_up
     restoring = np.fft.irfft2(np.fft.rfft2(found.displacement[0]) * stiff, (128, 128))
     traction, touching = load - restoring, found.displacement[0] >= punch[0]
@@ -129,7 +136,9 @@ def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
 def test_the_residual_is_no_certificate_before_it_is_small():
     """While the pressure is known to be wrong, its error is told in place of the certificate, which costs more."""
     punch, stiff = rough(128), body((128, 128))
-    solver = begin(Batch(punch, stiff, np.array([0.01]), HARD_WALL, Start.at_rest(punch)), NEWTON)
+    solver = begin(
+        Batch(punch, SpectralResponse.of_normal(stiff), np.array([0.01]), HARD_WALL, Start.at_rest(punch)), NEWTON
+    )
     assert isinstance(solver, MapNewton)
     one, made = np.arange(1), []
     for _ in range(8):
@@ -157,7 +166,7 @@ def test_a_map_of_few_contacts_takes_few_arrays():
     punch, stiff = rough(512), body((512, 512))
     press(punch[:, ::8, ::8], 0.005)
     tracemalloc.start()
-    equilibrate(punch, stiff, 0.005, NEWTON)
+    equilibrate(punch, SpectralResponse.of_normal(stiff), 0.005, NEWTON)
     peak = tracemalloc.get_traced_memory()[1] / 512**2
     tracemalloc.stop()
     assert peak < 64

@@ -24,12 +24,12 @@ BODIES = {"half-space": ElasticBody(0.3, None), "slab": ElasticBody(0.2, 0.05), 
 def test_it_is_close_to_the_inverse_whichever_nodes_the_law_holds(body, strength):
     """Eigenvalues of the product with the stiffness lie near 1, but for those of the cut, where the period is open."""
     rng = np.random.default_rng(0)
-    stiffness = body.coupled_stiffness(N)
+    stiffness = body.response((N,))
     law, moves = np.zeros((2, SECOND + N))
     law[:N], law[SECOND:] = strength * N * (rng.random((2, N)) < 0.5)
     moves[:N], moves[SECOND:] = rng.random((2, N)) < 0.8
     compliances = []
-    for k in (stiffness.k11, stiffness.k33):
+    for k in (stiffness.elements[0], stiffness.normal):
         k[0] = k[0] if k[0] > 0.0 else k[1:].min()
         compliances.append(1.0 / k)
     parallel = ParallelLaw(tuple(compliances), N, SECOND)
@@ -52,7 +52,7 @@ def test_it_is_close_to_the_inverse_whichever_nodes_the_law_holds(body, strength
 def test_without_it_the_compliance_alone_leads_to_the_same_contact(monkeypatch):
     """As on fewer nodes than decays, or where decays of both signs are not positive definite."""
     assert not ParallelLaw((np.ones(5), np.ones(5)), 8, 8).is_safe
-    punch, body = surface(256)[0], ElasticBody(0.2, None).coupled_stiffness(256)
+    punch, body = surface(256)[0], ElasticBody(0.2, None).response((256,))
     laws, exact = Interactions(True, cohesive=XuNeedlemanLaw(2e-3, 2e-2, 4e-2)), Options("truncated_newton", 1e-10)
     found = equilibrate(punch, body, 0.05, exact, laws)
     monkeypatch.setattr(parallel_law, "_FEWEST", 1000)

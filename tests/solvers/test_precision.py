@@ -11,6 +11,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -65,7 +66,13 @@ def test_the_certificate_holds_in_double_precision(solver):
 def test_all_large_arrays_of_a_solver_are_of_the_precision_of_the_punch():
     punch = np.abs(np.sin(np.arange(2 * NX)).reshape(2, NX)).astype(np.float32)
     solver = begin(
-        Batch(punch, stiffness.half_space(grid.wavenumbers(NX)), np.full(2, 0.05), HARD_WALL, Start.at_rest(punch)),
+        Batch(
+            punch,
+            SpectralResponse.of_normal(stiffness.half_space(grid.wavenumbers(NX))),
+            np.full(2, 0.05),
+            HARD_WALL,
+            Start.at_rest(punch),
+        ),
         Options("active_set_newton", residual=1e-3),
     )
     field = solver.field
@@ -171,8 +178,8 @@ def test_all_large_arrays_of_the_newton_methods_with_laws_are_of_the_precision_o
     law, body = ExponentialLaw(1e-3, 0.1), ElasticBody(0.3, 1.0)
     cohesive, start, load = XuNeedlemanLaw(1e-3, 0.1, 0.1), Start.at_rest(punch), np.full(2, 0.05)
     for stiffness_, laws in (
-        (body.condensed_stiffness(grid.wavenumbers(NX)), Interactions(True, normal_law=law)),
-        (body.coupled_stiffness(NX), Interactions(True, cohesive=cohesive)),
+        (body.response((NX,)).condensed(), Interactions(True, normal_law=law)),
+        (body.response((NX,)), Interactions(True, cohesive=cohesive)),
     ):
         solver = begin(Batch(punch, stiffness_, load, laws, start), Options("truncated_newton", residual=1e-3))
         arrays = {name: each for name, each in vars(solver).items() if getattr(each, "nbytes", 0) and each.strides[-1]}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
@@ -57,7 +58,10 @@ def test_what_a_row_names_exists(name):
 def test_every_solver_has_the_same_surface(name):
     punch = 0.01 * (1.0 - np.cos(2.0 * np.pi * np.arange(32) / 32))[np.newaxis]
     stiffness = 0.5 * 2.0 * np.pi * np.arange(17.0)
-    solver = begin(Batch(punch, stiffness, np.array([0.01]), HARD_WALL, Start.at_rest(punch)), Options(name))
+    solver = begin(
+        Batch(punch, SpectralResponse.of_normal(stiffness), np.array([0.01]), HARD_WALL, Start.at_rest(punch)),
+        Options(name),
+    )
     for _ in range(5):  # a residual not yet expected to be small may stay unknown
         solver.advance(np.arange(1))
         residual = solver.residual(np.arange(1))

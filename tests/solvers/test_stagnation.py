@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -71,7 +72,9 @@ def test_what_rounding_leaves_ends_the_run_long_before_the_iterations_allowed():
         (0.05, Options("truncated_newton", 1e-16), laws),
         (0.05, Options("verlet", 1e-16), laws),
     ):
-        found = equilibrate(punch, body, load, replace(options, max_iterations=most), acting)
+        found = equilibrate(
+            punch, SpectralResponse.of_normal(body), load, replace(options, max_iterations=most), acting
+        )
         assert (found.status == Status.stagnated).all()
         assert (found.residual > options.residual).all()
         assert (found.n_iterations < most / 4).all()
@@ -106,7 +109,7 @@ def run(random, solver):
     if solver in ("verlet", "gronbech_jensen"):
         numbers["damping"] = 10 ** random.uniform(-0.7, 0.7)
     options = Options(solver, 10 ** random.uniform(-10, -6), max_iterations=100_000, **numbers)
-    laws, stiffness = Interactions(True), body.coupled_stiffness(n)
+    laws, stiffness = Interactions(True), body.response((n,))
     if solver != "conjugate_gradients":
         attraction = ExponentialLaw(10 ** random.uniform(-4.5, -2.5), length)
         if random.random() < 0.5 and solver not in ("fire", "gronbech_jensen"):

@@ -5,6 +5,7 @@ import pytest
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -51,7 +52,9 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
     if load is None:
         body, punch = stiffness.slab(grid.wavenumbers(256), 0.3, 0.5), punch - 0.02
     loads = np.full(3, load or 0.0)
-    batch = Batch(punch, body, None if load is None else loads, interface, Start.at_rest(punch))
+    batch = Batch(
+        punch, SpectralResponse.of_normal(body), None if load is None else loads, interface, Start.at_rest(punch)
+    )
     solver = begin(batch, Options("truncated_newton"))
     energies = []
     rows = np.arange(3)
@@ -64,7 +67,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
     rise = np.diff(energies, axis=0)
     assert (rise <= 1e-13 * np.abs(energies).max(axis=0)).all()
     assert len(rise) > 3
-    found = equilibrate(punch, body, load, Options("truncated_newton"), interface)
+    found = equilibrate(punch, SpectralResponse.of_normal(body), load, Options("truncated_newton"), interface)
     assert (found.status == 0).all()
     assert (violation(found, punch, body, load or 0.0, interface) <= 1e-8).all()
 
@@ -74,7 +77,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
 def test_the_one_equilibrium_of_a_convex_energy_is_that_of_the_dynamics(interface, load):
     punch, body = surface(128)
     newton, verlet = (
-        equilibrate(punch, body, load, Options(solver, residual=1e-10), interface)
+        equilibrate(punch, SpectralResponse.of_normal(body), load, Options(solver, residual=1e-10), interface)
         for solver in ("truncated_newton", "verlet")
     )
     assert (newton.status == 0).all()
@@ -93,7 +96,11 @@ def retraction(solver, n, law, step, last, residual=1e-8):
     for displacement in np.arange(0.0, last, -step):
         punch = wave(n) - displacement
         start = following(found[-1], punch, 0.0) if found else None
-        found.append(equilibrate(punch, body, None, Options(solver, residual), Interactions(True, law), start))
+        found.append(
+            equilibrate(
+                punch, SpectralResponse.of_normal(body), None, Options(solver, residual), Interactions(True, law), start
+            )
+        )
     return found
 
 
@@ -126,9 +133,9 @@ def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges)
     punch = heights.max() - heights
     slab = stiffness.slab(grid.wavenumbers(128), 0.3, 1.0)
     options, laws = Options("truncated_newton", max_iterations=500), Interactions(True, law)
-    before = equilibrate(punch - 0.05, slab, None, options, laws)
+    before = equilibrate(punch - 0.05, SpectralResponse.of_normal(slab), None, options, laws)
     wall = punch + 1e-3 * ranges
-    apart = equilibrate(wall, slab, None, options, laws, following(before, wall, 0.0))
+    apart = equilibrate(wall, SpectralResponse.of_normal(slab), None, options, laws, following(before, wall, 0.0))
     assert apart.status[0] == Status.ok
     assert abs(apart.displacement).max() < 1e-80
     assert apart.n_transforms[0] < 500
@@ -139,11 +146,12 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
     punch, body = heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(512))
     law = Interactions(True, ExponentialLaw(0.1 * np.pi * 256 * 3e-3**2, 3e-3))
     at_once, dynamics = (
-        equilibrate(punch, body, 0.01, Options(solver), law) for solver in ("truncated_newton", "verlet")
+        equilibrate(punch, SpectralResponse.of_normal(body), 0.01, Options(solver), law)
+        for solver in ("truncated_newton", "verlet")
     )
     start = None
     for load in np.geomspace(1e-4, 0.01, 12):
-        found = equilibrate(punch, body, load, Options("truncated_newton"), law, start)
+        found = equilibrate(punch, SpectralResponse.of_normal(body), load, Options("truncated_newton"), law, start)
         start = following(found, punch, 0.0)
     for other in (dynamics, found):
         assert (other.status == 0).all()
@@ -153,7 +161,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
 def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():
     punch, body = surface(128)
     start = Start(punch + 20.0, punch, punch)
-    found = equilibrate(punch, body, 0.05, Options("truncated_newton"), REPULSION, start)
+    found = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("truncated_newton"), REPULSION, start)
     assert (found.status == 0).all()
 
 

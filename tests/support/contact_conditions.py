@@ -6,12 +6,12 @@ import numpy as np
 def tractions(stiffness, tangential, normal, load=None):
     """Tangential traction and pressure that two displacements `[x]` call up; the load is None where K33(0) counts."""
     n = len(normal)
-    k33 = stiffness.k33.copy()
+    k33 = stiffness.normal.copy()
     if load is not None or np.isinf(k33[0]):
         k33[0] = 0.0
     c1, c3 = np.fft.rfft(tangential), np.fft.rfft(normal)
-    shear = np.fft.irfft(stiffness.k11 * c1 + 1j * stiffness.k13 * c3, n)
-    restoring = np.fft.irfft(k33 * c3 - 1j * stiffness.k13 * c1, n)
+    shear = np.fft.irfft(stiffness.elements[0] * c1 + 1j * stiffness.elements[1] * c3, n)
+    restoring = np.fft.irfft(k33 * c3 - 1j * stiffness.elements[1] * c1, n)
     return shear, (load or 0.0) - restoring
 
 
@@ -27,7 +27,7 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
     pull = 0.0 * punch if law is None else law.work / law.length * np.exp((u3 - punch) / law.length)
     pressure = pressure + pull
     volume = 0.0
-    if load is None and np.isinf(stiffness.k33[0]):
+    if load is None and np.isinf(stiffness.normal[0]):
         pressure = pressure + result.pressure[row].mean()
         volume = abs(u3.mean()) / np.ptp(punch)
     gap = punch - u3

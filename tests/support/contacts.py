@@ -3,6 +3,7 @@
 import numpy as np
 
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -12,7 +13,7 @@ def press(heights, load, solver="conjugate_gradients", body=None, residual=1e-10
     heights = np.atleast_2d(heights)
     body = stiffness.half_space(grid.wavenumbers(heights.shape[1])) if body is None else body
     punch = heights.max(axis=1, keepdims=True) - heights
-    result = equilibrate(punch, body, load, Options(solver, residual=residual))
+    result = equilibrate(punch, SpectralResponse.of_normal(body), load, Options(solver, residual=residual))
     assert (result.status == 0).all()
     return result
 

@@ -14,7 +14,7 @@ FREE = np.full((2, NX), np.nan)
 
 
 def body(nu, aspect_ratio, nx=NX):
-    return ElasticBody(nu, None if np.isinf(aspect_ratio) else aspect_ratio).coupled_stiffness(nx)
+    return ElasticBody(nu, None if np.isinf(aspect_ratio) else aspect_ratio).response((nx,))
 
 
 def settled(*arguments, residual=1e-10):

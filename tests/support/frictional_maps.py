@@ -21,7 +21,7 @@ def rough(shape, seed, hurst=0.8, waves=8, rows=1):
 
 
 def press(punch, body, load, friction, start=None, sliding=(0.0, 0.0), options=NEWTON):
-    stiffness = body.coupled_stiffness_of_map(punch.shape[1:]) if isinstance(body, ElasticBody) else body
+    stiffness = body.response(punch.shape[1:]) if isinstance(body, ElasticBody) else body
     drag = np.reshape(sliding, (2, 1, 1))
     return equilibrate(punch, stiffness, load, options, Interactions(True, friction=friction), start, drag)
 

@@ -27,7 +27,7 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
     shear, pressure = tractions(stiffness, tangential, normal, load)
     peak = result.pressure[row].max()
     volume = 0.0
-    if load is None and np.isinf(stiffness.k33[0, 0]):
+    if load is None and np.isinf(stiffness.normal[0, 0]):
         pressure = pressure + result.pressure[row].mean()
         volume = abs(normal.mean()) / np.ptp(punch)
     gap = punch - normal

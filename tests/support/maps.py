@@ -3,6 +3,7 @@
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -21,7 +22,7 @@ def body(shape, slab=None):
 
 
 def press(punch, load, solver="active_set_newton", slab=None):
-    found = equilibrate(punch, body(punch.shape[1:], slab), load, Options(solver))
+    found = equilibrate(punch, SpectralResponse.of_normal(body(punch.shape[1:], slab)), load, Options(solver))
     assert (found.status == Status.ok).all()
     return found
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.iteration import Coupled
 from gfmd_numba.solvers.preconditioners.near_field import NearField
 from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 
@@ -21,8 +21,8 @@ class NearTractions:
     _tangential: ProfileInverse | NearField
     _normal: ProfileInverse | NearField
 
-    def __init__(self, stiffness: Coupled, shape: tuple[int, ...]) -> None:
-        elements = stiffness.inverse()
+    def __init__(self, response: SpectralResponse, shape: tuple[int, ...]) -> None:
+        elements = response.inverse()
         normal, tangential = elements[-1], elements[0]
         if len(shape) == 1:
             self._tangential, self._normal = ProfileInverse(tangential, *shape), ProfileInverse(normal, *shape)
@@ -35,7 +35,7 @@ class NearTractions:
         self.tangential_of_a_node = float((_inverse(tangential) * share).sum())
         self.normal_of_a_node = float((_inverse(normal) * share).sum())
         # a rigid mean is not one of the sum, in which an attraction would move it
-        self.takes_law = self._normal.takes_own and bool(np.isfinite(stiffness.k33.flat[0]))
+        self.takes_law = self._normal.takes_own and not response.is_rigid
 
     @property
     def transforms(self) -> float:

@@ -1,0 +1,197 @@
+"""What a body does under tractions on its periodic surface, wave by wave.
+
+One matrix a wave links what is followed of its displacements to their tractions: the normal one alone, both of a
+profile, or all three of a map. A wave of wave vector q = |q| (c, s) splits in two. Along q and out of the surface it is
+the wave of a profile, with K11, K13 and K33 of (6.57). Across q it is one of shear alone, which nothing couples to, of
+stiffness K22, G |q| for a half-space. In the axes x, y of the map, with z out of the surface, the stiffness is the
+Hermitian matrix
+
+    [[xx, xy, i xz], [xy, yy, i yz], [-i xz, -i yz, zz]],    xx = K11 c^2 + K22 s^2,    xy = (K11 - K22) c s,
+    yy = K11 s^2 + K22 c^2,    xz = K13 c,    yz = K13 s,    zz = K33,
+
+and the compliance, its inverse, is of the same form: the phases drop out, so that real symmetric matrices are inverted.
+A profile has xx = K11, xz = K13 and zz = K33 alone, and the normal displacement alone has zz.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.stiffness import in_series
+from gfmd_numba.fourier import grid
+
+_UNIT = np.array([1.0, 0.0, 1.0, 0.0, 0.0, 1.0])  # xx, xy, yy, xz, yz, zz of displacements that are not followed
+_FOLLOWED = {1: [5], 3: [0, 3, 5], 6: [0, 1, 2, 3, 4, 5]}  # which of these there are, by their number
+_OF_COMPONENT = ([1, 3], [1, 4])  # that couple x to others, and y: they change sign with q_x, and with q_y
+_OUT_OF_PLANE = [3, 4]
+
+
+@dataclass(frozen=True)
+class SpectralResponse:
+    """Elements of the stiffness `[element, (ny,) nx // 2 + 1]`, in E*/L_x: zz, or xx, xz and zz, or all six.
+
+    At q = 0 they are 0 where nothing restores a mean displacement, and infinite where it is rigid.
+    """
+
+    elements: Reals
+
+    @classmethod
+    def of_normal(cls, stiffness: Reals) -> "SpectralResponse":
+        """Response of the normal displacement alone, of a stiffness `[(ny,) nx // 2 + 1]`."""
+        return cls(stiffness[np.newaxis])
+
+    @classmethod
+    def on_grid(cls, shape: tuple[int, ...], k11: Reals, k13: Reals, k33: Reals, k22: Reals) -> "SpectralResponse":
+        """Response on (ny,) nx nodes from the stiffness of waves along q and of those across `[(ny,) nx // 2 + 1]`."""
+        *along_y, qx = grid.wavevectors(shape, (1.0,) * len(shape))
+        qy = along_y[0] if along_y else np.zeros(1)
+        q = np.hypot(qy, qx)
+        q.flat[0] = 1.0
+        c, s = qx / q, qy / q
+        c.flat[0] = 1.0  # the uniform displacements, one as stiff as the other
+        whole = (k11 * c**2 + k22 * s**2, (k11 - k22) * c * s, k11 * s**2 + k22 * c**2, k13 * c, k13 * s, k33)
+        followed = _FOLLOWED[3 * len(shape)]
+        return cls(_free_at_nyquist(np.array([whole[element] for element in followed]), shape))
+
+    @property
+    def components(self) -> int:
+        """Number of displacements that are followed, the normal one last."""
+        return {1: 1, 3: 2, 6: 3}[len(self.elements)]
+
+    @property
+    def diagonal(self) -> Reals:
+        """Stiffness of each displacement alone `[component, (ny,) nx // 2 + 1]`."""
+        return self.elements[np.cumsum(np.arange(1, self.components + 1)) - 1]
+
+    @property
+    def normal(self) -> Reals:
+        """Stiffness of the normal displacement alone `[(ny,) nx // 2 + 1]`."""
+        return np.asarray(self.elements[-1])
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the mean normal displacement is rigid, as the body keeps its volume."""
+        return not np.isfinite(self.normal.flat[0])
+
+    @property
+    def drifts(self) -> bool:
+        """Whether nothing restores the mean tangential displacement."""
+        return bool(self.elements[0].flat[0] == 0.0)
+
+    def condensed(self) -> "SpectralResponse":
+        """Response of the normal displacement where no tangential traction acts (Schur complement, 6.75)."""
+        if self.components == 1:
+            return self
+        xx, xy, yy, xz, yz, zz = _whole(self.elements)
+        plane = xx * yy - xy**2
+        softer = xz**2 * yy - 2.0 * xy * xz * yz + yz**2 * xx
+        return self.of_normal(zz - np.divide(softer, plane, out=np.zeros_like(plane), where=softer != 0.0))
+
+    def inverse(self) -> Reals:
+        """Elements of the compliance, in the same order; zero for a mean displacement that nothing restores, or rigid.
+
+        In L_x/E*.
+        """
+        mean = _mean(self.elements)
+        held = self.elements.copy()
+        _mean(held)[:] = _UNIT[_FOLLOWED[len(held)]]
+        found = _inverse(held)
+        _mean(found)[:] = np.divide(1.0, mean, out=np.zeros_like(mean), where=mean > 0.0)
+        return found
+
+    def apply(self, traction: Reals) -> Reals:
+        """Displacement `[component, (y,) x]` under tractions of its shape in E*; 0 in a mean that nothing restores."""
+        shape = traction.shape[1:]
+        *along, z = grid.coefficients(traction, len(shape))
+        x, y = (*along, 0.0, 0.0)[:2]
+        xx, xy, yy, xz, yz, zz = _whole(self.inverse())
+        moved = xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z
+        out = zz * z - 1j * (xz * x + yz * y)
+        return grid.signal(np.array([*moved[: len(along)], out]), *shape)
+
+    def in_series(self, other: "SpectralResponse", share: float) -> "SpectralResponse":
+        """Response of two bodies that face each other, for how far they approach and slide past each other.
+
+        Compliances add up wave by wave, but the couplings xz and yz subtract: one pressure moves both surfaces along x
+        the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
+        result is in that of both together; `share` is the other's part of 1/E*.
+        """
+        facing, followed = other.inverse(), _FOLLOWED[len(self.elements)]
+        facing[np.isin(followed, _OUT_OF_PLANE)] *= -1.0
+        compliance = (1.0 - share) * self.inverse() + share * facing
+        _mean(compliance)[:] = _UNIT[followed]
+        found, own = _inverse(compliance), _mean(self.elements)
+        _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
+        return SpectralResponse(found)
+
+    def coarsened(self, shape: tuple[int, ...]) -> "SpectralResponse":
+        """Return the response of the waves that a coarser grid of a shape holds."""
+        waves = grid.wave_indices(shape)
+        return SpectralResponse(_free_at_nyquist(np.array([element[waves] for element in self.elements]), shape))
+
+    def with_mean(self, stiffness: float) -> "SpectralResponse":
+        """The same with another stiffness of the mean normal displacement: with 0 it follows the load freely."""
+        elements = self.elements.copy()
+        elements[-1].flat[0] = stiffness
+        return SpectralResponse(elements)
+
+    def principal(self) -> tuple[Reals, Reals]:
+        """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""
+        if self.components == 1:
+            return self.normal, self.normal
+        xx, xy, yy, xz, yz, zz = _whole(self.elements)
+        if self.components == 2:
+            larger = 0.5 * (xx + zz) + np.hypot(0.5 * (xx - zz), xz)
+            return np.divide(xx * zz - xz**2, larger, out=np.zeros_like(larger), where=larger > 0.0), larger
+        found = np.linalg.eigvalsh(np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1)))
+        return found[..., 0], found[..., 2]
+
+    def extremes(self) -> tuple[float, float]:
+        """Stiffness of the softest mode that anything restores, and of the stiffest one."""
+        smaller, larger = self.principal()
+        return float(smaller[smaller > 0.0].min()), float(larger.max())
+
+
+def _mean(elements: Reals) -> Reals:
+    """Elements of the mean displacements, to be read or written."""
+    return elements.reshape(len(elements), -1)[:, 0]
+
+
+def _whole(elements: Reals) -> list[Reals]:
+    """All elements xx, xy, yy, xz, yz and zz: a displacement that is not followed has a unit stiffness of its own."""
+    whole = list(_UNIT)
+    for place, element in zip(_FOLLOWED[len(elements)], elements, strict=True):
+        whole[place] = element
+    return whole
+
+
+def _inverse(elements: Reals) -> Reals:
+    """Inverses of real symmetric matrices `[element, ...]`, by their adjugates."""
+    xx, xy, yy, xz, yz, zz = _whole(elements)
+    adjugate = (
+        yy * zz - yz**2,
+        xz * yz - xy * zz,
+        xx * zz - xz**2,
+        xy * yz - xz * yy,
+        xy * xz - xx * yz,
+        xx * yy - xy**2,
+    )
+    determinant = xx * adjugate[0] + xy * adjugate[1] + xz * adjugate[3]
+    return np.array([adjugate[place] / determinant for place in _FOLLOWED[len(elements)]])
+
+
+def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:
+    """Elements, which are overwritten at Nyquist, on a grid of a shape.
+
+    There the grid does not tell the waves q_x and -q_x (or q_y and -q_y): what both give way is averaged, as if all
+    that vanishes on every node were free.
+    """
+    followed = _FOLLOWED[len(elements)]
+    for axis, coupled in zip(range(-1, -1 - len(shape), -1), _OF_COMPONENT, strict=False):
+        odd, of_axis = np.isin(followed, coupled), np.moveaxis(elements, axis, 1)
+        if shape[axis] % 2 == 0 and odd.any():
+            compliance = _inverse(of_axis[:, shape[axis] // 2])
+            compliance[odd] = 0.0
+            of_axis[:, shape[axis] // 2] = _inverse(compliance)
+    return elements

@@ -62,7 +62,7 @@ def random_path(seed):
 
 def violation(stiffness, punch, load, friction, found, start):
     """Largest violation of Signorini's and Coulomb's conditions by NumPy's transforms, over the largest pressure."""
-    u1, u3, n = found.tangential.displacement[0], found.displacement[0], punch.shape[1]
+    u1, u3, n = found.tangential.displacement[0, 0], found.displacement[0], punch.shape[1]
     k33 = stiffness.normal.copy()
     rigid = load is None and np.isinf(k33[0])
     if load is not None or rigid:
@@ -73,7 +73,7 @@ def violation(stiffness, punch, load, friction, found, start):
         k33 * c3 - 1j * stiffness.elements[1] * c1, n
     )
     touching = punch[0] <= u3
-    slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
+    slid = u1 - (0.0 if start is None else (start.tangential + start.dragged)[0, 0])
     bound = friction * np.maximum(pressure, 0.0) * touching
     worst = max(
         abs(pressure[~touching]).max(initial=0.0),

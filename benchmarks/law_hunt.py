@@ -112,7 +112,7 @@ def violation(problem, contact, sliding, before):
     """Largest violated condition over the largest traction, by NumPy's transforms, and what rounding leaves open."""
     found, punch, laws = contact.equilibrium, contact.punch[0], problem.interface
     u, n = found.displacement[0], contact.punch.shape[1]
-    u1 = np.zeros(n) if found.tangential is None else found.tangential.displacement[0]
+    u1 = np.zeros(n) if found.tangential is None else found.tangential.displacement[0, 0]
     k11 = k13 = np.zeros(n // 2 + 1)
     k33 = problem.body.condensed_stiffness(grid.wavenumbers(n))
     if found.tangential is not None:
@@ -139,7 +139,7 @@ def violation(problem, contact, sliding, before):
     slid = np.zeros(n)
     if found.n_iterations[0] <= NEWTON and problem.numerics.solver != "verlet":  # which has anchors of its own
         start = following(before, contact.punch, sliding) if before is not None else None
-        slid = u1 - (0.0 if start is None else start.tangential[0] + start.dragged)
+        slid = u1 - (0.0 if start is None else (start.tangential + start.dragged)[0, 0])
 
     def wrong(load):
         bears = load - elastic + pull

@@ -12,6 +12,7 @@ from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import NOTHING_LOST, Contact, Followed
 from gfmd_numba.fourier import grid
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.stability import smallest_curvature
 from gfmd_numba.solvers.status import Status
 
@@ -47,8 +48,9 @@ class _Point:
             return abs(float(laws.normal_law.energy(np.zeros(1))[0])) * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
-        gap, slip = self.contact.punch - found.displacement, self.sliding[0] - found.tangential.displacement
-        gained = -laws.cohesive.energy(gap, slip)
+        gap, tangential = self.contact.punch - found.displacement, found.tangential
+        slip = np.moveaxis(tangential.sliding - tangential.displacement, 1, 0)
+        gained = -laws.cohesive.energy(gap, vector_slip.length(slip))
         return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:

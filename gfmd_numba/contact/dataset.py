@@ -14,6 +14,7 @@ from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
@@ -136,8 +137,8 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
     if problem.tractions is not None:
-        sideways = np.reshape(problem.tractions.tangential, (-1, *contact.heights.shape[1:]))
-        for component, values in zip(COMPONENTS[scene.dimension], (*sideways, problem.tractions.normal), strict=True):
+        given = *problem.tractions.tangential, problem.tractions.normal
+        for component, values in zip(COMPONENTS[scene.dimension], given, strict=True):
             long_name = f"prescribed traction on the body, {component.way}"
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
@@ -173,16 +174,14 @@ def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str
         "displacement": ("height", "tangential displacement of the body", sideways),
         "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
     }
-    if sideways.ndim == 1:
-        fields = {f"tangential_{kind}": found for kind, found in kinds.items()}
-    else:
-        fields = {
-            f"tangential_{kind}{suffix}": (unit, f"{long_name} along {axis}", values[i])
-            for kind, (unit, long_name, values) in kinds.items()
-            for i, (axis, suffix) in enumerate((("x", ""), ("y", "_y")))
-        }
+    ways = {"": " along x", "_y": " along y"} if len(sideways) > 1 else {"": ""}
+    fields = {
+        f"tangential_{kind}{suffix}": (unit, f"{long_name}{way}", values[i])
+        for kind, (unit, long_name, values) in kinds.items()
+        for i, (suffix, way) in enumerate(ways.items())
+    }
     if rubs:
-        slid = np.abs(tangential.slip[0]) if sideways.ndim == 1 else np.hypot(*tangential.slip[0])
+        slid = vector_slip.length(tangential.slip[0])
         fields["slip"] = ("height", "way a touching node has slid in this step, 0 where it sticks", slid)
     return fields
 

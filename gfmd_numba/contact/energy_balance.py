@@ -41,7 +41,7 @@ class Balance:
         found, laws = contact.equilibrium, problem.interface
         u, pressure = (np.asarray(each[0], dtype=np.float64) for each in (found.displacement, found.pressure))
         apart, slip = gap(contact)[0], np.zeros(u.shape)
-        sliding = traction = np.zeros(u.ndim)
+        sliding = traction = np.zeros(len(u.shape))
         rubbing = None
         potential = float(elastic_energy(contact)[0])  # of all waves but the mean
         if found.tangential is not None:
@@ -55,7 +55,7 @@ class Balance:
             if laws.friction is not None and isfinite(laws.friction):
                 dragged = components(found.tangential.traction, u)
                 rubbing = Rubbing(wall_pressure(problem, contact).ravel(), dragged, slip)
-            slip = np.reshape(slip[0] if len(slip) == 1 else vector_slip.length(slip), u.shape)
+            slip = vector_slip.length(slip).reshape(u.shape)
         repels = laws.normal_law is not None and laws.normal_law.softening == 0.0
         if laws.normal_law is not None and not repels:
             potential += float(laws.normal_law.energy(apart).mean())

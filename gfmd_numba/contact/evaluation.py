@@ -157,9 +157,8 @@ def elastic_energy(contact: Contact) -> Reals:
     work = -contact.equilibrium.pressure * (u - u.mean(axis=along, keepdims=True))
     if tangential is not None:
         v = tangential.displacement
-        inside = tuple(range(v.ndim - len(along), v.ndim))
-        sideways = tangential.traction * (v - v.mean(axis=inside, keepdims=True))
-        work = work + (sideways if v.ndim == work.ndim else sideways.sum(axis=1))
+        inside = tuple(axis + 1 for axis in along)
+        work = work + (tangential.traction * (v - v.mean(axis=inside, keepdims=True))).sum(axis=1)
     return np.asarray(0.5 * work.mean(axis=along))
 
 

@@ -79,7 +79,7 @@ def _of_profile(
     body: RoughBody, response: Response, along: Reals | None, pressure: Reals
 ) -> Iterator[tuple[str, str, str, Reals]]:
     nx = len(pressure)
-    flat = fields.surface_under_tractions(np.zeros(nx) if along is None else along, -pressure, body.elastic)
+    flat = fields.surface_under_tractions(np.zeros(nx) if along is None else along[0], -pressure, body.elastic)
     yield "displacement", "height", _OUT, grid.signal(flat.u3, nx) + response.u3
     yield "tangential_displacement", "height", _SIDEWAYS, grid.signal(flat.u1, nx) + response.u1
     yield from forming_tractions(body, len(response.orders) - 1)
@@ -117,12 +117,10 @@ def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
 
 
 def _by_axis(name: str, long_name: str, along: Reals) -> Iterator[tuple[str, str, Reals]]:
-    """A tangential field, on maps `[component, y, x]` one along x and one along y."""
-    if along.ndim == 1:
-        yield name, long_name, along
-        return
-    for values, suffix, axis in zip(along, ("", "_y"), ("x", "y"), strict=True):
-        yield f"{name}{suffix}", f"{long_name}, along {axis}", values
+    """A tangential field `[component, (y,) x]`, on maps one along x and one along y."""
+    ways = {"": ", along x", "_y": ", along y"} if len(along) > 1 else {"": ""}
+    for values, (suffix, way) in zip(along, ways.items(), strict=True):
+        yield f"{name}{suffix}", f"{long_name}{way}", values
 
 
 def _of_map(

@@ -15,7 +15,6 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
-from gfmd_numba.solvers.iteration import tangential_shape
 
 Responses = tuple[Response, ...] | tuple[MapResponse, ...]
 
@@ -24,8 +23,8 @@ Responses = tuple[Response, ...] | tuple[MapResponse, ...]
 class SlopeCorrection:
     """What slopes add to the contact of flat bodies (g L_x, g E*).
 
-    They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted` `[x]`,
-    on maps `[component, y, x]`, which is 0 where nothing rubs. Tangential tractions bear `lifted` of the mean pressure.
+    They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted`
+    `[component, (y,) x]`, which is 0 where nothing rubs. Tangential tractions bear `lifted` of the mean pressure.
     `pairing` tells where inclined surfaces touch at orders above 0; None between level ones.
     """
 
@@ -90,7 +89,7 @@ class Slopes:
     def untouched(self) -> SlopeCorrection:
         """What they add before there is a contact: what prescribed tractions do, which the punch then meets."""
         shape, tractions = self.problem.surface.shape, self.problem.tractions
-        raised, shifted = np.zeros(shape), np.zeros(tangential_shape(np.zeros((1, *shape)))[1:])
+        raised, shifted = np.zeros(shape), np.zeros((len(shape), *shape))
         if tractions is not None and self.order > 0:
             t, p = tractions.tangential, -tractions.normal
             parts = [self.gradient * each.share if each.side > 0 else 0.0 for each in self.bodies]
@@ -100,8 +99,7 @@ class Slopes:
         if self.order == 0 or not self.are_inclined:
             return SlopeCorrection(raised, shifted)
         pairing = Pairing.before_contact(shape)
-        moved = self.gradient * shifted.reshape(pairing.shifted.shape)
-        return SlopeCorrection(raised, shifted, pairing=replace(pairing, shifted=moved))
+        return SlopeCorrection(raised, shifted, pairing=replace(pairing, shifted=self.gradient * shifted))
 
     def responses(self, contact: Contact, pairing: Pairing | None, order: int) -> Responses:
         """Response of each body to the tractions of a contact."""
@@ -116,7 +114,7 @@ class Slopes:
             met = met.held_across(self.gradient * gap(contact)[0])
         shifted, lifted = last.shifted, 0.0
         if self.rub:
-            shifted = met.shifted.reshape(shifted.shape) / self.gradient
+            shifted = met.shifted / self.gradient
             if self.problem.mean_pressure is not None:
                 lifted = float(contact.equilibrium.pressure[0].mean() - in_plane(contact, met)[1].mean())
         return SlopeCorrection(met.raised / self.gradient, shifted, lifted, met)
@@ -153,7 +151,8 @@ class Slopes:
         each = list(zip(self.bodies, borne, strict=False))
         if len(self.problem.surface.shape) == 2:
             return tuple(map_topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
-        return tuple(topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
+        of_profile = [(body, None if t is None else t[0], p) for body, (t, p) in each]
+        return tuple(topography.respond(p, body.heights, body.elastic, order, t) for body, t, p in of_profile)
 
     def _raised(self, responses: Responses) -> Reals:
         none = np.zeros(self.problem.surface.shape)
@@ -163,7 +162,7 @@ class Slopes:
         response = responses[0]  # of the lower body: a level punch does not move, nor what no traction is prescribed on
         along = response.u1 if isinstance(response, Response) else response.along
         assert along is not None  # where something rubs
-        return along / self.gradient
+        return np.reshape(along, (-1, *self.problem.surface.shape)) / self.gradient
 
     def _off_bound(self, contact: Contact, met: Pairing) -> float:
         """How far nodes of a map that slip across the slope move under what they bear beyond the bound in the plane.
@@ -174,7 +173,7 @@ class Slopes:
         found = contact.equilibrium
         assert found.tangential is not None  # as there is friction
         traction = found.tangential.traction[0]
-        if traction.ndim == 1:  # a profile knows no direction across
+        if len(traction) == 1:  # a profile knows no direction across
             return 0.0
         slipped = np.any(found.tangential.slip[0] != 0.0, axis=0)
         steepness, size = np.sum(met.slope**2, axis=0), np.sum(traction**2, axis=0)
@@ -196,7 +195,7 @@ def in_plane(contact: Contact, met: Pairing) -> tuple[Reals, Reals]:
 def tractions_on(
     body: RoughBody, problem: Problem, contact: Contact, gradient: float, pairing: Pairing | None = None
 ) -> tuple[Reals | None, Reals]:
-    """Traction along the surface, on maps `[component, y, x]`, and pressure `[(y,) x]` on a body, in its own E*.
+    """Traction along the surface `[component, (y,) x]` and pressure `[(y,) x]` on a body, in its own E*.
 
     None stands for no traction along the surface. Prescribed tractions act on the lower body. On inclined surfaces,
     of which `pairing` tells, the tractions are those along the plane and out of it.
@@ -208,7 +207,6 @@ def tractions_on(
         along = None if along is None else body.side * along
     else:
         along, pressure = pairing.tractions(along, pressure, body.side)
-        along = along[0] if pressure.ndim == 1 else along
     if problem.tractions is not None and body.side > 0:
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)

@@ -102,14 +102,14 @@ def solve(
     deflected = None
     if problem.tractions is not None:  # the body is linear: what the tractions do to it, the punch meets undeformed
         share = 1.0 if problem.counter is None else 1.0 - problem.counter.share  # of E* in that of the body
-        tangential, normal = share * problem.tractions.tangential, share * problem.tractions.normal
-        moved = problem.body.response(normal.shape).apply(np.stack((*tangential.reshape(-1, *normal.shape), normal)))
-        deflected = moved[:-1].reshape(tangential.shape), moved[-1]
+        given = np.stack((*problem.tractions.tangential, problem.tractions.normal))
+        moved = problem.body.response(given.shape[1:]).apply(share * given)
+        deflected = moved[:-1], moved[-1]
         punch -= deflected[1]
     if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
         punch = punch.astype(np.float32)
     ways = sliding or (0.0,) * (heights.ndim - 1)
-    drag = ways[0] if len(ways) == 1 else np.reshape(ways, (2, 1, 1))
+    drag = np.reshape(ways, (-1, *(1 for _ in heights.shape[1:])))
     start = None if before is None else following(before, punch, drag)
     slid = drag
     if shifted is not None and problem.interface.cohesive is not None:
@@ -139,7 +139,7 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     """
     tangential = found.tangential
     assert tangential is not None
-    touching = found.touching if punch.ndim == 2 else found.touching[:, np.newaxis]
+    touching = found.touching[:, np.newaxis]
     moved, displacement = tangential.displacement - carried, np.where(found.touching, punch, found.displacement)
     return Start(displacement, moved, np.where(touching, moved - tangential.slip, np.nan), -tangential.slip)
 

@@ -18,7 +18,7 @@ _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a f
 
 @dataclass(frozen=True)
 class Tractions:
-    """Tractions on the body out of it `[(ny,) nx]`, and along x, or along x and y `[2, ny, nx]`, in g E*."""
+    """Tractions on the body out of it `[(ny,) nx]` and along it `[component, (ny,) nx]`, along x first, in g E*."""
 
     digest: str
     tangential: Reals = field(repr=False, compare=False)
@@ -47,7 +47,7 @@ def tractions_on_the_body(
             arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
     scale = rms_gradient * contact_modulus(scene)
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
-    return tractions(found[0] if scene.dimension == 1 else np.stack(found[:-1]), found[-1])
+    return tractions(np.stack(found[:-1]), found[-1])
 
 
 def read_boundary(

@@ -23,6 +23,7 @@ from gfmd_numba.fourier import grid
 
 _UNIT = np.array([1.0, 0.0, 1.0, 0.0, 0.0, 1.0])  # xx, xy, yy, xz, yz, zz of displacements that are not followed
 _FOLLOWED = {1: [5], 3: [0, 3, 5], 6: [0, 1, 2, 3, 4, 5]}  # which of these there are, by their number
+_DIAGONAL = {1: [0], 3: [0, 2], 6: [0, 2, 5]}  # of these
 _OF_COMPONENT = ([1, 3], [1, 4])  # that couple x to others, and y: they change sign with q_x, and with q_y
 _OUT_OF_PLANE = [3, 4]
 
@@ -57,12 +58,12 @@ class SpectralResponse:
     @property
     def components(self) -> int:
         """Number of displacements that are followed, the normal one last."""
-        return {1: 1, 3: 2, 6: 3}[len(self.elements)]
+        return len(_DIAGONAL[len(self.elements)])
 
     @property
     def diagonal(self) -> Reals:
         """Stiffness of each displacement alone `[component, (ny,) nx // 2 + 1]`."""
-        return self.elements[np.cumsum(np.arange(1, self.components + 1)) - 1]
+        return diagonal(self.elements)
 
     @property
     def normal(self) -> Reals:
@@ -130,6 +131,14 @@ class SpectralResponse:
         waves = grid.wave_indices(shape)
         return SpectralResponse(_free_at_nyquist(np.array([element[waves] for element in self.elements]), shape))
 
+    def restored(self) -> "SpectralResponse":
+        """The same with means that nothing restores as stiff as the softest wave of theirs: contact makes them so."""
+        elements = self.elements.copy()
+        for place in _DIAGONAL[len(elements)]:
+            waves = elements[place].reshape(-1)
+            waves[0] = waves[0] if waves[0] > 0.0 else waves[1:].min()
+        return SpectralResponse(elements)
+
     def with_mean(self, stiffness: float) -> "SpectralResponse":
         """The same with another stiffness of the mean normal displacement: with 0 it follows the load freely."""
         elements = self.elements.copy()
@@ -151,6 +160,11 @@ class SpectralResponse:
         """Stiffness of the softest mode that anything restores, and of the stiffest one."""
         smaller, larger = self.principal()
         return float(smaller[smaller > 0.0].min()), float(larger.max())
+
+
+def diagonal(elements: Reals) -> Reals:
+    """Elements of each component alone `[component, ...]` of a stiffness or a compliance."""
+    return elements[_DIAGONAL[len(elements)]]
 
 
 def _mean(elements: Reals) -> Reals:

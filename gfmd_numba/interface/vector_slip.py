@@ -1,4 +1,4 @@
-"""Laws of gap and slip on maps, where the slip is a vector: they resist it alike in every direction.
+"""Laws of gap and slip, where the slip is a vector, on profiles of one component: they resist every direction alike.
 
 The energy of a law is that of the length r of the slip s = r e. So it drags along e; its second derivative by the slip
 is that of r along e, and the drag over r across it.
@@ -12,7 +12,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 
 def length(slip: Reals) -> Reals:
     """Length of a slip `[component, ...]`."""
-    return np.asarray(np.hypot(slip[0], slip[1]))
+    return np.asarray(np.abs(slip[0]) if len(slip) == 1 else np.hypot(*slip))
 
 
 def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
@@ -21,11 +21,14 @@ def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
     return law.tangential_traction(gap, r) * _direction(slip, r)
 
 
-def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, Reals, Reals, Reals, Reals, Reals]:
-    """Second derivatives xx, xy, yy, xz, yz and zz of the energy by the displacements of the body."""
+def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, ...]:
+    """Second derivatives xx, xy, yy, xz, yz and zz of the energy by the displacements of the body, or xx, xz and zz."""
     r = length(slip)
     along, both, normal = law.stiffness(gap, r)
-    x, y = _direction(slip, r)
+    x, *across_x = _direction(slip, r)
+    if not across_x:
+        return along, both * x, normal
+    (y,) = across_x
     across = np.divide(law.tangential_traction(gap, r), r, out=along.copy(), where=r > 0.0)
     stretched = along - across
     return across + stretched * x * x, stretched * x * y, across + stretched * y * y, both * x, both * y, normal
@@ -33,6 +36,8 @@ def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, Real
 
 def energy_change(law: XuNeedlemanLaw, gap: Reals, slip: Reals, closing: Reals, dragged: Reals) -> Reals:
     """Change of the energy per area as the body closes gaps and is dragged along, without cancellation."""
+    if len(slip) == 1:
+        return law.energy_change(gap, slip[0], closing, dragged[0])
     r, left = length(slip), slip - dragged
     both = r + length(left)
     shorter = np.divide((dragged * (slip + left)).sum(axis=0), both, out=np.zeros_like(both), where=both > 0.0)

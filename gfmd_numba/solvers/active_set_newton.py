@@ -1,7 +1,9 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,16 +18,37 @@ from gfmd_numba.solvers.preconditioners.far_field import FarField
 from gfmd_numba.solvers.preconditioners.restricted_stiffness import RestrictedStiffness
 from gfmd_numba.solvers.pressure_iterate import PressureIterate
 
-# tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more transforms
-_COARSENING = {1: 4, 2: 2}  # nodes along x of a profile or map over those of the grid its contact is guessed on
+# what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
 _COARSEST = 256  # nodes up to which the first guess is full contact
 _COARSE_STEPS = 6  # on the coarser grid, at most
 _SETTLED = 0.02  # share of the contact that may still change when the coarser grid is left
-_LOOSE, _LOOSE_MAP = 0.03, 0.2  # relative error allowed in the first pressure on a new contact, of profiles and of maps
-_TIGHTEN = 0.1  # factor on that error after each step of a profile
-_TIGHTEN_MAP = 0.5  # largest factor on it after a step of a map whose contact changed
-_AHEAD = 0.1  # error allowed then, over the share of nodes that changed sides
+_TIGHTEN = 0.1  # factor on the error allowed in the pressure after a step that left the contact as it was
 _INNER_ITERATIONS, _SPARE_ITERATIONS = 40, 200  # the latter with the preconditioner that is farther off
+
+
+class _Tuned(NamedTuple):
+    """What is best in one dimension, and in two.
+
+    The contact is guessed on a grid with fewer nodes along x by the factor `coarsening`. `loose` is the relative error
+    allowed in the first pressure on a new contact. After a step that changed the contact the error allowed is smaller
+    by the factor `tighten`, and at most `ahead` times the share of nodes that changed sides: inner iterations of maps
+    converge slower, and need not know more than the contact. `inverse` makes the preconditioner on a grid from the
+    stiffness `[(ny,) nx // 2 + 1]` and the symbol of the compliance.
+    """
+
+    coarsening: int
+    loose: float
+    tighten: float
+    ahead: float
+    inverse: Callable[[Reals, Reals, tuple[int, ...]], ExponentialSum | FarField]
+
+
+_TUNED = {
+    1: _Tuned(
+        4, 0.03, _TIGHTEN, np.inf, lambda _, soft, shape: ExponentialSum(soft.astype(np.float64) * shape[0], *shape)
+    ),
+    2: _Tuned(2, 0.2, 0.5, 0.1, lambda stiffness, _, shape: FarField(stiffness, shape)),
+}
 
 
 class ActiveSetNewton(PressureIterate):
@@ -48,19 +71,15 @@ class ActiveSetNewton(PressureIterate):
         self.changed = np.full(rows, n)  # nodes that changed sides in the last step
         self.touching = np.full(rows, n)  # nodes in contact before it
         self._coarse_transforms = np.zeros(rows)
+        self._tuned = _TUNED[len(self.field.shape)]
         if n > _COARSEST:
             self._guess(batch, options)
         self._contact = (self.pressure > 0.0) & (self.pressure < self.hardness)
-        self._inverse: ExponentialSum | FarField
         self._spare: RestrictedStiffness | None = None  # where the other cannot be used
         self._response = batch.response
-        self._is_map = len(self.field.shape) == 2
-        if self._is_map:
-            self._inverse = FarField(batch.response.normal, self.field.shape)
-        else:
-            self._inverse = ExponentialSum(self.compliance.astype(np.float64) * n, n)
+        self._inverse = self._tuned.inverse(batch.response.normal, self.compliance, self.field.shape)
         self._target = 0.2 * options.residual  # the certificate's measure is a slightly different one
-        self._tolerance = np.full(rows, _LOOSE_MAP if self._is_map else _LOOSE)
+        self._tolerance = np.full(rows, self._tuned.loose)
         self._nodes = np.empty(n, dtype=np.int64)
         self._closing, self._pressure_change, self._uniform = np.empty((3, n))
 
@@ -87,8 +106,8 @@ class ActiveSetNewton(PressureIterate):
             self._coarse_transforms[i] += self._spent - spent
             changed = self._revise(row, count) or self._opened(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
-            if self._is_map and changed:  # inner iterations converge slower: be no more exact than the contact is known
-                tighter = min(_TIGHTEN_MAP * self._tolerance[i], _AHEAD * changed / max(count, 1))
+            if changed:
+                tighter = min(self._tuned.tighten * self._tolerance[i], self._tuned.ahead * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
 
@@ -153,7 +172,7 @@ class ActiveSetNewton(PressureIterate):
         """Preconditioner that can be used on the first `count` of the nodes, prepared for them."""
         decays = self._inverse
         decays.factor(nodes, count)
-        if isinstance(decays, FarField) or decays.is_positive or not self._needs_spare:
+        if decays.is_positive or not self._needs_spare:
             return decays
         if self._spare is None:
             self._spare = RestrictedStiffness(self._response.normal, self.field.n)
@@ -173,7 +192,7 @@ class ActiveSetNewton(PressureIterate):
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""
         n, fine_shape = self.field.n, self.field.shape
-        shape = tuple(-(-nodes // _COARSENING[len(fine_shape)]) for nodes in fine_shape)
+        shape = tuple(-(-nodes // self._tuned.coarsening) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
         fewer = replace(batch, punch=smooth.astype(batch.punch.dtype), response=batch.response.coarsened(shape))
         coarse = type(self)(fewer, replace(options, residual=_SETTLED))

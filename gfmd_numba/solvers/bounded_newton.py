@@ -20,11 +20,12 @@ def newton(batch: Batch, options: Options) -> ActiveSetNewton | DecayNewton | Ma
     """Begin the method for as many bounds as the pressure has: on decays or tiles where they fit the compliance."""
     if batch.interface.hardness is not None:
         return BoundedNewton(batch, options)
-    if batch.punch.ndim == 2 and batch.punch.dtype == np.float64:
-        model = decay_model(batch.response.normal, batch.punch.shape[1], batch.load is not None)
+    shape = batch.punch.shape[1:]
+    if batch.punch.dtype == np.float64:
+        model = decay_model(batch.response.normal, shape, batch.load is not None)
         if model is not None:
             return DecayNewton(batch, options, model)
-    if fits(batch.punch.shape[1:]):
+    if fits(shape):
         return MapNewton(batch, options)
     return ActiveSetNewton(batch, options)
 

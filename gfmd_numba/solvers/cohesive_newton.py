@@ -1,12 +1,14 @@
-"""Truncated Newton method for a cohesive law: both displacements of a profile descend one energy together."""
+"""Truncated Newton method for a cohesive law: all displacements descend one energy together."""
 
 import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import diagonal
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.interface import vector_slip
+from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.preconditioners.parallel_law import ParallelLaw
 from gfmd_numba.solvers.truncated_newton import TruncatedNewton, starting_displacement
@@ -16,103 +18,124 @@ _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one ste
 
 
 class CohesiveNewton(TruncatedNewton):
-    """Both displacements of a batch under a law of gap and slip, with or without the hard wall.
+    """All displacements of a batch under a law of gap and slip, with or without the hard wall.
 
-    Rows of the field are the tangential and the normal displacement of one realisation after those of the other, so
-    that the unknowns of a realisation are one row twice as long. The wall bounds normal displacements alone. The
-    preconditioner has body and law in parallel for each component alone; with a sum of decays it takes no transforms.
+    Rows of the field are the tangential displacements of one realisation and its normal one after those of the other,
+    so that the unknowns of a realisation are one row two or three times as long. The wall bounds normal displacements
+    alone. The preconditioner is the compliance of the bodies or, where it is a sum of decays, has body and law of each
+    component alone in parallel and takes no transforms.
     """
 
     def __init__(self, batch: Batch, options: Options) -> None:
         cohesive = batch.interface.cohesive
         if cohesive is None or batch.interface.friction is not None:
-            raise ValueError("this solver of both displacements knows a cohesive law alone")
-        rows, n = batch.punch.shape
-        self._cohesive, self._sliding = cohesive, batch.sliding
-        self.field = Convolution(2 * rows, n, dtype=batch.punch.dtype)
-        response = self._with_held_mean(batch)
-        compliance = response.inverse()
-        for s, k in zip(compliance[::2], response.diagonal, strict=True):
-            if not k[0] > 0.0:  # a mean that moves freely is as stiff as contact makes it
-                s[0] = 1.0 / k[1:].min()
+            raise ValueError("this solver of all displacements knows a cohesive law alone")
+        rows, *shape = batch.punch.shape
+        response, ways, dtype = self._with_held_mean(batch), len(shape), batch.punch.dtype
+        self._cohesive, self._components = cohesive, response.components
+        self.field = Convolution(self._components * rows, *shape, dtype=dtype)
+        n = self.field.n
+        self._sliding = np.broadcast_to(batch.sliding, (ways, *shape)).reshape(ways, n).astype(dtype, copy=False)
+        compliance = response.restored().inverse()
         self._stiffness_elements = np.array([self.field.symbol(k) for k in response.elements])
         self._compliance_elements = np.array([self.field.symbol(s) for s in compliance])
-        share = grid.multiplicity(n) / n
-        self._node_compliance = float(0.5 * ((compliance[0] + compliance[2]) * share).sum())
-        self._stiffest = response.extremes()[1] + batch.law_stiffness()
-        (both,), length = self.field.sources, self.field.result.shape[1]
-        self._source, self._result = both.reshape(rows, -1), self.field.result.reshape(rows, -1)
-        self._sideways, self._together = slice(0, n), np.zeros(n)
+        share, of_each = grid.multiplicity(shape[-1]) / n, diagonal(compliance)
+        self._node_compliance = float((of_each.sum(axis=0) * share).sum() / self._components)
+        no_less = float(response.diagonal.sum(axis=0).max())  # than the stiffness of any mode: it is the trace
+        self._stiffest = no_less + batch.law_stiffness()
+        (every,), length = self.field.sources, self.field.result.shape[1]
+        self._source, self._result = every.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._u = np.zeros_like(self._source)
-        self._u[:, :n] = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
-        self._u[:, length : length + n] = starting_displacement(
-            batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n))
-        )
-        self._parallel = ParallelLaw((compliance[0], compliance[2]), n, length)
-        self._nowhere = np.broadcast_to(np.nan, (rows, n))
-        self._begin(batch, options, slice(length, length + n), cohesive.normal)
+        *self._ways, own = (slice(i * length, i * length + n) for i in range(self._components))
+        dragged = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
+        for way, u in zip(self._ways, by_component(dragged, n).reshape(ways, rows, n), strict=True):
+            self._u[:, way] = u
+        self._u[:, own] = starting_displacement(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
+        self._pairs = [(i, j) for i in range(self._components) for j in range(i + 1)]
+        self._together: list[tuple[int, int, Reals]] = []
+        self._parallel = ParallelLaw.of(of_each, n, length)
+        self._nowhere = np.broadcast_to(np.nan, (ways * rows, n))
+        self._begin(batch, options, own, cohesive.normal)
 
     @property
     def n_transforms(self) -> Indices:
         """Transforms made so far for each realisation."""
-        return self.field.n_transforms[0::2] + self.field.n_transforms[1::2]
+        return np.asarray(self.field.n_transforms.reshape(-1, self._components).sum(axis=1))
 
     @property
     def tangential(self) -> tuple[Reals, Reals, Reals]:
         """Tangential displacement of the body, the traction that restores it, and that no node slips from anywhere."""
-        return self._u, self._restoring, self._nowhere
+        u, restoring = (np.concatenate([each[:, way] for way in self._ways]) for each in (self._u, self._restoring))
+        return u, restoring, self._nowhere
+
+    def _sideways(self, unknowns: Reals) -> Reals:
+        """Return the tangential part `[component, node]` of the unknowns of a row."""
+        return np.stack([unknowns[way] for way in self._ways])
 
     def _stiffen(self, row: Indices) -> None:
         self._multiply(row, self._stiffness_elements)
 
     def _split(self, i: int) -> None:
-        if not self._parallel.is_safe:
+        if self._parallel is None:
             return
         np.greater(self._weight, 0.0, out=self._weight)
         self._source[i] = self._unbalanced
         self._parallel.factor(self._curvature, self._weight)
 
     def _comply(self, row: Indices) -> None:
-        if self._parallel.is_safe:
-            self._parallel.solve(self._source[row[0]], self._result[row[0]])
-        else:
+        if self._parallel is None:
             self._multiply(row, self._compliance_elements)
+        else:
+            self._parallel.solve(self._source[row[0]], self._result[row[0]])
 
     def _multiply(self, row: Indices, elements: Reals) -> None:
-        both = np.array([2 * row[0], 2 * row[0] + 1])
-        self.field.forward(both)
-        kernels.couple(self.field.spectrum, elements, both[:1], 1)
-        self.field.inverse(both)
+        every = self._components * row[0] + np.arange(self._components)
+        self.field.forward(every)
+        kernels.couple(self.field.spectrum, elements, every[:1], 1)
+        self.field.inverse(every)
 
     def _slip(self, i: int) -> Reals:
-        return np.asarray(self._sliding - self._u[i, self._sideways])
+        return np.asarray(self._sliding - self._sideways(self._u[i]))
 
     def _pull(self, i: int) -> Reals:
         gap, slip = self._gap(i), self._slip(i)
-        self._closing[self._normal] = self._cohesive.normal_traction(gap, slip)
-        self._closing[self._sideways] = self._cohesive.tangential_traction(gap, slip)
+        self._closing[self._normal] = self._cohesive.normal_traction(gap, vector_slip.length(slip))
+        for way, drag in zip(self._ways, vector_slip.tangential_traction(self._cohesive, gap, slip), strict=True):
+            self._closing[way] = drag
         return self._closing
 
     def _fill_curvature(self, i: int) -> None:
-        tangential, self._together, normal = self._cohesive.stiffness(self._gap(i), self._slip(i))
-        self._curvature[self._sideways], self._curvature[self._normal] = tangential, normal
+        parts = (*self._ways, self._normal)
+        elements = vector_slip.stiffness(self._cohesive, self._gap(i), self._slip(i))
+        every = [(*pair, k) for pair, k in zip(self._pairs, elements, strict=True)]
+        self._together = [(a, b, k) for a, b, k in every if a != b]
+        for a, b, k in every:
+            if a == b:
+                self._curvature[parts[a]] = k
 
     def _add_coupling(self, i: int) -> float:
-        sideways, normal = self._conjugate[self._sideways], self._conjugate[self._normal]
-        self._result[i, self._sideways] += self._together * normal
-        self._result[i, self._normal] += self._together * sideways
-        return 2.0 * float(np.sum(sideways * self._together * normal))
+        parts = (*self._ways, self._normal)
+        p = [self._conjugate[part] for part in parts]
+        pulled = [np.zeros_like(p[0]) for _ in parts]
+        for a, b, k in self._together:
+            pulled[a] += k * p[b]
+            pulled[b] += k * p[a]
+        for part, pull in zip(parts, pulled, strict=True):
+            self._result[i, part] += pull
+        return 2.0 * float(np.sum(sum(k * p[b] * p[a] for a, b, k in self._together)))
 
     def _change(self, i: int) -> float:
-        closing, dragged = self._closing[self._normal], self._closing[self._sideways]
-        return float(self._cohesive.energy_change(self._gap(i), self._slip(i), closing, dragged).sum(dtype=np.float64))
+        closing, dragged = self._closing[self._normal], self._sideways(self._closing)
+        change = vector_slip.energy_change(self._cohesive, self._gap(i), self._slip(i), closing, dragged)
+        return float(change.sum(dtype=np.float64))
 
     def _longest(self, i: int) -> float:
-        near = self._gap(i) < _REACH * self._cohesive.normal
-        allowed = np.maximum(np.abs(self._slip(i)[near]) / self._cohesive.tangential - _REACH, _STRIDE)
-        dragged = np.abs(self._direction[self._sideways][near]) / self._cohesive.tangential
+        near, tangential = self._gap(i) < _REACH * self._cohesive.normal, self._cohesive.tangential
+        allowed = np.maximum(vector_slip.length(self._slip(i))[near] / tangential - _REACH, _STRIDE)
+        dragged = vector_slip.length(self._sideways(self._direction))[near] / tangential
         return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
 
     def _look_at_more(self, active: Indices) -> None:
-        unbalanced = np.abs(self._restoring[active, self._sideways]).max(axis=1)
-        self.certificate.worst[active] = np.maximum(self.certificate.worst[active], unbalanced)
+        for i in active:
+            unbalanced = vector_slip.length(self._sideways(self._restoring[i])).max()
+            self.certificate.worst[i] = max(self.certificate.worst[i], unbalanced)

@@ -27,8 +27,7 @@ class CoupledDynamics:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, response, interface, start = batch.punch, batch.response, batch.interface, batch.start
         rows, shape = len(punch), punch.shape[1:]
-        self._of_profile = len(shape) == 1
-        self._rows, self._components = rows, 1 + len(shape)
+        self._rows, self._components = rows, response.components
         self._friction = interface.friction or 0.0
         self._law = interface.normal_law
         self._cohesion = interface.cohesive
@@ -111,11 +110,9 @@ class CoupledDynamics:
         return starting_displacement(batch, lambda gap: law.normal_traction(gap, none))
 
     def _slip(self, active: Indices) -> Reals:
-        """Slip of the punch over each node of the active rows, on maps its length."""
+        """Length of the slip of the punch over each node of the active rows."""
         n = self.field.n
-        if self._of_profile:
-            return np.asarray(self._sliding - self._tangential[active, :n])
-        tangential = self._tangential[:, :n].reshape(2, self._rows, n)
+        tangential = self._tangential[:, :n].reshape(-1, self._rows, n)
         return vector_slip.length(self._sliding[:, np.newaxis] - tangential[:, active])
 
     def _restore(self, active: Indices) -> None:

@@ -48,8 +48,11 @@ class DecayModel:
 _models: OrderedDict[tuple[int, bool, bytes], DecayModel | None] = OrderedDict()
 
 
-def decay_model(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
-    """Model of a stiffness `[n // 2 + 1]` on n nodes, None where decays are far from it; made once for both."""
+def decay_model(stiffness: Reals, shape: tuple[int, ...], free_mean: bool) -> DecayModel | None:
+    """Model of a stiffness on the nodes of a profile, None on maps and where decays are far; made once for both."""
+    n, *of_maps = shape
+    if of_maps:
+        return None
     key = (n, free_mean, blake2b(stiffness.tobytes()).digest())
     if key not in _models:
         _models[key] = _made(stiffness, n, free_mean)

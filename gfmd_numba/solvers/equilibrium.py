@@ -31,11 +31,11 @@ _FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected
 
 @dataclass(frozen=True)
 class Tangential:
-    """Tangential displacement of the body and the traction of the punch on it `[realisation, x]` (L_x, E*).
+    """Tangential displacement of the body and the traction of the punch on it (L_x, E*).
 
-    `slip` is how far a touching node has slid since the state that the solver began with, exactly 0 where it sticks.
-    On maps all are `[realisation, component, y, x]`, along x and then along y. `sliding` is the tangential displacement
-    of the punch, on maps `[component, 1, 1]`.
+    All are `[realisation, component, (y,) x]`, along x and on maps then along y. `slip` is how far a touching node has
+    slid since the state that the solver began with, exactly 0 where it sticks. `sliding` is the tangential displacement
+    of the punch, ready to broadcast with `[component, (y,) x]`.
     """
 
     displacement: Reals
@@ -88,8 +88,7 @@ def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Star
     if before.tangential is None:
         return replace(Start.at_rest(punch), displacement=displacement)
     dragged = sliding - before.tangential.sliding
-    touching = before.touching if punch.ndim == 2 else before.touching[:, np.newaxis]
-    anchor = np.where(touching, before.tangential.displacement + dragged, np.nan)
+    anchor = np.where(before.touching[:, np.newaxis], before.tangential.displacement + dragged, np.nan)
     return Start(displacement, before.tangential.displacement, anchor, dragged)
 
 
@@ -124,8 +123,9 @@ def equilibrate(
 
     `response` is that of the normal displacement alone for frictionless interfaces and of all otherwise; `load` the
     mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0) counts); `sliding`
-    the tangential displacement of the punch, on maps `[component, 1, 1]`. Under a hardness the elastic contact comes
-    first, and is the result where it stays below. Raises ValueError for a load that the hardness cannot carry.
+    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. Under a hardness the
+    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
+    cannot carry.
     """
     hardness = interface.hardness
     if load is not None and hardness is not None:
@@ -195,10 +195,6 @@ def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: 
         result.pressure[:] -= interface.normal_law.traction(gap if interface.hardness is None else np.maximum(gap, 0.0))
     if interface.cohesive is not None and result.tangential is not None:
         gap, slip = punch - result.displacement, sliding - result.tangential.displacement
-        if punch.ndim == 2:
-            result.pressure[:] -= interface.cohesive.normal_traction(gap, slip)
-            result.tangential.traction[:] += interface.cohesive.tangential_traction(gap, slip)
-            return
         for of_realisation in zip(gap, slip, result.pressure, result.tangential.traction, strict=True):
             own_gap, own_slip, pressure, traction = of_realisation
             pressure -= interface.cohesive.normal_traction(own_gap, vector_slip.length(own_slip))
@@ -236,11 +232,10 @@ def _store(
     touching: Flags,
 ) -> None:
     """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
-    components = 1 if touching.ndim == 2 else 2
+    components = found.traction.shape[1]
     of_each, n = len(solved[0]) // components, math.prod(touching.shape[1:])
     for component in range(components):
-        at = (where,) if touching.ndim == 2 else (where, component)
-        rows = done + component * of_each
+        at, rows = (where, component), done + component * of_each
         displacement, traction, anchor = (values[rows, :n].reshape(touching.shape) for values in solved)
         found.displacement[at], found.traction[at] = displacement, traction
         found.slip[at] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)

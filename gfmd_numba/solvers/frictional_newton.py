@@ -113,7 +113,7 @@ class FrictionalNewton:
         self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
         self._products = CoupledProducts(response, rows, shape, punch.dtype)
         self._near = NearTractions(response, shape)
-        self.field, self._components = self._products.field, len(shape)
+        self.field, self._components = self._products.field, response.components - 1
         n = self.field.n
         self.displacement, self.restoring = self._products.displacement, self._products.restoring
         self.load = batch.loads.copy()

@@ -15,14 +15,12 @@ HARD_WALL = Interactions(hard_wall=True)
 
 
 def tangential_shape(punch: Reals) -> tuple[int, ...]:
-    """Shape of tangential quantities under punches: `[realisation, x]`, or on maps `[realisation, component, y, x]`."""
-    return punch.shape if punch.ndim == 2 else (len(punch), 2, *punch.shape[1:])
+    """Shape `[realisation, component, (y,) x]` of tangential quantities under punches, along x and on maps along y."""
+    return len(punch), len(punch.shape) - 1, *punch.shape[1:]
 
 
 def by_component(tangential: Reals, n: int) -> Reals:
     """Tangential quantity of that shape as flat rows of n nodes, on maps the x components and then the y components."""
-    if tangential.ndim == 2:
-        return tangential
     return np.asarray(tangential.swapaxes(0, 1).reshape(-1, n))
 
 
@@ -31,7 +29,7 @@ class Start:
     """What a batch begins with `[realisation, (y,) x]`: displacements, and where the punch holds nodes it touched.
 
     Tangential quantities have the `tangential_shape`. The `anchor` is one of them, and not-a-number for nodes that did
-    not touch. `dragged` is how far the punch has moved sideways since, on maps `[component, 1, 1]`.
+    not touch. `dragged` is how far the punch has moved sideways since, ready to broadcast with `[component, (y,) x]`.
     """
 
     displacement: Reals
@@ -56,8 +54,8 @@ class Batch:
 
     `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
     nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
-    displacement of the punch, on maps `[component, 1, 1]`, and with a cohesive law also `[(component, y,) x]`: less
-    what else moves each node. `largest_pressure` is what no pressure is expected to exceed.
+    displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
+    each node. `largest_pressure` is what no pressure is expected to exceed.
     """
 
     punch: Reals

@@ -68,7 +68,7 @@ SOLVERS = {
         "and slip; under a hardness without a law the same as active_set_newton",
         can=_PRESSURE | {"normal law", "cohesive law"},
         condensed="gfmd_numba.solvers.yielding_newton:truncated_newton",
-        coupled="gfmd_numba.solvers.map_cohesive_newton:cohesive_newton",
+        coupled="gfmd_numba.solvers.cohesive_newton:CohesiveNewton",
         block_samples=2**18,
     ),
     "frictional_newton": Solver(

@@ -48,8 +48,7 @@ class TruncatedNewton:
         self._law = law = batch.interface.normal_law or _NOTHING
         response = self._with_held_mean(batch)
         stiffness = response.normal
-        # the mean that a load moves freely is as stiff as contact makes it: of the order of the softest wave
-        compliance = 1.0 / np.where(stiffness > 0.0, stiffness, stiffness.ravel()[1:].min())
+        (compliance,) = response.restored().inverse()
         self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
         self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
         self._stiffest = float(stiffness.max()) + batch.law_stiffness()

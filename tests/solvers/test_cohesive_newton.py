@@ -32,7 +32,7 @@ def energy(u1, u3, punch, body, load, law, sliding=0.0):
 
 def violation(found, punch, body, load, law, hard_wall, sliding=0.0):
     """Largest violated condition of the first row over the largest traction, by NumPy's transforms."""
-    u1, u3, n = found.tangential.displacement[0], found.displacement[0], punch.shape[1]
+    u1, u3, n = found.tangential.displacement[0, 0], found.displacement[0], punch.shape[1]
     c1, c3 = np.fft.rfft(u1), np.fft.rfft(u3)
     shear = np.fft.irfft(body.elements[0] * c1 + 1j * body.elements[1] * c3, n)
     gap, slip = punch[0] - u3, sliding - u1

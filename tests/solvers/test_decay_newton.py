@@ -95,7 +95,7 @@ def test_decays_are_close_to_the_compliance_at_all_wave_numbers(n, free_mean):
     body = stiffness.slab(grid.wavenumbers(n), 0.3, 0.5)
     if free_mean:
         body[0] = 0.0
-    model = decay_model(body, n, free_mean)
+    model = decay_model(body, (n,), free_mean)
     count = min(n, 4096)
     source, product = np.zeros((2, n))
     source[0] = 1.0
@@ -112,8 +112,8 @@ def test_decays_are_close_to_the_compliance_at_all_wave_numbers(n, free_mean):
 
 def test_a_model_is_made_once_for_a_body_and_a_grid():
     body = stiffness.half_space(grid.wavenumbers(512))
-    assert decay_model(body, 512, True) is decay_model(body.copy(), 512, True)
-    assert decay_model(2.0 * body, 512, True) is not decay_model(body, 512, True)
+    assert decay_model(body, (512,), True) is decay_model(body.copy(), (512,), True)
+    assert decay_model(2.0 * body, (512,), True) is not decay_model(body, (512,), True)
 
 
 def test_a_run_cut_short_says_how_far_it_came():

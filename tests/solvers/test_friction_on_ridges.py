@@ -49,9 +49,9 @@ def test_ridges_are_profiles(body, friction, along):
         pressure = found.pressure[0] if along == "x" else found.pressure[0].T
         peak, tangential = before.pressure.max(), before.tangential
         np.testing.assert_allclose(pressure, np.tile(before.pressure, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_allclose(own[0], np.tile(tangential.traction, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_allclose(other[0], np.tile(tangential.slip, (across, 1)), atol=1e-8 * peak)
-        np.testing.assert_array_equal(other[0] == 0.0, np.tile(tangential.slip, (across, 1)) == 0.0)
+        np.testing.assert_allclose(own[0], np.tile(tangential.traction[0], (across, 1)), atol=1e-8 * peak)
+        np.testing.assert_allclose(other[0], np.tile(tangential.slip[0], (across, 1)), atol=1e-8 * peak)
+        np.testing.assert_array_equal(other[0] == 0.0, np.tile(tangential.slip[0], (across, 1)) == 0.0)
         assert abs(own[1]).max() < 1e-8 * peak
         slipped += np.count_nonzero(tangential.slip)
     assert slipped > 0
@@ -73,5 +73,5 @@ def test_a_ridge_of_flat_punches_sticks_as_its_profile_does(friction):
     peak = one.pressure.max()
     np.testing.assert_allclose(two.pressure[0], np.tile(one.pressure, (4, 1)), atol=1e-8 * peak)
     traction = two.tangential.traction[0]
-    np.testing.assert_allclose(traction[0], np.tile(one.tangential.traction, (4, 1)), atol=1e-8 * peak)
+    np.testing.assert_allclose(traction[0], np.tile(one.tangential.traction[0], (4, 1)), atol=1e-8 * peak)
     assert abs(traction[1]).max() < 1e-12 * peak

@@ -22,7 +22,7 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
 
     `start` is what the step began with: nodes slip by their way from where they were then, moved with the punch.
     """
-    punch, u1, u3 = punch[row], result.tangential.displacement[row], result.displacement[row]
+    punch, u1, u3 = punch[row], result.tangential.displacement[row, 0], result.displacement[row]
     shear, pressure = tractions(stiffness, u1, u3, load)
     pull = 0.0 * punch if law is None else law.work / law.length * np.exp((u3 - punch) / law.length)
     pressure = pressure + pull
@@ -32,7 +32,7 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
         volume = abs(u3.mean()) / np.ptp(punch)
     gap = punch - u3
     touching = gap <= 0.0
-    slid = u1 - (0.0 if start is None else start.tangential[row] + start.dragged)  # exactly 0 where it sticks
+    slid = u1 - (0.0 if start is None else (start.tangential + start.dragged)[row, 0])  # exactly 0 where it sticks
     peak = max((result.pressure[row] + pull)[touching].max(initial=0.0), abs(pull).max())
     bound = np.multiply(friction, pressure, out=np.zeros_like(pressure), where=touching & (pressure > 0.0))
     slips = touching & (slid != 0.0) & (bound < np.inf)
@@ -48,5 +48,5 @@ def largest_violation(stiffness, punch, load, friction, result, start=None, row=
 
 def sticking(result, start, row=0):
     """Nodes `[x]` that touch and have not slid since the start of the step."""
-    held = start.tangential[row] + start.dragged
-    return result.touching[row] & (result.tangential.displacement[row] == held)
+    held = (start.tangential + start.dragged)[row, 0]
+    return result.touching[row] & (result.tangential.displacement[row, 0] == held)

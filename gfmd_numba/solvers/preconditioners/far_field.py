@@ -19,6 +19,8 @@ class FarField:
     not count.
     """
 
+    is_positive = True  # whatever the nodes
+
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
         self._near, self._blocks, self._shape = NearField(stiffness, shape), Blocks(stiffness, shape, _SIDE), shape
         self._uniform, self._stiff, self._place, self._count = np.empty(0), np.empty(0), np.empty(0, dtype=np.int64), 0

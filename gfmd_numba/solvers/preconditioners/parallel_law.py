@@ -25,6 +25,12 @@ class ParallelLaw:
     and at `second` in rows of both.
     """
 
+    @classmethod
+    def of(cls, compliances: Reals, n: int, second: int) -> "ParallelLaw | None":
+        """Return it for both components of a profile; None where no sum of decays is close, and for maps."""
+        made = cls((compliances[0], compliances[1]), n, second) if len(compliances) == 2 else None
+        return made if made is not None and made.is_safe else None
+
     def __init__(self, compliances: tuple[Reals, Reals], n: int, second: int) -> None:
         self._n, self._parts = n, (slice(0, n), slice(second, second + n))
         self.is_safe = False

@@ -1,6 +1,7 @@
 """Every compiled function, and the records that they take."""
 
 from gfmd_numba.kernels.active_sets import (
+    Iterate,
     closing_displacement,
     contact_nodes,
     newton_direction,
@@ -63,6 +64,7 @@ from gfmd_numba.kernels.tiles import (
 __all__ = [
     "Boundary",
     "CoupledState",
+    "Iterate",
     "State",
     "bound",
     "cg_direction",

@@ -3,8 +3,19 @@
 Arrays are `[x]`, those over the nodes in contact hold `count` values.
 """
 
+from typing import NamedTuple
+
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
+
+
+class Iterate(NamedTuple):
+    """Pressure `p` of a row or of a batch, its `gap`, the direction `t` of the search and its displacement `st`."""
+
+    p: Reals
+    gap: Reals
+    t: Reals
+    st: Reals
 
 
 @jit
@@ -117,18 +128,10 @@ def newton_direction(z: Reals, last: float, energy: float, nodes: Indices, count
 
 @jit
 def newton_update(
-    p: Reals,
-    gap: Reals,
-    t: Reals,
-    st: Reals,
-    energy: float,
-    nodes: Indices,
-    count: int,
-    n: int,
-    r: Reals,
-    free_mean: bool,
+    iterate: Iterate, energy: float, nodes: Indices, count: int, n: int, r: Reals, free_mean: bool
 ) -> None:
-    """Line search along t, whose displacement is st."""
+    """Line search along the direction."""
+    p, gap, t, st = iterate
     curvature = 0.0
     for k in range(count):
         curvature += t[nodes[k]] * st[nodes[k]]
@@ -144,8 +147,7 @@ def newton_update(
 
 @jit
 def revise_contact(
-    p: Reals,
-    gap: Reals,
+    iterate: Iterate,
     contact: Flags,
     nodes: Indices,
     count: int,
@@ -159,6 +161,7 @@ def revise_contact(
     Under a prescribed load the nodes in contact fix the approach, which is taken off the gap, and the others carry
     what was lost.
     """
+    p, gap = iterate.p, iterate.gap
     if free_mean:
         approach = 0.0
         for k in range(count):

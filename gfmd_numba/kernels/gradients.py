@@ -1,13 +1,15 @@
 """Compiled parts of a constrained conjugate gradient iteration (Polonsky & Keer, Wear 231:206, 1999).
 
 Free are the nodes whose pressure is between its bounds, 0 and the `hardness`. A row has a list of them, so that only
-the gap is computed node by node; elsewhere the direction is zero.
+the gap is computed node by node; elsewhere the direction is zero. `search` `[3, realisation]` is what iterations leave
+to the next: the sum of the squared gaps, the step, and 0 where the direction does not count any more, or else 1.
 """
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.kernels.active_sets import Iterate
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.hardness import bounded_step
 
@@ -59,8 +61,7 @@ def cg_direction(
     t: Reals,
     nodes: Nodes,
     count: Indices,
-    norm: Reals,
-    keep: Reals,
+    search: Reals,
     rounding: Reals,
     active: Indices,
     free_mean: bool,
@@ -71,6 +72,7 @@ def cg_direction(
     change the load, which rescaling the pressure would undo: it loses its mean. And it may lead uphill: it is
     then dropped. Gaps within `rounding` of closed point nowhere: the direction is then zero.
     """
+    norm, keep = search[0], search[2]
     for i in active:
         free = count[i]
         new_norm = 0.0
@@ -111,17 +113,12 @@ def overlapping(p: Reals, gap: Reals, nodes: Nodes, count: int, n: int) -> int:
 
 @jit
 def cg_update(
-    p: Reals,
-    st: Reals,
-    gap: Reals,
-    t: Reals,
+    iterate: Iterate,
     nodes: Nodes,
     count: Indices,
+    search: Reals,
     load: Reals,
-    step: Reals,
-    keep: Reals,
     active: Indices,
-    n: int,
     free_mean: bool,
     hardness: float = np.inf,
 ) -> None:
@@ -130,6 +127,8 @@ def cg_update(
     Penetrating nodes at the hardness keep it, those that have opened come down from it as overlapping ones rise from 0.
     Without hardness the list then has the nodes under pressure, those that joined at its end.
     """
+    p, gap, t, st = iterate
+    n, step, keep = nodes.shape[1], search[1], search[2]
     for i in active:
         free = count[i]
         mean = 0.0
@@ -147,7 +146,7 @@ def cg_update(
         if rt > 0.0:  # a single touching node has no direction of its own: it keeps the last step
             step[i] = gt / rt
         if hardness < np.inf:
-            keep[i] = bounded_step(p[i], gap[i], t[i], step[i], load[i], hardness, n, free_mean)
+            keep[i] = bounded_step(Iterate(p[i], gap[i], t[i], st[i]), step[i], load[i], hardness, n, free_mean)
             continue
         listed = overlapping(p[i], gap[i], nodes[i], free, n)
         overlap = listed > free

@@ -6,6 +6,7 @@ A plastic node may penetrate. Arrays are `[x]`.
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.kernels.active_sets import Iterate
 from gfmd_numba.kernels.compilation import jit
 
 _ROUNDED = 1e-12  # of all that is added up
@@ -58,6 +59,23 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
     some = fixed < total < fixed + count * hardness
     if not some:
         fixed = 0.0
+        movable = np.ones(n, dtype=np.bool_)
+    shift = _shift(p, movable, total, fixed, hardness, n)
+    inside = 0
+    missing = total - fixed
+    for j in range(n):
+        if movable[j]:
+            p[j] = min(max(p[j] + shift, 0.0), hardness)
+            missing -= p[j]
+            inside += 0.0 < p[j] < hardness
+    for j in range(n):  # what rounding took, where pressures were far beyond their bounds
+        if inside > 0 and 0.0 < p[j] < hardness and movable[j]:
+            p[j] = min(max(p[j] + missing / inside, 0.0), hardness)
+
+
+@jit
+def _shift(p: Reals, movable: Flags, total: float, fixed: float, hardness: float, n: int) -> float:
+    """Number by which movable pressures move between their bounds to add up to `total` with the `fixed` rest."""
     shift = 0.0
     low = -np.inf
     high = np.inf
@@ -67,7 +85,7 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
         below = -np.inf
         above = np.inf
         for j in range(n):
-            if some and not movable[j]:
+            if not movable[j]:
                 continue
             moved = p[j] + shift
             if moved <= 0.0:
@@ -94,26 +112,16 @@ def bound(p: Reals, movable: Flags, total: float, hardness: float, n: int) -> No
             if not low < following < high:
                 break
         shift = following
-    inside = 0
-    missing = total - fixed
-    for j in range(n):
-        if movable[j] or not some:
-            p[j] = min(max(p[j] + shift, 0.0), hardness)
-            missing -= p[j]
-            inside += 0.0 < p[j] < hardness
-    for j in range(n):  # what rounding took, where pressures were far beyond their bounds
-        if inside > 0 and 0.0 < p[j] < hardness and (movable[j] or not some):
-            p[j] = min(max(p[j] + missing / inside, 0.0), hardness)
+    return shift
 
 
 @jit
-def bounded_step(
-    p: Reals, gap: Reals, t: Reals, step: float, load: float, hardness: float, n: int, free_mean: bool
-) -> float:
+def bounded_step(iterate: Iterate, step: float, load: float, hardness: float, n: int, free_mean: bool) -> float:
     """Step of free nodes along t, of the others along the gap, to the nearest pressures between bounds.
 
     Return 0 if nodes have become free, of which t says nothing, so that the next direction begins anew, or else 1.
     """
+    p, gap, t, _ = iterate
     for j in range(n):
         p[j] -= step * (t[j] if 0.0 < p[j] < hardness else gap[j])
     if free_mean:
@@ -192,13 +200,12 @@ def stop_at_first_bound(p: Reals, last_p: Reals, contact: Flags, hardness: float
 
 
 @jit
-def wrong_gaps(
-    p: Reals, gap: Reals, nodes: Indices, count: int, n: int, rounding: float, free_mean: bool, t: Reals
-) -> float:
+def wrong_gaps(iterate: Iterate, nodes: Indices, count: int, n: int, rounding: float, free_mean: bool) -> float:
     """Fill t with the gaps of open nodes that overlap and of plastic nodes that do not, and zero; sum of its squares.
 
     Under a prescribed load the free nodes fix the approach, which is taken off the gap.
     """
+    p, gap, t, _ = iterate
     if free_mean:
         approach = 0.0
         for k in range(count):
@@ -222,16 +229,7 @@ def wrong_gaps(
 
 @jit
 def revise_bounds(
-    p: Reals,
-    gap: Reals,
-    t: Reals,
-    st: Reals,
-    square: float,
-    contact: Flags,
-    n: int,
-    load: float,
-    hardness: float,
-    free_mean: bool,
+    iterate: Iterate, square: float, contact: Flags, n: int, load: float, hardness: float, free_mean: bool
 ) -> int:
     """Step against the wrong gaps t to the nearest pressures between bounds, and mark which nodes are free; how many
     were wrong.
@@ -239,6 +237,7 @@ def revise_bounds(
     The step is the best along t, whose displacement is st. Under a prescribed load, nodes with a right gap keep their
     bound; unless the step carries nodes across both bounds, as punches too rough to deform do: then all may move.
     """
+    p, gap, t, st = iterate
     curvature = 0.0
     wrong = 0
     for j in range(n):

@@ -4,6 +4,7 @@ Arrays are flat, `[node]`, over the nodes of these tiles. Pressures, residuals a
 """
 
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.kernels.active_sets import Iterate
 from gfmd_numba.kernels.compilation import jit
 
 
@@ -73,10 +74,9 @@ def tile_direction(z: Reals, st: Reals, t: Reals, step: float, last: float) -> N
 
 
 @jit
-def tile_update(
-    p: Reals, gap: Reals, t: Reals, st: Reals, energy: float, contact: Flags, count: int, r: Reals, free_mean: bool
-) -> float:
-    """Line search along t, whose displacement is st; the step."""
+def tile_update(iterate: Iterate, energy: float, contact: Flags, count: int, r: Reals, free_mean: bool) -> float:
+    """Line search along the direction; the step."""
+    p, gap, t, st = iterate
     curvature = 0.0
     for j in range(t.size):
         curvature += t[j] * st[j]

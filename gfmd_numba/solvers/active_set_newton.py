@@ -125,8 +125,8 @@ class ActiveSetNewton(PressureIterate):
         """Revise the contact of a row; returns how many nodes changed sides."""
         i = row[0]
         changed = kernels.revise_contact(
-            self.pressure[i], self.gap[i], self._contact[i], self._nodes, count, self.field.n, self.load[i],
-            self.rounding[i], self.free_mean,
+            self.rows[i], self._contact[i], self._nodes, count, self.field.n, self.load[i], self.rounding[i],
+            self.free_mean,
         )  # fmt: skip
         return int(changed)
 
@@ -148,11 +148,11 @@ class ActiveSetNewton(PressureIterate):
     def _close_gap(self, row: Indices, count: int) -> None:
         """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
         field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
-        p, gap, t = self.pressure[i], self.gap[i], self.direction[i]
+        iterate = self.rows[i]
         r, z, uniform = self._closing, self._pressure_change, self._uniform
         if count == 0:
             return
-        kernels.closing_displacement(gap, nodes, count, r, self.free_mean)
+        kernels.closing_displacement(iterate.gap, nodes, count, r, self.free_mean)
         inverse = self._factored(nodes, count)
         if self.free_mean:
             z[:count] = 1.0
@@ -160,13 +160,15 @@ class ActiveSetNewton(PressureIterate):
         last = 0.0
         for _ in range(_SPARE_ITERATIONS if inverse is self._spare else _INNER_ITERATIONS):
             inverse.solve(r, z)
-            energy, error = kernels.newton_error(r, z, uniform, p, nodes, count, self.rounding[i], self.free_mean)
+            energy, error = kernels.newton_error(
+                r, z, uniform, iterate.p, nodes, count, self.rounding[i], self.free_mean
+            )
             if not error > self._tolerance[i]:
                 break
-            kernels.newton_direction(z, last, energy, nodes, count, n, t)
+            kernels.newton_direction(z, last, energy, nodes, count, n, iterate.t)
             last = energy
             field.apply(self.compliance, row, source=1)
-            kernels.newton_update(p, gap, t, field.result[i], energy, nodes, count, n, r, self.free_mean)
+            kernels.newton_update(iterate, energy, nodes, count, n, r, self.free_mean)
 
     def _factored(self, nodes: Indices, count: int) -> ExponentialSum | RestrictedStiffness | FarField:
         """Preconditioner that can be used on the first `count` of the nodes, prepared for them."""

@@ -59,23 +59,18 @@ class BoundedNewton(ActiveSetNewton):
             self._contact[i] = (p > 0.0) & (p < self.hardness)
 
     def _revise(self, row: Indices, count: int) -> int:
-        i, n, t = row[0], self.field.n, self.direction[row[0]]
+        i, n, iterate = row[0], self.field.n, self.rows[row[0]]
         if self._careful[i]:
             self._careful[i] = False
-            stopped = kernels.stop_at_first_bound(
-                self.pressure[i], self._last.pressure[i], self._contact[i], self.hardness, n
-            )
+            stopped = kernels.stop_at_first_bound(iterate.p, self._last.pressure[i], self._contact[i], self.hardness, n)
             if stopped:
                 return int(stopped)
-        square = kernels.wrong_gaps(
-            self.pressure[i], self.gap[i], self._nodes, count, n, self.rounding[i], self.free_mean, t
-        )
+        square = kernels.wrong_gaps(iterate, self._nodes, count, n, self.rounding[i], self.free_mean)
         if square > 0.0:
             self.field.apply(self.compliance, row, source=1)
         changed = kernels.revise_bounds(
-            self.pressure[i], self.gap[i], t, self.field.result[i], square, self._contact[i], n, self.load[i],
-            self.hardness, self.free_mean,
-        )  # fmt: skip
+            iterate, square, self._contact[i], n, self.load[i], self.hardness, self.free_mean
+        )
         return int(changed)
 
     def _balance(self) -> None:

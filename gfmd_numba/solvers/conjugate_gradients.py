@@ -24,24 +24,18 @@ class ConjugateGradients(PressureIterate):
     def __init__(self, batch: Batch, options: Options) -> None:
         super().__init__(batch)
         rows = len(batch.punch)
-        self._norm, self._step, self._keep = np.zeros((3, rows))
+        self._search = np.zeros((3, rows))
         self._free = np.zeros((rows, self.field.n), dtype=np.uint32), np.zeros(rows, dtype=np.int64)
         self._is_open = False  # whether the gap is that of the pressure
         kernels.cg_free(self.pressure, self.direction, *self._free, np.arange(rows), self.field.n, self.hardness)
 
     def advance(self, active: Indices) -> None:
         """Make one iteration in the active rows."""
-        field, n = self.field, self.field.n
         if not self._is_open:
             self._open_gap(active)
-        kernels.cg_direction(
-            self.gap, self.direction, *self._free, self._norm, self._keep, self.rounding, active, self.free_mean
-        )
-        field.apply(self.compliance, active, source=1)
-        kernels.cg_update(
-            self.pressure, field.result, self.gap, self.direction, *self._free, self.load, self._step, self._keep,
-            active, n, self.free_mean, self.hardness,
-        )  # fmt: skip
+        kernels.cg_direction(self.gap, self.direction, *self._free, self._search, self.rounding, active, self.free_mean)
+        self.field.apply(self.compliance, active, source=1)
+        kernels.cg_update(self.iterate, *self._free, self._search, self.load, active, self.free_mean, self.hardness)
         self._is_open = False
 
     def residual(self, active: Indices) -> Reals:
@@ -75,7 +69,7 @@ class BoundedConjugateGradients(ConjugateGradients):
             kernels.open_gap(field.result[i], self.wall[i], n, gap)
             uphill = self._last.damp(i, p, gap, n)
             if uphill:
-                self._keep[i] = 0.0
+                self._search[2, i] = 0.0
             if uphill == UPHILL_FROM_THE_START:
                 self._last.remember(i, p, gap)
             if self.free_mean:

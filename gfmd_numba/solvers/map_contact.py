@@ -141,7 +141,7 @@ class MapContact:
             kernels.tile_direction(z, st, t, step, last)
             last = energy
             st = _flat(self._softened(direction))
-            step = kernels.tile_update(p, gap, t, st, energy, contact, self.count, r, self.free_mean)
+            step = kernels.tile_update(kernels.Iterate(p, gap, t, st), energy, contact, self.count, r, self.free_mean)
         return _ITERATIONS
 
     def _softened(self, pressure: Reals) -> Reals:

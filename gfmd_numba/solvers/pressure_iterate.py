@@ -43,6 +43,8 @@ class PressureIterate:
         self.compliance = self.field.symbol(compliance)
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n, punch.dtype)
+        self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.restoring)
+        self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
         self.certificate = Certificate(rows, self.hardness, rigid_mean)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 

@@ -78,7 +78,7 @@ def test_newton_update_is_its_plain_twin(kernel, free_mean, rng):
     step = 0.5 / (t[:N] @ st[:N])
     expected_p, expected_gap = p[:N] + step * t[:N], gap[:N] + step * st[:N]
     expected_r = r[:6] - step * st[NODES]
-    kernel(p, gap, t, st, 0.5, NODES, 6, N, r, free_mean)
+    kernel(kernels.Iterate(p, gap, t, st), 0.5, NODES, 6, N, r, free_mean)
     np.testing.assert_allclose(p[:N], expected_p, rtol=1e-13)
     np.testing.assert_allclose(gap[:N], expected_gap, rtol=1e-12)
     np.testing.assert_allclose(r[:6], expected_r - expected_r.mean() if free_mean else expected_r, atol=1e-13)
@@ -91,7 +91,7 @@ def test_revise_contact_is_its_plain_twin(kernel, free_mean, rng):
     p[8] = -0.1
     gap = np.where(CONTACT, 0.3, 1.0)
     gap[[3, 4]] = 0.3 - 1e-9, -0.2
-    changed = kernel(p, gap, contact, NODES, 6, N, 2.0, 1e-6, free_mean)
+    changed = kernel(kernels.Iterate(p, gap, gap, gap), contact, NODES, 6, N, 2.0, 1e-6, free_mean)
     leaves, joins = [8], [4]
     assert changed == 2
     assert contact[:N].tolist() == [(CONTACT[j] or j in joins) and j not in leaves for j in range(N)]

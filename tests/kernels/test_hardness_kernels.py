@@ -124,7 +124,7 @@ def test_wrong_gaps_are_overlaps_of_open_nodes_and_openings_of_plastic_ones(kern
     nodes = np.flatnonzero(free)
     expected = gap - (gap[free].mean() if free_mean else 0.0)
     wrong = ((p == 0.0) & (expected < -0.2)) | ((p == HARDNESS) & (expected > 0.2))
-    square = kernel(p, gap, nodes, nodes.size, N, 0.2, free_mean, t)
+    square = kernel(kernels.Iterate(p, gap, t, t), nodes, nodes.size, N, 0.2, free_mean)
     np.testing.assert_allclose(gap, expected, atol=1e-15)
     np.testing.assert_allclose(t, np.where(wrong, expected, 0.0), atol=1e-15)
     assert square == pytest.approx((expected[wrong] ** 2).sum())
@@ -152,10 +152,10 @@ def test_revise_bounds_steps_against_wrong_gaps(kernel, free_mean, stiff, rng):
     else:
         expected = np.clip(moved, 0.0, HARDNESS)
     args = ((t**2).sum(), contact, N, 0.3, HARDNESS, free_mean)
-    assert kernel(p, gap, t, st, *args) == wrong.sum() + 2
+    assert kernel(kernels.Iterate(p, gap, t, st), *args) == wrong.sum() + 2
     np.testing.assert_allclose(p, expected, atol=1e-12)
     np.testing.assert_array_equal(contact, (p > 0.0) & (p < HARDNESS))
-    assert kernel(p, gap, np.zeros(N), st, 0.0, *args[1:]) == 0
+    assert kernel(kernels.Iterate(p, gap, np.zeros(N), st), 0.0, *args[1:]) == 0
 
 
 @pytest.mark.parametrize("kernel", both(bounded_step))
@@ -168,11 +168,12 @@ def test_bounded_step_follows_the_direction_on_free_nodes_and_the_gap_elsewhere(
     expected = shifted(moved, 0.3 * N) if free_mean else np.clip(moved, 0.0, HARDNESS)
     joined = (~free & (expected > 0.0) & (expected < HARDNESS)).any()
     assert joined
-    assert kernel(p, gap, t, 0.1, 0.3, HARDNESS, N, free_mean) == 0.0
+    assert kernel(kernels.Iterate(p, gap, t, t), 0.1, 0.3, HARDNESS, N, free_mean) == 0.0
     np.testing.assert_allclose(p, expected, atol=1e-13)
     p = np.where(free, 0.3, np.where(expected > 0.3, HARDNESS, 0.0))
     gap = np.where(p > 0.3, -9.0, 9.0)
-    assert kernel(p, gap, np.where(free, t - t[free].mean(), 0.0), 1e-3, p.mean(), HARDNESS, N, free_mean) == 1.0
+    t = np.where(free, t - t[free].mean(), 0.0)
+    assert kernel(kernels.Iterate(p, gap, t, t), 1e-3, p.mean(), HARDNESS, N, free_mean) == 1.0
 
 
 @pytest.mark.parametrize("kernel", both(kernels.kkt_violation))
@@ -203,12 +204,12 @@ def test_close_gap_lets_plastic_nodes_penetrate(kernel, rng):
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
 def test_cg_directions_move_free_nodes_alone(kernel, rng):
     p, gap = pressures(rng)[np.newaxis], rng.normal(size=(1, N))
-    t, norm, keep = np.zeros((1, N)), np.zeros(1), np.zeros(1)
+    t, search = np.zeros((1, N)), np.zeros((3, 1))
     free = (p > 0.0) & (p < HARDNESS)
     nodes = np.flatnonzero(free[0]).astype(np.uint32)[np.newaxis]
-    kernel(gap, t, nodes, np.array([nodes.size]), norm, keep, np.zeros(1), np.array([0]), True)
+    kernel(gap, t, nodes, np.array([nodes.size]), search, np.zeros(1), np.array([0]), True)
     np.testing.assert_array_equal(t, np.where(free, gap, 0.0))
-    assert norm[0] == pytest.approx((gap[free] ** 2).sum())
+    assert search[0, 0] == pytest.approx((gap[free] ** 2).sum())
 
 
 @pytest.mark.parametrize("kernel", both(kernels.cg_update))
@@ -218,10 +219,12 @@ def test_cg_steps_as_far_as_the_free_nodes_ask(kernel, rng):
     t = np.where(free, st + 0.1 * gap, 0.0)
     by_hand = p[0].copy()
     best = (gap * t)[free].sum() / ((st - st[free].mean()) * t)[free].sum()
-    expected_keep = bounded_step(by_hand, gap[0], t[0], best, 0.3, HARDNESS, N, True)
-    step, keep = np.zeros(1), np.zeros(1)
-    nodes = np.flatnonzero(free[0]).astype(np.uint32)[np.newaxis]
-    kernel(p, st, gap, t, nodes, np.array([nodes.size]), np.array([0.3]), step, keep, np.array([0]), N, True, HARDNESS)
-    assert step[0] == pytest.approx(best)
-    assert keep[0] == expected_keep
+    row = kernels.Iterate(by_hand, gap[0], t[0], st[0])
+    expected_keep = bounded_step(row, best, 0.3, HARDNESS, N, True)
+    search, nodes = np.zeros((3, 1)), np.zeros((1, N), dtype=np.uint32)
+    nodes[0, : free.sum()] = np.flatnonzero(free[0])
+    iterate = kernels.Iterate(p, gap, t, st)
+    kernel(iterate, nodes, np.array([free.sum()]), search, np.array([0.3]), np.array([0]), True, HARDNESS)
+    assert search[1, 0] == pytest.approx(best)
+    assert search[2, 0] == expected_keep
     np.testing.assert_allclose(p[0], by_hand, atol=1e-13)

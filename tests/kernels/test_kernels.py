@@ -12,7 +12,7 @@ ACTIVE = np.array([0, 2])
 
 def listed(p):
     """Nodes under pressure `[realisation, x]`, as `cg_free` lists them, and how many there are."""
-    nodes, count = np.full(p.shape, 99, dtype=np.uint32), np.zeros(len(p), dtype=np.int64)
+    nodes, count = np.full((len(p), N), 99, dtype=np.uint32), np.zeros(len(p), dtype=np.int64)
     for i in range(len(p)):
         free = np.flatnonzero(p[i, :N] > 0.0)
         nodes[i, : free.size], count[i] = free, free.size
@@ -179,7 +179,7 @@ def test_cg_gap_is_its_plain_twin(kernel, free_mean, rng):
 def test_cg_direction_is_its_plain_twin(kernel, free_mean, rng):
     gap, t = rng.normal(size=(2, ROWS, PADDED))
     p = np.maximum(rng.normal(size=gap.shape), 0.0)
-    norm, keep = np.array([2.0, 3.0, 0.0]), np.array([1.0, 1.0, 1.0])
+    search = np.array([[2.0, 3.0, 0.0], [0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     t[p == 0.0] = 0.0  # as the list before left it
     t[0] *= np.sign((gap * t)[0, :N].sum())  # downhill
     squares = np.where(p > 0.0, gap**2, 0.0)[:, :N].sum(axis=1)
@@ -190,24 +190,24 @@ def test_cg_direction_is_its_plain_twin(kernel, free_mean, rng):
         mean = t[i, :N][touching[:N]].mean() if free_mean else 0.0
         new[i, touching] = (gap[i] + beta[i] * (t[i] - mean))[touching]
     expected = only_active(new, t)
-    kernel(gap, t, *listed(p), norm, keep, np.zeros(ROWS), ACTIVE, free_mean)
+    kernel(gap, t, *listed(p), search, np.zeros(ROWS), ACTIVE, free_mean)
     np.testing.assert_allclose(t, expected, rtol=1e-13)
-    np.testing.assert_allclose(norm, [squares[0], 3.0, squares[2]])
+    np.testing.assert_allclose(search[0], [squares[0], 3.0, squares[2]])
 
 
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
 def test_cg_direction_never_leads_uphill(kernel):
     p, gap = np.ones((1, N)), np.zeros((1, N))
     gap[0, :2] = 1.0, -1.0
-    t, norm = -2.0 * gap, np.array([1.0])
-    kernel(gap, t, *listed(p), norm, np.ones(1), np.full(1, 0.1), np.array([0]), True)
+    t = -2.0 * gap
+    kernel(gap, t, *listed(p), np.ones((3, 1)), np.full(1, 0.1), np.array([0]), True)
     np.testing.assert_array_equal(t, gap)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.cg_direction))
 def test_cg_direction_stops_at_rounding(kernel):
     p, gap, t = np.ones((1, N)), np.full((1, N), 0.1), np.ones((1, N))
-    kernel(gap, t, *listed(p), np.ones(1), np.ones(1), np.full(1, 0.11), np.array([0]), True)
+    kernel(gap, t, *listed(p), np.ones((3, 1)), np.full(1, 0.11), np.array([0]), True)
     assert not t[0, :N].any()
 
 
@@ -234,13 +234,14 @@ def test_cg_update_is_its_plain_twin(kernel, overlap, free_mean, rng):
     t[p == 0.0] = 0.0  # as the list before left it
     downhill = np.sign((gap * t)[:, :N].sum(axis=1, keepdims=True))
     st, t = downhill * st, downhill * t
-    load, step, keep = np.array([0.3, 0.4, 0.5]), np.array([1.0, 2.0, 3.0]), np.full(ROWS, 0.5)
+    load, search = np.array([0.3, 0.4, 0.5]), np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0], [0.5, 0.5, 0.5]])
+    _, step, keep = search
     expected, steps, keeps = p.copy(), step.copy(), keep.copy()
     for i in ACTIVE:
         row = updated(p[i, :N], st[i, :N], gap[i, :N], t[i, :N], load[i], step[i], keep[i], free_mean)
         expected[i, :N], steps[i], keeps[i] = row
     nodes, count = listed(p)
-    kernel(p, st, gap, t, nodes, count, load, step, keep, ACTIVE, N, free_mean)
+    kernel(kernels.Iterate(p, gap, t, st), nodes, count, search, load, ACTIVE, free_mean)
     np.testing.assert_allclose(p, expected, rtol=1e-13, atol=1e-15)
     np.testing.assert_allclose(step, steps)
     np.testing.assert_array_equal(keep, keeps)
@@ -252,12 +253,12 @@ def test_cg_update_is_its_plain_twin(kernel, overlap, free_mean, rng):
 
 @pytest.mark.parametrize("kernel", both(kernels.cg_update))
 def test_cg_update_keeps_the_last_step_at_a_single_touching_node(kernel):
-    p, st, gap, t = (np.zeros((1, 8)) for _ in range(4))
+    p, st, gap, t = (np.zeros((1, N)) for _ in range(4))
     p[0, 3], st[0, 3], gap[0, 5] = 8.0, 1.0, -0.25  # one node touches, another overlaps
-    step, keep = np.array([2.0]), np.ones(1)
-    kernel(p, st, gap, t, *listed(p), np.ones(1), step, keep, np.array([0]), 8, True)
-    assert step[0] == 2.0
-    np.testing.assert_allclose(p[0, [3, 5]], np.array([8.0, 0.5]) * 8.0 / 8.5)
+    search = np.array([[0.0], [2.0], [1.0]])
+    kernel(kernels.Iterate(p, gap, t, st), *listed(p), search, np.ones(1), np.array([0]), True)
+    assert search[1, 0] == 2.0
+    np.testing.assert_allclose(p[0, [3, 5]], np.array([8.0, 0.5]) * N / 8.5)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.close_gap))

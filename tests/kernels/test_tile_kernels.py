@@ -258,7 +258,8 @@ def test_a_line_search_moves_pressure_gap_and_residual(kernel, free_mean, rng):
     step = 1.7 / (t @ st)
     moved = r - step * st * contact
     expected = p + step * t, gap + step * st, moved - (moved[contact].mean() if free_mean else 0.0) * contact
-    assert kernel(p, gap, t, st, 1.7, contact, int(contact.sum()), r, free_mean) == pytest.approx(step)
+    iterate = kernels.Iterate(p, gap, t, st)
+    assert kernel(iterate, 1.7, contact, int(contact.sum()), r, free_mean) == pytest.approx(step)
     for found, twin in zip((p, gap, r), expected, strict=True):
         np.testing.assert_allclose(found, twin, atol=1e-12)
 

@@ -11,7 +11,7 @@ import numpy as np
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -41,7 +41,7 @@ def measured(shape, hurst, load):
     make = self_affine.profiles if len(shape) == 1 else self_affine.maps
     heights = make(hurst, 2, shape[-1] // 4, shape[-1], SEED, range(max(1, SAMPLES // nodes)))
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
-    body, field = stiffness.half_space(grid.magnitudes(shape)), Convolution(1, *shape)
+    body, field = stiffness.half_space(grid.magnitudes(shape)), Transform(1, *shape)
     field.sources[0][:, :nodes] = heights[:1].reshape(1, -1)
     repeats = max(2, 2**20 // nodes)
 

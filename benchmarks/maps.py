@@ -17,8 +17,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
-from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
@@ -115,15 +114,15 @@ def line_contact(hurst, nx, load, profiles=600):
 
 def one_pair(nx):
     """Processor seconds of a planned transform and its inverse, in two buffers and in one, all padded; medians of 7."""
-    two, one, row = Convolution(1, nx, nx), InPlaceTransform((nx, nx), storage(1, (nx, nx))[0]), np.arange(1)
+    two, one, row = Transform(1, nx, nx), Transform(1, nx, nx, in_place=True), np.arange(1)
 
     def both():
         two.forward(row)
         two.inverse(row)
 
     def in_place():
-        one.forward()
-        one.inverse()
+        one.forward(row)
+        one.inverse(row)
 
     return tuple(float(np.median([seconds(transform)[0] for _ in range(7)])) for transform in (both, in_place))
 

@@ -13,7 +13,7 @@ import numpy as np
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
@@ -41,7 +41,7 @@ def measured(solver, nx, hurst, load, body):
     surfaces = max(1, SAMPLES // nx)
     heights = self_affine.profiles(hurst, 2, nx // 4, nx, SEED, range(surfaces))
     punch = heights.max(axis=1, keepdims=True) - heights
-    symbol, field = BODIES[body](grid.wavenumbers(nx)), Convolution(1, nx)
+    symbol, field = BODIES[body](grid.wavenumbers(nx)), Transform(1, nx)
     field.sources[0][:, :nx] = heights[:1]
     equilibrate(punch[:1], SpectralResponse.of_normal(symbol), load, Options(solver))
     ratios = []

@@ -8,7 +8,7 @@ import numpy as np
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -48,7 +48,7 @@ def solvers(nx):
 
 
 for nx in (1024, 8192, 65536):
-    field, row = Convolution(1, nx), np.arange(1)
+    field, row = Transform(1, nx), np.arange(1)
 
     def pair(field=field, row=row):
         field.forward(row)

@@ -26,7 +26,7 @@ _OF_THE_RUN = ("wall_time", "case_seconds", "round_cpu_seconds")  # differ from 
 @cache
 def versions_of_numbers() -> Mapping[str, str]:
     """Versions of Python, and of the packages and the library of transforms that make the numbers of a block."""
-    from gfmd_numba.fourier.convolution import library_version  # which `gfmd check` does not need
+    from gfmd_numba.fourier.transform import library_version  # which `gfmd check` does not need
 
     packages = {name: version(name) for name in _OF_NUMBERS}
     return {"python": platform.python_version(), **packages, "fftw": library_version()}

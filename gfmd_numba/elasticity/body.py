@@ -98,10 +98,13 @@ class ElasticBody:
         lengths = grid.magnitudes(shape)
         q, places = np.unique(lengths, return_inverse=True)  # on maps every length occurs several times
         tangential, normal = self.uniform_stiffness()
-        elements = np.empty((4, len(q)))
-        elements[:, 0] = tangential, 0.0, normal, tangential
-        for element, over_q in zip(elements, (*self._elements(q[1:]), self._across(q[1:])), strict=True):
-            element[1:] = q[1:] * over_q
+        of_waves: list[Reals | float] = [*self._elements(q[1:])]
+        of_means = tangential, 0.0, normal, tangential
+        if len(shape) > 1:  # waves may also slip across their own direction
+            of_waves.append(self._across(q[1:]))
+        elements = np.empty((len(of_waves), len(q)))
+        for element, mean, over_q in zip(elements, of_means, of_waves, strict=False):
+            element[0], element[1:] = mean, q[1:] * over_q
         return SpectralResponse.on_grid(shape, *elements[:, places.reshape(lengths.shape)])
 
     def compliance(self, nx: int) -> Compliance:

@@ -7,7 +7,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, POINTS
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.scene import InputError
 
 _RESIDUAL = 1e-10
@@ -59,7 +59,7 @@ def _reduced(touching: Flags) -> tuple[float, Reals]:
     """
     if touching.all() or not touching.any():
         return np.inf if touching.all() else 0.0, touching.astype(np.float64)
-    field = Convolution(1, *touching.shape)
+    field = Transform(1, *touching.shape)
     q = grid.magnitudes(touching.shape)
     potential_of = field.symbol(np.divide(1.0, q, out=np.zeros_like(q), where=q > 0.0))
     current_of = field.symbol(q)

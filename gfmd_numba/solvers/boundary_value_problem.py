@@ -11,7 +11,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stagnation import Stagnation
 from gfmd_numba.solvers.status import Status
@@ -92,7 +92,7 @@ class _BoundaryValueProblem:
         dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
         self._push = dt * dt
         self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
-        self.field = Convolution(components, *shape, dtype=np.float32 if options.precision == "single" else np.float64)
+        self.field = Transform(components, *shape, dtype=np.float32 if options.precision == "single" else np.float64)
         self._symbols = np.array([self.field.symbol(k) for k in elastic.elements])
         (self.displacement,) = self.field.sources
         self.displacement[:, :n] = self._start(elastic, start, displacement)

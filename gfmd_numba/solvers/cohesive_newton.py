@@ -6,7 +6,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import diagonal
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.iteration import Batch, by_component
 from gfmd_numba.solvers.options import Options
@@ -33,7 +33,7 @@ class CohesiveNewton(TruncatedNewton):
         rows, *shape = batch.punch.shape
         response, ways, dtype = self._with_held_mean(batch), len(shape), batch.punch.dtype
         self._cohesive, self._components = cohesive, response.components
-        self.field = Convolution(self._components * rows, *shape, dtype=dtype)
+        self.field = Transform(self._components * rows, *shape, dtype=dtype)
         n = self.field.n
         self._sliding = np.broadcast_to(batch.sliding, (ways, *shape)).reshape(ways, n).astype(dtype, copy=False)
         compliance = response.restored().inverse()

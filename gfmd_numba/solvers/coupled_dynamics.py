@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch, by_component
@@ -33,7 +33,7 @@ class CoupledDynamics:
         self._cohesion = interface.cohesive
         self.certificate = Certificate(rows)
         self.load = batch.loads
-        self.field = Convolution(self._components * rows, *shape, dtype=punch.dtype)
+        self.field = Transform(self._components * rows, *shape, dtype=punch.dtype)
         n, ways = self.field.n, len(shape)
         if self._cohesion is not None:
             sliding = np.broadcast_to(batch.sliding, (ways, *shape)).reshape(ways, n)

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 
 
 class CoupledProducts:
@@ -20,7 +20,7 @@ class CoupledProducts:
         self, response: SpectralResponse, rows: int, shape: tuple[int, ...], dtype: npt.DTypeLike = np.float64
     ) -> None:
         self._components = response.components
-        self.field = Convolution(self._components * rows, *shape, sources=2, dtype=dtype)
+        self.field = Transform(self._components * rows, *shape, sources=2, dtype=dtype)
         every, self._traction = self.field.sources
         self.tangential, self.displacement = every[:-rows], every[-rows:]
         self.tangential_restoring, self.restoring = self.field.result[:-rows], self.field.result[-rows:]

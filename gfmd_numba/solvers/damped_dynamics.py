@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.integrators import Fire, gronbech_jensen, position_verlet
 from gfmd_numba.solvers.iteration import Batch
@@ -59,7 +59,7 @@ class DampedDynamics:
         punch, start = batch.punch.reshape(rows, -1), batch.start.displacement.reshape(rows, -1)
         interface = batch.interface
         self.load = batch.loads
-        self.field = Convolution(rows, *shape, dtype=punch.dtype)
+        self.field = Transform(rows, *shape, dtype=punch.dtype)
         n = self.field.n
         self._punch = aligned_rows(rows, n, punch.dtype)
         self._punch[:, :n] = punch

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.convolution import aligned_rows
-from gfmd_numba.fourier.row_transform import RowTransform
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.kernels.decay_sums import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
@@ -86,7 +85,7 @@ class DecayNewton:
             if self._by_transforms is not None and i in self._dense:
                 self._by_transforms.advance(np.array([self._dense[i]]))
                 continue
-            self._level.field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
+            self._level.field.transfer(self._model.compliance, self.pressure[i], self._level.displacement)
             self._transforms[i] += 2
             change = self._level.solve(
                 self.pressure[i],
@@ -132,11 +131,11 @@ class DecayNewton:
     def _violation(self, active: Indices) -> Reals:
         n, field = self.field.n, self.field
         for i in active:
-            field.apply(self._model.compliance, self.pressure[i], self._level.displacement)
+            field.transfer(self._model.compliance, self.pressure[i], self._level.displacement)
             kernels.touching_displacement(
                 self.pressure[i], self._level.displacement, self.wall[i], n, self._free_mean, self.displacement[i]
             )
-            field.apply(self._model.stiffness, self.displacement[i], self.restoring[i])
+            field.transfer(self._model.stiffness, self.displacement[i], self.restoring[i])
         self._transforms[active] += 4
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
@@ -153,15 +152,15 @@ class DecayNewton:
             self.pressure[i, : self.field.n] = start
             return False
         level.displacement[: self.field.n] = self.wall[i]
-        level.field.forward(level.displacement)
+        level.field.read(level.displacement)
         if self._free_mean and self.field.n > _SMALL and self._would_be_dense(float(self.load[i])):
             return True
         levels = [level]
         while levels[-1].coarser is not None:
             levels.append(levels[-1].coarser)
         for other in levels[1:]:
-            other.filter(level.field.spectrum, self.field.n)
-        level.flatten(level.field.spectrum, self.field.n)
+            other.filter(level.field.waves[0], self.field.n)
+        level.flatten(level.field.waves[0], self.field.n)
         levels[-1].pressure[: levels[-1].n] = start
         levels[-1].displacement[: levels[-1].n] = 0.0 if self._free_mean else start * levels[-1].at_zero
         # contact that no load holds may vanish altogether while nodes only leave it
@@ -170,7 +169,7 @@ class DecayNewton:
         price = self.field.n * np.log(self.field.n)
         for other, finer in zip(levels[:0:-1], levels[-2::-1], strict=True):
             if other.coarser is not None:
-                other.field.apply(other.model.compliance, other.pressure, other.displacement)
+                other.field.transfer(other.model.compliance, other.pressure, other.displacement)
             cost += (1.0 + 2.0 * (other.coarser is not None)) * other.n * np.log(other.n) / price
             other.solve(
                 other.pressure, other.wall, self.load[i], self._rounding[i], self._free_mean, _COARSE_ERROR, wider
@@ -190,7 +189,7 @@ class DecayNewton:
 
     def _would_be_dense(self, load: float) -> bool:
         """Whether a load is heavy for the wall whose spectrum the grid holds."""
-        return load > _HEAVY * sqrt(2.0 * kernels.power(self._level.field.spectrum, self._model.stiffness))
+        return load > _HEAVY * sqrt(2.0 * kernels.power(self._level.field.waves[0], self._model.stiffness))
 
 
 def _rows(batch: Batch, some: list[int]) -> Batch:
@@ -227,7 +226,7 @@ class _Level:
     def __init__(self, model: DecayModel) -> None:
         self.model, self.n = model, model.n
         n, sum_ = model.n, model.preconditioner
-        self.field = RowTransform(n)
+        self.field = Transform(1, n, sources=0)
         self.displacement, self.wall, self.pressure, self.fine = aligned_rows(4, n)
         self.at_zero = float(model.compliance[0]) * n
         self._near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
@@ -241,10 +240,10 @@ class _Level:
     def filter(self, spectrum: Any, n: int) -> None:
         """Take the waves that this grid holds from the spectrum of a wall on n nodes."""
         field = self.field
-        np.multiply(spectrum[: field.half], 1.0 / n, out=field.spectrum)
+        np.multiply(spectrum[: field.half], 1.0 / n, out=field.waves[0])
         if self.n % 2 == 0:  # a pair of waves on the finer grid
-            field.spectrum[-1] *= 2.0
-        field.inverse(self.wall)
+            field.waves[0][-1] *= 2.0
+        field.write(self.wall)
         self.flatten(spectrum, n)
 
     def flatten(self, spectrum: Any, n: int) -> None:
@@ -252,11 +251,11 @@ class _Level:
         if self.coarser is None:
             return
         field, known = self.field, self.coarser.field.half
-        field.spectrum[:known] = 0.0
+        field.waves[0][:known] = 0.0
         np.multiply(
-            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.spectrum[known:]
+            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.waves[0][known:]
         )
-        field.inverse(self.fine)
+        field.write(self.fine)
 
     def solve(
         self,

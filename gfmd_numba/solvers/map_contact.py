@@ -10,7 +10,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.in_place import InPlaceTransform
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.preconditioners.tile_field import TileField
 from gfmd_numba.solvers.split_compliance import SplitCompliance
@@ -58,17 +58,18 @@ class MapContact:
     Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
-    def __init__(self, level: Level, wall: Reals, gap: Reals, transform: InPlaceTransform, load: float | None) -> None:
+    def __init__(self, level: Level, wall: Reals, gap: Reals, transform: Transform, load: float | None) -> None:
         self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
+        self.rows = transform.memory[0]
         self.free_mean = load is not None
         self._rounding = float(np.finfo(wall.dtype).eps * np.ptp(wall))
         down, across = (n // TILE for n in wall.shape)
         self._marks = np.zeros(down * across, dtype=np.bool_)
         self._places = np.empty(down * across, dtype=np.int64)
-        kernels.mark_loaded(transform.rows, wall.shape[1], self._marks)
+        kernels.mark_loaded(self.rows, wall.shape[1], self._marks)
         self.tiles = self._listed()
         self.pressure = self._zeros()
-        kernels.take_tiles(transform.rows, self.tiles, wall.shape[1], self.pressure)
+        kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
         self._fresh = True  # the transform holds the pressure
@@ -76,7 +77,7 @@ class MapContact:
     def look(self) -> float:
         """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
         nx, level = self.wall.shape[1], self._level
-        rows = self.transform.rows
+        rows = self.rows
         if not self._fresh:
             kernels.put_tiles(self.pressure, self.tiles, rows, nx)
         self._fresh = False
@@ -150,7 +151,7 @@ class MapContact:
         if not self._exact:
             self._level.compliance.apply(pressure, displacement)
             return displacement
-        rows, nx = self.transform.rows, self.wall.shape[1]
+        rows, nx = self.rows, self.wall.shape[1]
         kernels.put_tiles(pressure, self.tiles, rows, nx)
         self.transform.soften(self._level.stiffness)
         kernels.take_tiles(rows, self.tiles, nx, displacement)

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.solvers import map_guess
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
@@ -35,12 +35,10 @@ class MapNewton:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness = batch.punch, batch.response.normal
         rows, shape = len(punch), punch.shape[1:]
-        memory = storage(rows, shape, punch.dtype)
-        self._transforms = [InPlaceTransform(shape, each) for each in memory]
-        self.field = self._transforms[0]
+        self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True)
         self.wall = punch.reshape(rows, self.field.n)
         self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
-        self.restoring: Reals = memory.view(punch.dtype).reshape(rows, -1)
+        self.restoring = self.field.result
         self.load = batch.loads
         rigid_mean = RigidMean.of(punch, batch.response)
         self.certificate = Certificate(rows, rigid_mean=rigid_mean)
@@ -51,7 +49,8 @@ class MapNewton:
         self._coarse_transforms = np.zeros(rows)
         grids = map_guess.levels(stiffness, shape)
         self._contacts: list[MapContact] = []
-        for i, transform in enumerate(self._transforms):
+        for i in range(rows):
+            transform = self.field.row(i)
             load = None if batch.load is None else float(batch.load[i])
             softest = stiffness[0, 1] if rigid_mean else stiffness[0, 0]
             start = max(-float(softest * punch[i].min()), 0.0) if load is None else load
@@ -62,9 +61,8 @@ class MapNewton:
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        made = np.array([each.n_transforms for each in self._transforms])
         others = self._coarse_transforms + np.array([contact.coarse_transforms for contact in self._contacts])
-        return np.asarray(made + np.ceil(others).astype(np.int64))
+        return np.asarray(self.field.n_transforms + np.ceil(others).astype(np.int64))
 
     def advance(self, active: Indices) -> None:
         """Close the gap of each active row as it is known, and find the exact one."""
@@ -83,10 +81,10 @@ class MapNewton:
         error = float(self._error[i])
         if error > self._residual and self._left[i] > 0:
             return error
-        contact, transform, row, n = self._contacts[i], self._transforms[i], np.array([i]), self.field.n
-        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, transform.rows)
-        transform.stiffen(self._stiffness)
-        kernels.pack_rows(transform.rows, self.field.shape[1])
+        contact, row, n = self._contacts[i], np.array([i]), self.field.n
+        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, contact.rows)
+        contact.transform.stiffen(self._stiffness)
+        kernels.pack_rows(contact.rows, self.field.shape[1])
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = contact.pressure.sum() / n
         self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), row, n)

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 
@@ -23,7 +23,7 @@ class PressureIterate:
         punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
         self.free_mean = batch.load is not None
         rigid_mean = RigidMean.of(punch, batch.response)
-        self.field = Convolution(rows, *shape, sources=3, dtype=punch.dtype)
+        self.field = Transform(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
         self.restoring = self.field.result

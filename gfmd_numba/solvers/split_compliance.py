@@ -5,7 +5,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
 
 _COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
@@ -31,7 +31,7 @@ class SplitCompliance:
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
         self._tiles = self._around = np.empty(0, dtype=np.int64)
         self._coarse_shape = tuple(n // _COARSENING for n in shape)
-        self._field = InPlaceTransform(self._coarse_shape, storage(1, self._coarse_shape)[0])
+        self._field = Transform(1, *self._coarse_shape, in_place=True)
         nodes = np.arange(TILE) / _COARSENING - np.arange(-1, _SHARES - 1)[:, np.newaxis]
         self._weights = np.ascontiguousarray(_cubic_spline(nodes).T)
         self.stencil = _fitted(stiffness, shape)
@@ -47,7 +47,7 @@ class SplitCompliance:
     @property
     def transforms(self) -> int:
         """Transforms of the coarser grid made so far."""
-        return self._field.n_transforms
+        return int(self._field.n_transforms[0])
 
     @property
     def nodes(self) -> int:
@@ -61,7 +61,7 @@ class SplitCompliance:
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
         kernels.tile_stencil(pressure, self._around, self.stencil, displacement)
-        coarse = self._field.rows
+        coarse = self._field.memory[0]
         kernels.spread(pressure, self._tiles, self._weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
         kernels.gather_back(coarse, self._tiles, self._weights, *self._coarse_shape, displacement)

@@ -9,7 +9,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution, aligned_rows
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.held_mean import HeldMean
@@ -43,7 +43,7 @@ class TruncatedNewton:
 
     def __init__(self, batch: Batch, options: Options) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
-        self.field = Convolution(rows, *shape, dtype=batch.punch.dtype)
+        self.field = Transform(rows, *shape, dtype=batch.punch.dtype)
         n = self.field.n
         self._law = law = batch.interface.normal_law or _NOTHING
         response = self._with_held_mean(batch)

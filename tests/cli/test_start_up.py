@@ -8,7 +8,7 @@ from gfmd_numba.cli.imports import without_collections
 from support.command_line import python
 from support.scenes import SCENE
 
-OURS = "import gfmd_numba.fourier.convolution as ours"
+OURS = "import gfmd_numba.fourier.transform as ours"
 THEIRS = "import pyfftw, pyfftw.interfaces.numpy_fft, numpy as np"
 
 
@@ -22,7 +22,7 @@ def test_transforms_load_no_other_library_of_transforms():
 def test_pyfftw_is_whole_for_who_imports_it(imports):
     script = f"""{imports}
 assert pyfftw.pyfftw.FFTW is pyfftw.FFTW
-assert isinstance(ours.Convolution(1, 8)._inverse[0], pyfftw.FFTW)
+assert isinstance(ours.Transform(1, 8)._inverse[0], pyfftw.FFTW)
 assert np.allclose(pyfftw.interfaces.numpy_fft.rfft([1.0, 2.0, 3.0, 4.0]), np.fft.rfft([1.0, 2.0, 3.0, 4.0]))
 assert pyfftw.builders.rfft(pyfftw.zeros_aligned(8))().size == 5
 print("whole")"""

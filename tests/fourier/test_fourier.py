@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution, padded
+from gfmd_numba.fourier.transform import Transform, padded
 
 SHAPES = [(8,), (9,), (6, 8), (7, 9), (8, 7), (49, 6)]
 
@@ -77,7 +77,7 @@ def test_influence_coefficients_are_the_answer_to_one_unit_at_the_origin(shape):
 @pytest.mark.parametrize("n", [4, 7, 64, 101])
 def test_convolution_is_multiplication_in_fourier_space(n):
     rng = np.random.default_rng(0)
-    field, symbol = Convolution(3, n, sources=2), rng.normal(size=n // 2 + 1)
+    field, symbol = Transform(3, n, sources=2), rng.normal(size=n // 2 + 1)
     field.sources[1][:, :n] = signal = rng.normal(size=(3, n))
     field.apply(field.symbol(symbol), np.array([0, 2]), source=1)
     expected = grid.signal(symbol * grid.coefficients(signal), n)
@@ -91,7 +91,7 @@ def test_convolution_is_multiplication_in_fourier_space(n):
 @pytest.mark.parametrize("shape", [(8, 6), (5, 7), (16, 16), (12, 64)])
 def test_convolution_of_maps_is_multiplication_in_fourier_space(shape, dtype):
     rng = np.random.default_rng(0)
-    field, symbol = Convolution(3, *shape, dtype=dtype), rng.normal(size=(shape[0], shape[1] // 2 + 1))
+    field, symbol = Transform(3, *shape, dtype=dtype), rng.normal(size=(shape[0], shape[1] // 2 + 1))
     signal = rng.normal(size=(3, *shape)).astype(dtype)
     field.sources[0][:, : field.n] = signal.reshape(3, -1)
     field.apply(field.symbol(symbol), np.array([0, 2]))
@@ -111,11 +111,11 @@ def test_rows_of_maps_are_an_odd_number_of_cache_lines(nx, itemsize):
 @pytest.mark.parametrize("n", [30, 64, 101])
 def test_a_row_does_not_know_its_batch(n):
     signal, symbol = np.random.default_rng(0).normal(size=(5, n)), np.arange(n // 2 + 1.0)
-    whole = Convolution(5, n)
+    whole = Transform(5, n)
     whole.sources[0][:, :n] = signal
     whole.apply(whole.symbol(symbol), np.arange(5))
     for i in range(5):
-        alone = Convolution(1, n)
+        alone = Transform(1, n)
         alone.sources[0][:, :n] = signal[i]
         alone.apply(alone.symbol(symbol), np.arange(1))
         np.testing.assert_array_equal(alone.result[0], whole.result[i])

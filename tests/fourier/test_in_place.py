@@ -1,34 +1,49 @@
-"""Transforms of a map in place."""
+"""Transforms in place, and of rows that other arrays own."""
 
 import numpy as np
 import pytest
 
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.in_place import InPlaceTransform, storage
+from gfmd_numba.fourier.transform import Transform, aligned_rows
 
 
 @pytest.mark.parametrize("shape", [(16, 16), (12, 10), (9, 7), (8, 64)])
 @pytest.mark.parametrize(("dtype", "rounding"), [(np.float64, 1e-14), (np.float32, 1e-5)])
 def test_stiffness_and_compliance_are_those_of_the_waves(shape, dtype, rounding):
+    """Of the second of three maps, which leaves the others as they are."""
     rng = np.random.default_rng(0)
-    field = InPlaceTransform(shape, storage(1, shape, dtype)[0])
+    batch = Transform(3, *shape, dtype=dtype, in_place=True)
+    field = batch.row(1)
     samples, stiffness = rng.normal(size=shape), grid.magnitudes(shape) + 0.5
     stiffness[0, 0] = np.inf
-    field.samples[:] = samples
+    field.samples[0] = samples
     field.stiffen(stiffness)
     stiffness[0, 0] = 0.0
     expected = np.fft.irfft2(np.fft.rfft2(samples) * stiffness, shape)
-    np.testing.assert_allclose(field.samples, expected, rtol=100 * rounding, atol=1e4 * rounding)
+    np.testing.assert_allclose(batch.samples[1], expected, rtol=100 * rounding, atol=1e4 * rounding)
     field.soften(stiffness)
-    np.testing.assert_allclose(field.samples, samples - samples.mean(), atol=30 * rounding)
-    assert field.n_transforms == 4
+    np.testing.assert_allclose(batch.samples[1], samples - samples.mean(), atol=30 * rounding)
+    assert batch.n_transforms.tolist() == [0, 4, 0]
+    assert not batch.samples[::2].any()
     assert field.samples.dtype == dtype
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("nx", [64, 100, 1024, 4096])
 def test_rows_are_an_odd_number_of_cache_lines(nx, dtype):
-    made = storage(2, (3, nx), dtype)
-    assert made.strides[1] % 128 == 64
-    assert made.ctypes.data % 64 == 0
-    assert made.shape[2] >= nx // 2 + 1
+    made = Transform(2, 3, nx, dtype=dtype, in_place=True)
+    assert made.waves.strides[1] % 128 == 64
+    assert made.samples.shape == (2, 3, nx)
+    assert all(each.ctypes.data % 64 == 0 for each in made.samples)
+    assert np.shares_memory(made.samples, made.waves)
+
+
+@pytest.mark.parametrize("n", [7, 64, 101])
+def test_rows_of_other_arrays_are_transformed_as_those_of_a_batch(n):
+    symbol, rows = np.arange(n // 2 + 1.0), aligned_rows(4, n)
+    batch, field = Transform(3, n), Transform(1, n, sources=0)
+    rows[:3, :n] = batch.sources[0][:, :n] = np.random.default_rng(0).normal(size=(3, n))
+    batch.apply(batch.symbol(symbol), np.arange(3))
+    for i in range(3):
+        field.transfer(field.symbol(symbol), rows[i], rows[3])
+        np.testing.assert_array_equal(rows[3], batch.result[i])

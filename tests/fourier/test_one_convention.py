@@ -39,7 +39,7 @@ def test_only_planned_transforms_import_fftw():
         for path in ROOT.glob("fourier/*.py")
         if any("pyfftw" in name for name in transforms(path.read_text()))
     }
-    assert found == {"convolution.py", "in_place.py", "row_transform.py"}
+    assert found == {"transform.py"}
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_a_plain_installation_brings_what_is_imported_and_no_more():
     by_name = {
         "pyfftw",
         "cryptography",
-    }  # fourier/convolution.py loads its compiled module; dask needs the other for TLS
+    }  # fourier/transform.py loads its compiled module; dask needs the other for TLS
     assert imported - optional - with_another | by_name == required
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 
 _FEWEST = 256  # nodes of the map in each direction: on smaller ones blocks save less than they cost
 _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that shows in the conjugate gradients
@@ -26,7 +26,7 @@ class Blocks:
         if not self.useful:
             return
         self._nodes = math.prod(nodes)
-        self._field = Convolution(1, *self.shape)
+        self._field = Transform(1, *self.shape)
         coarse = stiffness[grid.wave_indices(self.shape)]
         with np.errstate(divide="ignore"):
             compliance = np.where(coarse > 0.0, 1.0 / coarse, 0.0) * self._field.n / self._nodes

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.convolution import Convolution
+from gfmd_numba.fourier.transform import Transform
 
 _ONE = np.zeros(1, dtype=np.int64)
 
@@ -19,7 +19,7 @@ class RestrictedStiffness:
         symbol = stiffness.astype(np.float64)
         if not 0.0 < symbol[0] < np.inf:
             symbol[0] = symbol[1]
-        self._field = Convolution(1, n)
+        self._field = Transform(1, n)
         self._symbol = self._field.symbol(symbol)
         self._nodes, self._count = np.empty(0, dtype=np.int64), 0
 

@@ -1,0 +1,169 @@
+"""Planned transforms with owned buffers: the solvers' only way into Fourier space."""
+
+import math
+import sys
+from copy import copy
+from importlib import import_module
+from importlib.machinery import PathFinder
+from importlib.util import find_spec, module_from_spec
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+
+
+def _compiled_pyfftw() -> Any:
+    """Compiled module of pyfftw, without the interfaces for which its package imports dask.array and scipy.fftpack.
+
+    It is registered nowhere: whoever imports pyfftw, before or after, has the whole package, and these classes in it.
+    """
+    name = "pyfftw.pyfftw"
+    if name in sys.modules:
+        return sys.modules[name]
+    try:
+        package = find_spec("pyfftw")
+        spec = PathFinder.find_spec(name, package.submodule_search_locations) if package else None
+        if spec is None or spec.loader is None:
+            raise ImportError(name)
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except ImportError:  # the package may have to prepare it, as wheels for Windows do
+        return import_module("pyfftw")
+    sys.modules.pop(name, None)  # a Cython module enters itself
+    return module
+
+
+pyfftw = _compiled_pyfftw()
+_FIRST = np.zeros(1, dtype=np.int64)
+_LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
+
+
+def library_version() -> str:
+    """Return the version of FFTW that makes the transforms."""
+    return str(pyfftw._fftw_version_dict["64"]).removeprefix("fftw-")
+
+
+def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> Reals:
+    """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
+    line = _LINE // min(np.dtype(dtype).itemsize, 8)
+    array: Reals = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
+    return array
+
+
+def padded(waves: int, itemsize: int) -> int:
+    """Length of rows for so many waves of a map that is an odd number of cache lines.
+
+    Transforms along y walk from row to row, and a distance that is a power of two would map all rows onto the same few
+    lines of the cache. At 4096 x 4096 nodes that halves the time.
+    """
+    line = _LINE // itemsize
+    lines = -(-waves // line)
+    return (lines + 1 - lines % 2) * line
+
+
+class Transform:
+    """Planned transforms of profiles or maps, and their products with symbols of q: every row of a buffer is one, flat.
+
+    `shape` is (nx,) or (ny, nx). Each of the `sources` is a buffer of its own; spectrum and result are shared. All are
+    of the precision `dtype`. Rows of the spectrum of a map are `padded`.
+
+    With `in_place` all of them are one buffer, the only one of the size of a map: a transform overwrites the `samples`
+    `[row, (y,) x]` by their `waves` `[row, (y,) padded]` and back. Both are views of its `memory` of real numbers.
+
+    Rows are planned one by one so that a result does not depend on the batch it was computed in. Plans use
+    ESTIMATE: MEASURE picks other algorithms, hence other last bits, from run to run.
+    """
+
+    def __init__(
+        self, rows: int, *shape: int, sources: int = 1, dtype: npt.DTypeLike = np.float64, in_place: bool = False
+    ) -> None:
+        self.shape, self.n, self.half = shape, math.prod(shape), shape[-1] // 2 + 1
+        waves = np.result_type(dtype, 1j)
+        self._waves = (*shape[:-1], self.half if len(shape) == 1 else padded(self.half, waves.itemsize))
+        self.spectrum = aligned_rows(rows, math.prod(self._waves), waves)
+        self.waves = self.spectrum[:, : math.prod(self._waves)].reshape(rows, *self._waves)
+        self.memory: Reals = self.waves.view(dtype)
+        if in_place:
+            self.result = self.spectrum.view(dtype)
+            self.sources, self.samples = [self.result], self.memory[..., : shape[-1]]
+            samples = [self.samples]
+        else:
+            self.result, *self.sources = (aligned_rows(rows, self.n, dtype) for _ in range(1 + sources))
+            self.samples, *samples = (each[:, : self.n].reshape(rows, *shape) for each in (self.result, *self.sources))
+        self.n_transforms = np.zeros(rows, dtype=np.int64)
+        kept, axes = self.waves[..., : self.half], tuple(range(len(shape)))
+        self._forward = [
+            [pyfftw.FFTW(*pair, axes=axes, flags=("FFTW_ESTIMATE",)) for pair in zip(each, kept, strict=True)]
+            for each in samples or [self.samples]
+        ]
+        back = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
+        self._inverse = [pyfftw.FFTW(*pair, axes=axes, **back) for pair in zip(kept, self.samples, strict=True)]
+
+    def symbol(self, values: Reals) -> Reals:
+        """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
+        symbol: Reals = np.zeros(self._waves, dtype=self.result.dtype)
+        symbol[..., : self.half] = values.reshape(*self.shape[:-1], self.half) / self.n
+        return symbol.ravel()
+
+    def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:
+        """Fill the active rows of `result` from one of the sources; two transforms a row."""
+        for i in active:
+            self._forward[source][i].execute()
+        kernels.multiply(self.spectrum, symbol, active)
+        for i in active:
+            self._inverse[i].execute()
+        kernels.count(self.n_transforms, active, 2)
+
+    def forward(self, active: Indices, source: int = 0) -> None:
+        """Fill the active rows of `spectrum` with n times the Fourier coefficients of a source."""
+        plans = self._forward[source]
+        for i in active:
+            plans[i].execute()
+        kernels.count(self.n_transforms, active, 1)
+
+    def inverse(self, active: Indices) -> None:
+        """Fill the active rows of `result` from the `spectrum`, which is lost."""
+        for i in active:
+            self._inverse[i].execute()
+        kernels.count(self.n_transforms, active, 1)
+
+    def read(self, row: Reals) -> None:
+        """Fill the first `spectrum` from any row of `aligned_rows`, whoever owns it; not counted."""
+        plan = self._forward[0][0]
+        plan.update_arrays(row[: self.n], self.waves[0])
+        plan.execute()
+
+    def write(self, row: Reals) -> None:
+        """Fill any row of `aligned_rows` from the first spectrum, which is lost; not counted."""
+        plan = self._inverse[0]
+        plan.update_arrays(self.waves[0], row[: self.n])
+        plan.execute()
+
+    def transfer(self, symbol: Reals, source: Reals, result: Reals) -> None:
+        """Fill a row with the product of another with a symbol; two transforms that are not counted."""
+        self.read(source)
+        kernels.multiply(self.spectrum, symbol, _FIRST)
+        self.write(result)
+
+    def stiffen(self, stiffness: Reals) -> None:
+        """Replace the first displacement by the traction that restores it, in place; `stiffness` is of a map."""
+        self.forward(_FIRST)
+        kernels.stiffen(self.waves[0], stiffness, self.n)
+        self.inverse(_FIRST)
+
+    def soften(self, stiffness: Reals) -> None:
+        """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity."""
+        self.forward(_FIRST)
+        kernels.soften(self.waves[0], stiffness, self.n)
+        self.inverse(_FIRST)
+
+    def row(self, i: int) -> "Transform":
+        """Return the transform in place of one row alone, in the same memory."""
+        alone, one = copy(self), slice(i, i + 1)
+        alone.spectrum, alone.waves, alone.result = self.spectrum[one], self.waves[one], self.result[one]
+        alone.samples, alone.memory, alone.n_transforms = self.samples[one], self.memory[one], self.n_transforms[one]
+        alone._forward, alone._inverse = [plans[one] for plans in self._forward], self._inverse[one]
+        return alone

@@ -103,10 +103,10 @@ def test_a_law_that_changes_beyond_the_levels_has_its_limit_in_the_interval(monk
     """Of two powers the levels tell an exponent between them, and the slower one stays."""
     levels = [1 / 16, 1 / 32, 1 / 64, 1 / 128, 1 / 256]
     dataset = of(levels, lambda eps: 2.0 * eps**0.4 + 2.0 * eps)
-    with_doubts = inside(dataset, 100)
+    with_doubts = inside(dataset, 30)
     without_doubts(monkeypatch)
-    assert with_doubts >= 80
-    assert inside(dataset, 40) / 40 < with_doubts / 100 - 0.2
+    assert with_doubts >= 24
+    assert inside(dataset, 20) / 20 < with_doubts / 30 - 0.2
 
 
 def test_a_level_that_does_not_fit_contradicts_no_exponent():

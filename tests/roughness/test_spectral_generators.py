@@ -116,12 +116,12 @@ def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
 
 
 @pytest.mark.parametrize(("hurst", "octave", "shortest"), [(0.3, 2.05, 3.08), (0.5, 1.57, 2.47), (0.8, 1.31, 2.18)])
-@pytest.mark.parametrize("largest", [2047, 1000])  # all waves of the grid, or those down to a cut-on
+@pytest.mark.parametrize("largest", [1023, 500])  # all waves of the grid, or those down to a cut-on
 def test_a_filter_folds_shorter_waves_into_the_last_octave(largest, hurst, octave, shortest):
     """Its power is that of the spectrum at all k + m (2 largest + 1), and so too large near the shortest wave."""
     model = ExponentialSpectrum(1, hurst, 0.02)
     found, spectrum = (
-        each(model, 4096, largest)[1 : largest + 1] for each in (spectral.filter_power, spectral.psd_power)
+        each(model, 2048, largest)[1 : largest + 1] for each in (spectral.filter_power, spectral.psd_power)
     )
     k = np.arange(1, largest + 1)
     folds = np.arange(-100, 101)[:, np.newaxis] * (2 * largest + 1)

@@ -1,5 +1,7 @@
 """Tractions prescribed on a body before a punch with a cohesive law comes: gap and slip count from the loaded body."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -62,10 +64,14 @@ def close(found, expected, tolerance=1e-7):
 
 
 @pytest.mark.parametrize(
-    "interface", [COHESIVE, COHESIVE | {"hard_wall": {}}, FRICTION], ids=["law", "and wall", "friction"]
+    ("dimension", "control", "interface"),
+    [
+        *product([1], PATHS, [COHESIVE, COHESIVE | {"hard_wall": {}}, FRICTION]),
+        (2, "pressure", COHESIVE),
+        (2, "displacement", COHESIVE | {"hard_wall": {}}),
+        (2, "displacement", FRICTION),
+    ],
 )
-@pytest.mark.parametrize("control", PATHS)
-@pytest.mark.parametrize("dimension", [1, 2])
 def test_the_punch_meets_the_shape_that_the_tractions_have_given_the_body(tmp_path, dimension, control, interface):
     """The same as on an unloaded body under a punch from which that shape is taken, in every step of a path."""
     heights, (along, out) = HEIGHTS[dimension], deflected(dimension)

@@ -5,6 +5,7 @@ Over the parameters of the laws we integrate by quadrature, on a box that is nar
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.special import logsumexp
@@ -29,6 +30,7 @@ _FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: sp
 _FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
+_gauss = cache(np.polynomial.legendre.leggauss)
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ def _log_density(parameters: Sequence[Parameter], nodes: Reals) -> Reals:
 
 def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:
     """Return nodes of Gauss and Legendre in a box (node, parameter), the logarithm of their volume, and their shape."""
-    points, weights = np.polynomial.legendre.leggauss(size)
+    points, weights = _gauss(size)
     axes, volumes = [], []
     for parameter, left, right in zip(parameters, low, high, strict=True):
         exact = right <= left
@@ -104,7 +106,7 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
             continue
         others = tuple(other for other in range(misfit.ndim) if other != axis)
         found = np.flatnonzero(likely.any(axis=others))
-        points = (1.0 + np.polynomial.legendre.leggauss(size)[0]) / 2.0
+        points = (1.0 + _gauss(size)[0]) / 2.0
         grid = low[axis] + width[axis] * np.concatenate([[0.0], points, [1.0]])
         narrow[:, axis] = grid[found[0]], grid[found[-1] + 2]
         if found[0] == 0:

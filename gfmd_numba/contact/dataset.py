@@ -143,22 +143,25 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = ("x",) if scene.dimension == 1 else ("y", "x")
     along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
-    dataset = xr.Dataset()
+    coordinates: dict[str, Any] = {}
     for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
         attributes = cf_attributes(f"position {along[dim]}", unit["height"]) | {POINTS: nodes}
-        dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
-    dataset.coords["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
-    for name, (kind, long_name, values) in fields.items():
-        dataset[name] = (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
+        coordinates[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
+    coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
+    variables: dict[str, Any] = {
+        name: (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
+        for name, (kind, long_name, values) in fields.items()
+    }
     measures = measure(contact)
     for name, row in recorded(problem.interface.hardness is not None).items():
         attributes = measure_attributes(name, unit[row.unit], row.long_name)
-        dataset[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
+        variables[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
     if contact.equilibrium.growing_wave is not None:
         attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
-        dataset["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
+        variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
+    attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
+    dataset = xr.Dataset(variables, coordinates, attrs)  # at once: each addition aligns what is there
     refuse_nonfinite(dataset)
-    dataset.attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
     return dataset
 
 
@@ -209,16 +212,16 @@ def campaign_dataset(
     unit: Mapping[str, str],
 ) -> xr.Dataset:
     """Dataset `(case, realisation)` of the measures of every case, already in file units, with `step` along a path."""
-    dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS})
+    variables = {}
     values = [case | {"status": finite_status(case)} for case in values]
     for name, row in rows.items():
         stacked = np.stack([case[name] for case in values])
-        dataset[name] = (
+        variables[name] = (
             ("case", "realisation", "step")[: stacked.ndim],
             stacked,
             measure_attributes(name, unit[row.unit], row.long_name),
         )
-    return indexed(dataset).assign_coords(coordinates)
+    return indexed(xr.Dataset(variables, attrs={"Conventions": CONVENTIONS})).assign_coords(coordinates)
 
 
 def indexed(dataset: xr.Dataset) -> xr.Dataset:

@@ -97,20 +97,23 @@ def _add_followed(
     curvature = branch.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
-    for key, (of, long_name, value) in found.items():
-        step[key] = ((), value * scale[of], cf_attributes(long_name, unit[of]))
+    step.update(
+        {
+            key: ((), value * scale[of], cf_attributes(long_name, unit[of]))
+            for key, (of, long_name, value) in found.items()
+        }
+    )
 
 
 def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
     """Add what is recorded along a path to its dataset."""
     scene = given.file.scene
     scale, unit, of_path = scales(scene, given.surfaces.rms_gradient), units(scene), record.of_path()
+    found, of_steps = {}, record.of_steps()
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
-        attributes = cf_attributes(row.long_name, unit[row.unit])
-        if row.of == "path":
-            dataset[name] = ((), of_path[name] * scale[row.unit], attributes)
-        else:
-            dataset[name] = ("step", record.of_steps()[name] * scale[row.unit], attributes)
+        dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
+        found[name] = (dims, values[name] * scale[row.unit], cf_attributes(row.long_name, unit[row.unit]))
+    dataset.update(found)
 
 
 def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:

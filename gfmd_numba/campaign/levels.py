@@ -16,6 +16,7 @@ _MOST = 400  # of a coarse one
 Level = tuple[float, ...]  # eps_c, eps_f and eps_t
 _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
 
+_FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
 STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
@@ -24,8 +25,7 @@ def first_levels(dimension: int, anisotropy: float = 1.0) -> list[Level]:
 
     The longest waves along y of maps with an anisotropy above 1 fit the period at each of them.
     """
-    finest, step = 1 / 1024 if dimension == 1 else 1 / 32, STEP[dimension]
-    c, t = 1 / 2, 1 / 4 if dimension == 1 else 1 / 2
+    (finest, c, t), step = _FIRST[dimension], STEP[dimension]
     while 2.0 * t * anisotropy > 1.0:
         t /= 2.0
     coarse, coarser = step * finest, step**2 * finest

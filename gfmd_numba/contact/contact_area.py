@@ -1,12 +1,14 @@
 """Where a contact touches: its nodes, its separate parts, and its length or area with and without corrected edges."""
 
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import label
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.contact import edges
 from gfmd_numba.contact.once import once
 from gfmd_numba.contact.solution import Contact
@@ -86,22 +88,25 @@ def _clusters(flags: npt.NDArray[np.bool_]) -> int:
 
 
 @once
-def perimeter(contact: Contact) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Number of neighbours along x, and along y, of a map of which one touches elastically, one not `[realisation]`."""
+def perimeter(contact: Contact) -> tuple[Indices, ...]:
+    """Number of neighbours along x, and on maps along y, of which one touches elastically, one not `[realisation]`."""
     now, elastic = touching(contact), elastic_nodes(contact)
-    along_x, along_y = (
-        sum(np.count_nonzero(elastic & ~np.roll(now, side, axis=axis), axis=(1, 2)) for side in (1, -1))
-        for axis in (2, 1)
+    axes = tuple(range(1, len(now.shape)))
+    return tuple(
+        np.sum([np.count_nonzero(elastic & ~np.roll(now, side, axis=axis), axis=axes) for side in (1, -1)], axis=0)
+        for axis in axes[::-1]
     )
-    return along_x, along_y
 
 
-@once
-def _elastic_ends(contact: Contact) -> npt.NDArray[np.int64]:
-    """Number of ends of the stretches of a profile whose last node is elastic `[realisation]`."""
-    now, elastic = touching(contact), elastic_nodes(contact)
-    ends = (np.count_nonzero(elastic & ~np.roll(now, side, axis=1), axis=1) for side in (1, -1))
-    return np.asarray(sum(ends))
+def _of_profiles(measure: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
+    """Return a measure that is not-a-number on maps, of which it is not known."""
+
+    @wraps(measure)
+    def found(contact: Contact) -> Reals:
+        realisations, *shape = contact.heights.shape
+        return measure(contact) if len(shape) == 1 else np.full(realisations, np.nan)
+
+    return found
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -112,37 +117,31 @@ def contact_area_fraction_counted(contact: Contact) -> Reals:
 @once
 def contact_area_fraction(contact: Contact) -> Reals:
     """Contact length over L_x, or area over L_x^2, with the mean correction for its edges `[realisation]`."""
-    if contact.heights.ndim == 3:
-        sides = perimeter(contact)
-        excess = edge(contact).perimeter_bias(*sides) * sum(sides)
-    else:
-        excess = edge(contact).excess * _elastic_ends(contact)
+    sides = perimeter(contact)
+    excess = edge(contact).perimeter_bias(*sides) * sum(sides)
     return np.asarray(mean_of_nodes(filled(contact)) - excess / contact.heights[0].size)
 
 
+@_of_profiles
 def contact_area_fraction_error(contact: Contact) -> Reals:
     """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
 
     On thin bodies also their mean position is uncertain, where stretches are short.
     """
-    if contact.heights.ndim == 3:
-        return _unknown(contact)
-    ends, nodes = _elastic_ends(contact), touching(contact).sum(axis=1)
+    (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
     return np.asarray(np.sqrt(ends / 12.0 + of_mean**2) / contact.heights.shape[1])
 
 
+@_of_profiles
 def contact_area_fraction_edges(contact: Contact) -> Reals:
     """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
-    if contact.heights.ndim == 3:
-        return _unknown(contact)
     return _located(contact)[0]
 
 
+@_of_profiles
 def contact_area_fraction_edges_error(contact: Contact) -> Reals:
     """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
-    if contact.heights.ndim == 3:
-        return _unknown(contact)
     return _located(contact)[1]
 
 
@@ -152,10 +151,9 @@ def _located(contact: Contact) -> tuple[Reals, Reals]:
     return edges.contact_length(found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact))
 
 
+@_of_profiles
 def mean_segment_length(contact: Contact) -> Reals:
     """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
-    if contact.heights.ndim > 2:
-        return _unknown(contact)
     area, segments = contact_area_fraction(contact), n_segments(contact)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
@@ -163,8 +161,3 @@ def mean_segment_length(contact: Contact) -> Reals:
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
     """Mean over the nodes of each realisation."""
     return np.asarray(field.mean(axis=tuple(range(1, field.ndim))))
-
-
-def _unknown(contact: Contact) -> Reals:
-    """Of what is known of profiles only."""
-    return np.full(len(contact.heights), np.nan)

@@ -16,6 +16,7 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene.heights import AXES
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -141,11 +142,10 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         for component, values in zip(COMPONENTS[scene.dimension], given, strict=True):
             long_name = f"prescribed traction on the body, {component.way}"
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
-    dims = ("x",) if scene.dimension == 1 else ("y", "x")
-    along = dict(zip(dims, ("along the interface",) if scene.dimension == 1 else ("along y", "along x"), strict=True))
+    dims, along = AXES[-scene.dimension :], {1: ("the interface",), 2: AXES}[scene.dimension]
     coordinates: dict[str, Any] = {}
-    for dim, nodes in zip(dims, contact.heights.shape[1:], strict=True):
-        attributes = cf_attributes(f"position {along[dim]}", unit["height"]) | {POINTS: nodes}
+    for dim, way, nodes in zip(dims, along, contact.heights.shape[1:], strict=True):
+        attributes = cf_attributes(f"position along {way}", unit["height"]) | {POINTS: nodes}
         coordinates[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
     coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     variables: dict[str, Any] = {

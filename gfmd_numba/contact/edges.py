@@ -49,10 +49,11 @@ class Edge:
     of_sides: tuple[float, ...]
     short: float
 
-    def perimeter_bias(self, facing_x: Indices, facing_y: Indices) -> Reals:
+    def perimeter_bias(self, facing_x: Indices, facing_y: Indices | int = 0) -> Reals:
         """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
         sides = np.maximum(facing_x + facing_y, 1)
-        return np.asarray(np.interp(np.abs(facing_x - facing_y) / sides, _STRETCHED, self.of_sides))
+        stretched = np.abs(facing_x - facing_y) / sides
+        return np.asarray(np.interp(stretched, _STRETCHED[-len(self.of_sides) :], self.of_sides))
 
 
 _ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0

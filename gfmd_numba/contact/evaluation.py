@@ -100,16 +100,15 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)
     axes = tuple(range(1, now.ndim))
-    of_grid = edge(contact)
-    bias = of_grid.excess if now.ndim == 2 else np.expand_dims(of_grid.perimeter_bias(*perimeter(contact)), axes)
+    bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
     share = filled(contact).astype(float)
     elastic = elastic_nodes(contact)
     for axis in axes:
         for side in (1, -1):
             share -= bias * (elastic & ~np.roll(now, side, axis=axis))
-    square = statistics.gradient(contact.heights) ** 2
-    if now.ndim == 3:
-        square += statistics.gradient(contact.heights.swapaxes(1, 2)).swapaxes(1, 2) ** 2
+    square = np.zeros(contact.heights.shape)
+    for axis in axes[::-1]:
+        square += statistics.gradient(contact.heights.swapaxes(axis, -1)).swapaxes(axis, -1) ** 2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
 
 

@@ -19,6 +19,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_bodies_dataset import doubt, forming_tractions
 from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.scene import COMPONENTS
+from gfmd_numba.scene.heights import AXES
 
 
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
@@ -29,11 +30,10 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     file, deformed = given.file, loaded.deformed
     scene = file.scene
     scale, unit = scales(scene, 1.0), units(scene)
-    dims = ("x",) if scene.dimension == 1 else ("y", "x")
-    along = {"x": "along the surface"} if scene.dimension == 1 else {"y": "along y", "x": "along x"}
+    dims, along = AXES[-scene.dimension :], {1: ("the surface",), 2: AXES}[scene.dimension]
     dataset = xr.Dataset()
-    for dim, nodes in zip(dims, deformed.traction.shape[1:], strict=True):
-        attributes = cf_attributes(f"position {along[dim]}", unit["height"]) | {POINTS: nodes}
+    for dim, way, nodes in zip(dims, along, deformed.traction.shape[1:], strict=True):
+        attributes = cf_attributes(f"position along {way}", unit["height"]) | {POINTS: nodes}
         dataset.coords[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
     for kind, quantity, values in (
         ("height", "displacement", deformed.displacement),

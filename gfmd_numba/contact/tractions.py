@@ -95,11 +95,14 @@ def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy:
     return {**arrays, name: values - mean}
 
 
+_FILES = {1: (read_column, "one column of numbers"), 2: (read_map, "rows of numbers, one for each y")}
+
+
 def _read(document: Document, name: str, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
+    read, allowed = _FILES[dimension]
     try:
-        values = read_column(path) if dimension == 1 else read_map(path)
+        values = read(path)
     except ValueError as error:
-        allowed = "one column of numbers" if dimension == 1 else "rows of numbers, one for each y"
         raise _refused(document, name, f"{path.name} ({error})", allowed) from None
     if (abs(values) > LARGEST).any():
         where = int(np.argmax(abs(values) > LARGEST))

@@ -24,8 +24,8 @@ from gfmd_numba.fourier import grid
 _UNIT = np.array([1.0, 0.0, 1.0, 0.0, 0.0, 1.0])  # xx, xy, yy, xz, yz, zz of displacements that are not followed
 _FOLLOWED = {1: [5], 3: [0, 3, 5], 6: [0, 1, 2, 3, 4, 5]}  # which of these there are, by their number
 _DIAGONAL = {1: [0], 3: [0, 2], 6: [0, 2, 5]}  # of these
-_OF_COMPONENT = ([1, 3], [1, 4])  # that couple x to others, and y: they change sign with q_x, and with q_y
-_OUT_OF_PLANE = [3, 4]
+_ODD = {1: [], 3: [[1]], 6: [[1, 3], [1, 4]]}  # that couple x to others, and y: they change sign with q_x, and with q_y
+_OUT_OF_PLANE = {1: [], 3: [1], 6: [3, 4]}  # that couple either to z
 
 
 @dataclass(frozen=True)
@@ -123,10 +123,10 @@ class SpectralResponse:
         the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
         result is in that of both together; `share` is the other's part of 1/E*.
         """
-        facing, followed = other.inverse(), _FOLLOWED[len(self.elements)]
-        facing[np.isin(followed, _OUT_OF_PLANE)] *= -1.0
+        facing = other.inverse()
+        facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
         compliance = (1.0 - share) * self.inverse() + share * facing
-        _mean(compliance)[:] = _UNIT[followed]
+        _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
         found, own = _inverse(compliance), _mean(self.elements)
         _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
         return SpectralResponse(found)
@@ -206,11 +206,10 @@ def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:
     There the grid does not tell the waves q_x and -q_x (or q_y and -q_y): what both give way is averaged, as if all
     that vanishes on every node were free.
     """
-    followed = _FOLLOWED[len(elements)]
-    for axis, coupled in zip(range(-1, -1 - len(shape), -1), _OF_COMPONENT, strict=False):
-        odd, of_axis = np.isin(followed, coupled), np.moveaxis(elements, axis, 1)
-        if shape[axis] % 2 == 0 and odd.any():
-            compliance = _inverse(of_axis[:, shape[axis] // 2])
+    for axis, odd in zip((-1, -2), _ODD[len(elements)], strict=False):
+        if shape[axis] % 2 == 0:
+            at_nyquist = np.moveaxis(elements, axis, 1)[:, shape[axis] // 2]
+            compliance = _inverse(at_nyquist)
             compliance[odd] = 0.0
-            of_axis[:, shape[axis] // 2] = _inverse(compliance)
+            at_nyquist[:] = _inverse(compliance)
     return elements

@@ -49,7 +49,7 @@ def form(heights: Reals) -> Form:
     power = np.arange(highest + 1)
     total = np.add.reduce(np.indices(squares.shape))
     of = np.array([squares[total == k].sum() for k in power])
-    mean = of if squares.ndim == 1 else of / (1.0 + power)  # of the terms of each power
+    mean = of / (1.0 + power) ** (len(squares.shape) - 1)  # of the terms of each power
     # mean squares of self-affine surfaces fall no faster than with H = 1
     level = mean * power ** (2.0 + squares.ndim)
     short = float(level[3 : WAVY + 1].mean())

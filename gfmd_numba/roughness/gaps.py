@@ -28,10 +28,9 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
         raise ValueError(
             f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
         )
-    filled = _linear(heights, missing) if heights.ndim == 1 else _harmonic(heights, missing)
-    kind = "linearly" if heights.ndim == 1 else "by a harmonic function"
+    fill_in, kind = {1: (_linear, "linearly"), 2: (_harmonic, "by a harmonic function")}[len(heights.shape)]
     done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {kind}"
-    return filled, (done,)
+    return fill_in(heights, missing), (done,)
 
 
 def _linear(heights: Reals, missing: Flags) -> Reals:

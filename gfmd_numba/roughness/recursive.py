@@ -100,8 +100,7 @@ def _step(wavelength: float) -> int:
 def _subdivided(recursion: Recursion, numbers: np.random.Generator) -> Reals:
     heights = numbers.standard_normal((2**recursion.first,) * recursion.dimension)
     for step in range(recursion.first + 1, recursion.last + 1):
-        divide = _divide_profile if recursion.dimension == 1 else _divide_map
-        heights = divide(heights, recursion, 0.5**step, numbers)
+        heights = _DIVIDE[recursion.dimension](heights, recursion, 0.5**step, numbers)
     return heights
 
 
@@ -129,6 +128,9 @@ def _divide_map(old: Reals, recursion: Recursion, spacing: float, numbers: np.ra
     for points in (along_x, along_y, corners, centres)[: 4 if recursion.everywhere else 2]:
         points += size[1] * numbers.standard_normal((n, n))
     return new
+
+
+_DIVIDE = {1: _divide_profile, 2: _divide_map}
 
 
 def _power(recursion: Recursion) -> Reals:

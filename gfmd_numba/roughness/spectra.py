@@ -13,6 +13,7 @@ from scipy.special import gammaln, hyp2f1, j0, kv
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import stretched_exponential
 
+_RIPPLE = {1: np.cos, 2: j0}  # mean of a wave over the directions from a point, by the dimension
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
 
 
@@ -178,7 +179,7 @@ class Mounded:
     def autocorrelation(self, distance: Reals) -> Reals:
         """Autocorrelation R `[...]` at distances r >= 0 (3.17, with the minus its exponent lacks)."""
         wave = 2.0 * np.pi * distance / self.separation
-        return np.asarray(self.model.autocorrelation(distance) * (np.cos(wave) if self.dimension == 1 else j0(wave)))
+        return np.asarray(self.model.autocorrelation(distance) * _RIPPLE[self.dimension](wave))
 
     def psd(self, q: Reals) -> Reals:
         """Spectral density `[...]` at wave numbers q (3.18, 3.20, 3.22).
@@ -203,7 +204,7 @@ def nayak(moments: tuple[float, float, float], dimension: int) -> float:
     """Nayak's parameter m0 m4 / m2^2 of profiles, from the integrals of C, q^2 C and q^4 C."""
     m0, m2, m4 = moments
     # along a profile of an isotropic map q_x^2 and q_x^4 average to q^2/2 and 3 q^4/8
-    return (1.0 if dimension == 1 else 1.5) * m0 * m4 / m2**2
+    return 0.5 * (1 + dimension) * m0 * m4 / m2**2
 
 
 def matern(z: Reals, order: float) -> Reals:

@@ -4,6 +4,8 @@ Both draw the amplitude of each wave from (seed, realisation, wave): a finer gri
 `largest_index` adds waves to it. Periods are the same in all directions.
 """
 
+from functools import reduce
+
 import numpy as np
 
 from gfmd_numba.arrays import Reals
@@ -49,8 +51,8 @@ def filter_power(model: Model | anisotropy.AnisotropicModel, nx: int, largest_in
     dimension, points = model.dimension, 2 * largest_index + 1
     nearest = grid.shifts(points, period)  # on the periodic surface, where the origin has images
     if model.isotropic:
-        distance = abs(nearest) if dimension == 1 else np.hypot(nearest, nearest[:, np.newaxis])
-        correlation = model.autocorrelation(distance)
+        along = np.meshgrid(*[nearest] * dimension, sparse=True)
+        correlation = model.autocorrelation(reduce(np.hypot, along, np.zeros(1)))
     else:
         correlation = model.autocorrelation(nearest[np.newaxis], nearest[:, np.newaxis])
     found = grid.coefficients(correlation, dimension).real
@@ -68,7 +70,7 @@ def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations:
 
     `power` is that of `psd_power` or `filter_power` on the same grid.
     """
-    shape = (nx,) * power.ndim
+    shape = (nx,) * len(power.shape)
     envelope = np.sqrt(power)
     heights = np.empty((len(realisations), *shape))
     for row, realisation in zip(heights, realisations, strict=True):
@@ -79,7 +81,7 @@ def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations:
 
 def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
     """Autocorrelation `[nx]` or `[nx, nx]` of a periodic surface with this mean power, per w^2."""
-    return grid.signal(power, *(nx,) * power.ndim)
+    return grid.signal(power, *(nx,) * len(power.shape))
 
 
 def _usable(power: Reals, largest_index: int, nx: int) -> Reals:

@@ -60,7 +60,7 @@ def nayak(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
     """Nayak's parameter `[...]` of the moments of profiles (dimension 1) or maps."""
     # q_x^2 and q_x^4 average to q^2/2 and 3 q^4/8 over the directions of a map
-    return np.asarray(m0 * m4 / m2**2 * (1.0 if dimension == 1 else 1.5))
+    return np.asarray(m0 * m4 / m2**2 * (0.5 * (1 + dimension)))
 
 
 def gradient(heights: Reals, length: float = 1.0) -> Reals:

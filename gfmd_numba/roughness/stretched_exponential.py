@@ -10,6 +10,8 @@ from scipy.special import gammaln, hankel1
 
 from gfmd_numba.arrays import Reals
 
+# outgoing wave, by the dimension, of a phase
+_RIPPLE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: hankel1(0, phase)}
 _FAR = 30.0
 _TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
 _STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
@@ -58,9 +60,9 @@ def _near(q: Reals, alpha: float, dimension: int) -> Reals:
             found[i] = kernel.real.sum()
             continue
         phase = wave * r[: np.searchsorted(abs(r), _FADED / wave)]
-        ripple = np.exp(1j * phase) if dimension == 1 else hankel1(0, phase)
+        ripple = _RIPPLE[dimension](phase)
         found[i] = (kernel[: phase.size] * ripple).real.sum()
-    return found / (np.pi if dimension == 1 else 2.0 * np.pi)
+    return found / (dimension * np.pi)
 
 
 def _far(q: Reals, alpha: float, dimension: int) -> Reals:

@@ -91,7 +91,7 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     one = scales(scene, curve.given.surfaces.rms_gradient)["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
-        name, unit = ("contact_length", "m") if scene.dimension == 1 else ("contact_area", "m2")
+        name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over one period", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     found["contact_stiffness"].attrs = _stiffness_attributes(scene)

@@ -8,6 +8,7 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import POINTS
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene.heights import AXES
 from gfmd_numba.text.input_error import brief
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
@@ -50,7 +51,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
 
 def nodes_of(scene: Scene | LoadedBody) -> tuple[str, ...]:
     """Dims of the nodes of a scene."""
-    return ("x",) if scene.dimension == 1 else ("y", "x")
+    return AXES[-scene.dimension :]
 
 
 def tractions_on(body: str, step: xr.Dataset, nodes: tuple[str, ...]) -> Reals:

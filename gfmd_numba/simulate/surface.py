@@ -13,6 +13,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene.heights import AXES
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.units import given_with_units
@@ -60,7 +61,7 @@ def made_surface(file: SurfaceFile, document: Document) -> Made:
 def _described(made: Made) -> xr.Dataset:
     unit = made.unit
     heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
-    dims = ("x",) if dimension == 1 else ("y", "x")
+    dims = AXES[-dimension:]
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "rough surface"})
     for dim, n, length in zip(dims, heights.shape, lengths, strict=True):
         dataset.coords[dim] = (dim, np.arange(n) / n * length, {"long_name": f"position along {dim}", "units": unit})

@@ -46,10 +46,9 @@ class CohesiveNewton(TruncatedNewton):
         (every,), length = self.field.sources, self.field.result.shape[1]
         self._source, self._result = every.reshape(rows, -1), self.field.result.reshape(rows, -1)
         self._u = np.zeros_like(self._source)
-        *self._ways, own = (slice(i * length, i * length + n) for i in range(self._components))
+        own = slice(ways * length, ways * length + n)
         dragged = batch.start.tangential + batch.start.dragged  # a slip made by the step itself would end bonds
-        for way, u in zip(self._ways, by_component(dragged, n).reshape(ways, rows, n), strict=True):
-            self._u[:, way] = u
+        self._u.reshape(rows, -1, length)[:, :-1, :n] = dragged.reshape(rows, ways, n)
         self._u[:, own] = starting_displacement(batch, lambda gap: cohesive.normal_traction(gap, np.zeros(n)))
         self._pairs = [(i, j) for i in range(self._components) for j in range(i + 1)]
         self._together: list[tuple[int, int, Reals]] = []
@@ -65,12 +64,14 @@ class CohesiveNewton(TruncatedNewton):
     @property
     def tangential(self) -> tuple[Reals, Reals, Reals]:
         """Tangential displacement of the body, the traction that restores it, and that no node slips from anywhere."""
-        u, restoring = (np.concatenate([each[:, way] for way in self._ways]) for each in (self._u, self._restoring))
+        rows, length = len(self._u), self.field.result.shape[1]
+        both = (each.reshape(rows, -1, length)[:, :-1] for each in (self._u, self._restoring))
+        u, restoring = (by_component(each, length) for each in both)
         return u, restoring, self._nowhere
 
-    def _sideways(self, unknowns: Reals) -> Reals:
-        """Return the tangential part `[component, node]` of the unknowns of a row."""
-        return np.stack([unknowns[way] for way in self._ways])
+    def _of_each(self, unknowns: Reals) -> Reals:
+        """Return the unknowns of a row by `[component, node]`, to be read or written."""
+        return unknowns.reshape(self._components, -1)[:, : self.field.n]
 
     def _stiffen(self, row: Indices) -> None:
         self._multiply(row, self._stiffness_elements)
@@ -95,47 +96,45 @@ class CohesiveNewton(TruncatedNewton):
         self.field.inverse(every)
 
     def _slip(self, i: int) -> Reals:
-        return np.asarray(self._sliding - self._sideways(self._u[i]))
+        return np.asarray(self._sliding - self._of_each(self._u[i])[:-1])
 
     def _pull(self, i: int) -> Reals:
         gap, slip = self._gap(i), self._slip(i)
-        self._closing[self._normal] = self._cohesive.normal_traction(gap, vector_slip.length(slip))
-        for way, drag in zip(self._ways, vector_slip.tangential_traction(self._cohesive, gap, slip), strict=True):
-            self._closing[way] = drag
+        closing = self._of_each(self._closing)
+        closing[-1] = self._cohesive.normal_traction(gap, vector_slip.length(slip))
+        closing[:-1] = vector_slip.tangential_traction(self._cohesive, gap, slip)
         return self._closing
 
     def _fill_curvature(self, i: int) -> None:
-        parts = (*self._ways, self._normal)
+        curvature = self._of_each(self._curvature)
         elements = vector_slip.stiffness(self._cohesive, self._gap(i), self._slip(i))
         every = [(*pair, k) for pair, k in zip(self._pairs, elements, strict=True)]
         self._together = [(a, b, k) for a, b, k in every if a != b]
         for a, b, k in every:
             if a == b:
-                self._curvature[parts[a]] = k
+                curvature[a] = k
 
     def _add_coupling(self, i: int) -> float:
-        parts = (*self._ways, self._normal)
-        p = [self._conjugate[part] for part in parts]
-        pulled = [np.zeros_like(p[0]) for _ in parts]
+        p = self._of_each(self._conjugate)
+        pulled = np.zeros_like(p)
         for a, b, k in self._together:
             pulled[a] += k * p[b]
             pulled[b] += k * p[a]
-        for part, pull in zip(parts, pulled, strict=True):
-            self._result[i, part] += pull
+        self._of_each(self._result[i])[:] += pulled
         return 2.0 * float(np.sum(sum(k * p[b] * p[a] for a, b, k in self._together)))
 
     def _change(self, i: int) -> float:
-        closing, dragged = self._closing[self._normal], self._sideways(self._closing)
-        change = vector_slip.energy_change(self._cohesive, self._gap(i), self._slip(i), closing, dragged)
+        closing = self._of_each(self._closing)
+        change = vector_slip.energy_change(self._cohesive, self._gap(i), self._slip(i), closing[-1], closing[:-1])
         return float(change.sum(dtype=np.float64))
 
     def _longest(self, i: int) -> float:
         near, tangential = self._gap(i) < _REACH * self._cohesive.normal, self._cohesive.tangential
         allowed = np.maximum(vector_slip.length(self._slip(i))[near] / tangential - _REACH, _STRIDE)
-        dragged = vector_slip.length(self._sideways(self._direction))[near] / tangential
+        dragged = vector_slip.length(self._of_each(self._direction)[:-1])[near] / tangential
         return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
 
     def _look_at_more(self, active: Indices) -> None:
         for i in active:
-            unbalanced = vector_slip.length(self._sideways(self._restoring[i])).max()
+            unbalanced = vector_slip.length(self._of_each(self._restoring[i])[:-1]).max()
             self.certificate.worst[i] = max(self.certificate.worst[i], unbalanced)

@@ -12,7 +12,16 @@ from gfmd_numba.kernels.active_sets import (
 )
 from gfmd_numba.kernels.boundary_value_problem import Boundary, free_mean, prescribed_step, prescribed_violation
 from gfmd_numba.kernels.conditions import CoupledState, State, friction_violation, kkt_violation, wall_pressure
-from gfmd_numba.kernels.decay_contacts import decay_contact, refined_pressure, touching_displacement
+from gfmd_numba.kernels.decay_contacts import (
+    DecaySum,
+    Level,
+    Lists,
+    Task,
+    Values,
+    decay_contact,
+    refined_pressure,
+    touching_displacement,
+)
 from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.energy_descent import (
     descent_curvature,
@@ -23,7 +32,7 @@ from gfmd_numba.kernels.energy_descent import (
     descent_update,
     descent_work,
 )
-from gfmd_numba.kernels.exponential_sum import exponential_sum_factor, exponential_sum_solve
+from gfmd_numba.kernels.exponential_sum import Decays, Factors, exponential_sum_factor, exponential_sum_solve
 from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_update, close_gap
 from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
@@ -64,8 +73,15 @@ from gfmd_numba.kernels.tiles import (
 __all__ = [
     "Boundary",
     "CoupledState",
+    "DecaySum",
+    "Decays",
+    "Factors",
     "Iterate",
+    "Level",
+    "Lists",
     "State",
+    "Task",
+    "Values",
     "bound",
     "cg_direction",
     "cg_free",

@@ -4,34 +4,45 @@ C_ij = sum_s weight_s exp(-rate_s |x_i - x_j|) + white delta_ij is semiseparable
 ordered nodes (Foreman-Mackey et al., Astron. J. 154:220, 2017), each node some operations for each pair of decays.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
 
+class Decays(NamedTuple):
+    """The sum: `rates`, decays over short distances `near` `[distance, rate]`, `weights` and the `white` part.
+
+    Pivots below `floor` are lifted to it: the factors then are those of some positive definite matrix, whatever the
+    weights.
+    """
+
+    rates: Reals
+    near: Reals
+    weights: Reals
+    white: float
+    floor: float
+
+
+class Factors(NamedTuple):
+    """Its factors: `decay` and `lower` `[node, rate]`, pivots `diagonal` `[node]`; scratch `carried` `[rate, rate]`."""
+
+    decay: Reals
+    lower: Reals
+    diagonal: Reals
+    carried: Reals
+
+
 @jit
-def exponential_sum_factor(
-    nodes: Indices,
-    count: int,
-    n: int,
-    rates: Reals,
-    near: Reals,
-    weights: Reals,
-    white: float,
-    floor: float,
-    decay: Reals,
-    lower: Reals,
-    diagonal: Reals,
-    carried: Reals,
-    own: Reals,
-) -> None:
+def exponential_sum_factor(decays: Decays, factors: Factors, nodes: Indices, count: int, n: int, own: Reals) -> None:
     """Factor the sum on the first `count` of the nodes, which follow each other around a period of n.
 
-    `near` `[distance, rate]` are decays over short distances. `own` `[node]` is what each node adds to the diagonal; it
-    may be empty. `decay` and `lower` are `[node, rate]`, `carried` `[rate, rate]` is scratch. Pivots below `floor` are
-    lifted to it: the factors then are those of some positive definite matrix, whatever the weights.
+    `own` `[node]` is what each node adds to the diagonal; it may be empty.
     """
+    rates, near, weights, white, floor = decays
+    decay, lower, diagonal, carried = factors
     terms = rates.size
     carried[:] = 0.0
     for i in range(count):
@@ -66,17 +77,9 @@ def exponential_sum_factor(
 
 
 @jit
-def exponential_sum_solve(
-    y: Reals,
-    count: int,
-    weights: Reals,
-    decay: Reals,
-    lower: Reals,
-    diagonal: Reals,
-    z: Reals,
-    carried: Reals,
-) -> None:
-    """Solve L D L' z = y with the factors of `exponential_sum_factor`; `carried` `[rate]` is scratch."""
+def exponential_sum_solve(y: Reals, count: int, weights: Reals, factors: Factors, z: Reals) -> None:
+    """Solve L D L' z = y with the factors of `exponential_sum_factor`."""
+    decay, lower, diagonal, carried = factors.decay, factors.lower, factors.diagonal, factors.carried[0]
     terms = weights.size
     carried[:] = 0.0
     for i in range(count):
@@ -99,19 +102,11 @@ def exponential_sum_solve(
 
 @jit
 def exponential_sum_solve_two(
-    y: Reals,
-    second: Reals,
-    count: int,
-    weights: Reals,
-    decay: Reals,
-    lower: Reals,
-    diagonal: Reals,
-    z: Reals,
-    solution: Reals,
-    carried: Reals,
-    other: Reals,
+    y: Reals, second: Reals, count: int, weights: Reals, factors: Factors, z: Reals, solution: Reals
 ) -> None:
     """Solve L D L' z = y and L D L' solution = second at once, as `exponential_sum_solve` does each."""
+    decay, lower, diagonal = factors.decay, factors.lower, factors.diagonal
+    carried, other = factors.carried[0], factors.carried[1]
     terms = weights.size
     carried[:] = 0.0
     other[:] = 0.0

@@ -3,27 +3,20 @@
 from gfmd_numba.arrays import Reals
 from gfmd_numba.kernels.compilation import jit
 from gfmd_numba.kernels.decay_sums import eight, faded, raised, summed
+from gfmd_numba.kernels.exponential_sum import Factors
 
 
 @jit
-def parallel_solve(
-    r: Reals,
-    second: int,
-    own: Reals,
-    decay: Reals,
-    weights: Reals,
-    lower: Reals,
-    share: Reals,
-    t: Reals,
-    d: Reals,
-) -> None:
+def parallel_solve(r: Reals, second: int, own: Reals, weights: Reals, factors: Factors, t: Reals, d: Reals) -> None:
     """Fill d = A r - A (C + A)^-1 A r, for A = `own` and C a sum of eight decays that is factored.
 
-    `r` and `d` hold the first component from 0 on, the second from `second` on. `own`, the reciprocal pivots `share`
-    and the scratch `t` are `[component, node]`. `lower` `[component node, 8]` and the pivots are those of
-    `exponential_sum_factor`. `weights` `[component, 8]` are those of the decays, and `decay` `[1, 8]` is what they keep
-    from a node to the next. The sweeps of both components run side by side, because each waits for its own last node.
+    `r` and `d` hold the first component from 0 on, the second from `second` on. `own` and the scratch `t` are
+    `[component, node]`. `weights` `[component, 8]` are those of the decays. Of the factors `lower` is
+    `[component node, 8]`, `diagonal` has the reciprocal pivots `[component, node]`, and `decay` `[1, 8]` is what decays
+    keep from a node to the next. The sweeps of both components run side by side, because each waits for its own last
+    node.
     """
+    decay, lower, share, _ = factors
     n = own.shape[1]
     keep, w, v = eight(decay, 0, 0), eight(weights, 0, 0), eight(weights, 1, 0)
     one = two = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

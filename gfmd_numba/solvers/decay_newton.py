@@ -225,16 +225,20 @@ class _Level:
 
     def __init__(self, model: DecayModel) -> None:
         self.model, self.n = model, model.n
-        n, sum_ = model.n, model.preconditioner
+        n = model.n
         self.field = Transform(1, n, sources=0)
         self.displacement, self.wall, self.pressure, self.fine = aligned_rows(4, n)
         self.at_zero = float(model.compliance[0]) * n
-        self._near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
-        self._near[:POWERS] = model.powers[:POWERS]
-        self._indices, self._touches = np.empty((6, n), dtype=np.int64), np.empty(n, dtype=np.bool_)
-        self._values = np.empty((10, n))
-        self._decay, self._lower = np.empty((2, n, sum_.rates.size))
-        self._carried = np.empty((sum_.rates.size, sum_.rates.size))
+        near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
+        near[:POWERS] = model.powers[:POWERS]
+        level = kernels.Level(
+            kernels.DecaySum(model.powers, near, model.weights, model.white, model.mean),
+            model.preconditioner.decays,
+            model.preconditioner.room(n),
+            kernels.Lists(np.empty(n, dtype=np.bool_), *np.empty((6, n), dtype=np.int64)),
+            kernels.Values(*np.empty((9, n))),
+        )
+        self._level = tuple(map(tuple, level))
         self.coarser = None if model.coarser is None else _Level(model.coarser)
 
     def filter(self, spectrum: Any, n: int) -> None:
@@ -268,10 +272,6 @@ class _Level:
         wider: float,
     ) -> float:
         """Find the contact and pressure of the sum of decays; the relative change of the pressure."""
-        model, sum_ = self.model, self.model.preconditioner
-        change, _ = kernels.decay_contact(
-            pressure, self.displacement, wall, self.n, load, rounding, free_mean, target, model.error, wider,
-            model.powers, model.weights, model.white, model.mean, self._near, sum_.rates, sum_.near, sum_.weights,
-            sum_.white, sum_.floor, self._indices, self._touches, self._values, self._decay, self._lower, self._carried,
-        )  # fmt: skip
+        task = kernels.Task(self.n, load, rounding, free_mean, target, self.model.error, wider)
+        change, _ = kernels.decay_contact(pressure, self.displacement, wall, tuple(task), self._level)
         return float(change)

@@ -118,29 +118,17 @@ def test_decays_are_those_of_dense_algebra(factor, solve, signed, alone, rng):
     dense = (weights * np.exp(-rates * distance[..., np.newaxis])).sum(axis=-1) + 0.5 * np.eye(count)
     dense[np.diag_indices(count)] += own if alone else 0.0
     assert np.linalg.eigvalsh(dense).min() > 0.1
-    decay, lower = np.full((2, count, terms), np.nan)
-    diagonal, z, y, carried = np.empty(count), np.empty(count), rng.normal(size=count), np.empty((terms, terms))
-    near = np.exp(-np.outer(np.arange(2), rates))
-    factor(nodes, count, n, rates, near, weights, 0.5, 1e-3, decay, lower, diagonal, carried, own)
-    solve(y, count, weights, decay, lower, diagonal, z, carried[0])
+    factors = kernels.Factors(*np.full((2, count, terms), np.nan), np.empty(count), np.empty((terms, terms)))
+    z, y = np.empty(count), rng.normal(size=count)
+    decays = kernels.Decays(rates, np.exp(-np.outer(np.arange(2), rates)), weights, 0.5, 1e-3)
+    factor(decays, factors, nodes, count, n, own)
+    solve(y, count, weights, factors, z)
     np.testing.assert_allclose(z, np.linalg.solve(dense, y), rtol=1e-11)
 
 
 @pytest.mark.parametrize("factor", both(kernels.exponential_sum_factor))
 def test_pivots_are_lifted_to_the_floor(factor):
-    diagonal = np.empty(3)
-    factor(
-        np.arange(3),
-        3,
-        9,
-        np.array([0.1]),
-        np.empty((0, 1)),
-        np.array([-1.0]),
-        0.5,
-        0.2,
-        *np.empty((2, 3, 1)),
-        diagonal,
-        np.empty((1, 1)),
-        np.empty(0),
-    )
-    assert diagonal.min() == 0.2
+    decays = kernels.Decays(np.array([0.1]), np.empty((0, 1)), np.array([-1.0]), 0.5, 0.2)
+    factors = kernels.Factors(*np.empty((2, 3, 1)), np.empty(3), np.empty((1, 1)))
+    factor(decays, factors, np.arange(3), 3, 9, np.empty(0))
+    assert factors.diagonal.min() == 0.2

@@ -14,13 +14,13 @@ def test_displacements_are_those_of_dense_algebra(solve, rng):
     rates, weights, own = np.geomspace(0.02, 3.0, 8), rng.random((2, 8)), rng.random((2, n))
     own[0, 3:6] = 0.0
     keep, lower, share, t = np.exp(-rates)[np.newaxis], np.empty((2 * n, 8)), np.empty((2, n)), np.empty((2, n))
+    carried = np.empty((8, 8))
     r, d = rng.normal(size=n + 25), np.full(n + 25, np.nan)
     for c in range(2):
-        kernels.exponential_sum_factor(
-            np.arange(n), n, n, rates, np.exp(-np.outer(np.arange(2), rates)), weights[c], 0.3, 1e-9,
-            np.empty((n, 8)), lower[c * n : (c + 1) * n], share[c], np.empty((8, 8)), own[c],
-        )  # fmt: skip
-    solve(r, 25, own, keep, weights, lower, 1.0 / share, t, d)
+        decays = kernels.Decays(rates, np.exp(-np.outer(np.arange(2), rates)), weights[c], 0.3, 1e-9)
+        factors = kernels.Factors(np.empty((n, 8)), lower[c * n : (c + 1) * n], share[c], carried)
+        kernels.exponential_sum_factor(decays, factors, np.arange(n), n, n, own[c])
+    solve(r, 25, own, weights, kernels.Factors(keep, lower, 1.0 / share, carried), t, d)
     for c, part in enumerate((slice(0, n), slice(25, n + 25))):
         body = np.linalg.inv((weights[c] * np.exp(-rates * distance[..., np.newaxis])).sum(axis=-1) + 0.3 * np.eye(n))
         moves = own[c] > 0.0

@@ -179,7 +179,8 @@ def test_nodes_may_have_a_compliance_of_their_own_of_either_sign():
     body = ExponentialSum(compliance, n)
     own = np.where(rng.random(n) < 0.3, 0.0, rng.choice([-1.0, 1.0], n) * 10 ** rng.uniform(0.0, 3.0, n))
     distance = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))[..., np.newaxis]
-    matrix = (body.weights * np.exp(-body.rates * distance)).sum(axis=-1) + np.diag(body.white + own)
+    rates, _, weights, white, _ = body.decays
+    matrix = (weights * np.exp(-rates * distance)).sum(axis=-1) + np.diag(white + own)
     assert np.linalg.eigvalsh(matrix)[0] < 0.0 < np.linalg.eigvalsh(matrix)[-1]
     asked, found = rng.normal(size=n), np.empty(n)
     body.factor(np.arange(n), n, own)

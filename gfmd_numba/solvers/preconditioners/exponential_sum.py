@@ -32,20 +32,22 @@ class ExponentialSum:
         slowest = np.pi / n
         terms = int(np.ceil(np.log(STEEPEST / slowest) / spacing)) + 1
         rates = np.geomspace(slowest, STEEPEST, terms)
-        weights, self.white = _fit(compliance, n, rates)
+        weights, white = _fit(compliance, n, rates)
         # all images of a node, one period apart, add up to another decay and one that comes from the other side
         image = np.exp(-n * rates)
         weights /= 1.0 - image
         felt = image > faint
-        self.rates = np.concatenate((rates, -rates[felt]))
-        self.weights = np.concatenate((weights, (image * weights)[felt]))
-        self.near = np.exp(-np.outer(np.arange(min(n, _NEAR)), self.rates))
-        self.floor = 0.1 * float(compliance.min())
-        self._n = n
-        self._decay, self._lower = np.empty((2, 0, self.rates.size))
-        self._diagonal = np.empty(0)
-        self._carried = np.empty((self.rates.size, self.rates.size))
-        self._count = 0
+        rates, weights = np.concatenate((rates, -rates[felt])), np.concatenate((weights, (image * weights)[felt]))
+        near = np.exp(-np.outer(np.arange(min(n, _NEAR)), rates))
+        self.decays = kernels.Decays(rates, near, weights, white, 0.1 * float(compliance.min()))
+        self._n, self._count = n, 0
+        self._factors = self.room(0)
+
+    def room(self, count: int) -> kernels.Factors:
+        """Return memory for the factors on a number of nodes."""
+        terms = self.decays.rates.size
+        decay, lower = np.empty((2, count, terms))  # two arrays of their own might lie alike in pages, which is slow
+        return kernels.Factors(decay, lower, np.empty(count), np.empty((terms, terms)))
 
     @property
     def is_positive(self) -> bool:
@@ -55,17 +57,16 @@ class ExponentialSum:
         but no longer where the period is cut: without a wide gap there pivots have to be lifted, and the factors may
         grow beyond all bounds.
         """
-        return bool((self._diagonal[: self._count] > self.floor).all())
+        return bool((self._factors.diagonal[: self._count] > self.decays.floor).all())
 
     @cached_property
     def is_safe(self) -> bool:
         """Whether the sum is positive definite on any nodes: sums of positive decays are, others are tried on all."""
-        if (self.weights > 0.0).all() and self.white > 0.0:
+        if (self.decays.weights > 0.0).all() and self.decays.white > 0.0:
             return True
         self.factor(np.arange(self._n), self._n)
         safe = self.is_positive
-        self._decay, self._lower = np.empty((2, 0, self.rates.size))
-        self._diagonal = np.empty(0)
+        self._factors = self.room(0)
         return safe
 
     def factor(self, nodes: Indices, count: int, own: Reals = _NOTHING) -> None:
@@ -73,22 +74,15 @@ class ExponentialSum:
 
         Where one of these is negative, pivots may be, and none is lifted.
         """
-        if count > len(self._diagonal):
-            self._decay, self._lower = np.empty((2, count, self.rates.size))
-            self._diagonal = np.empty(count)
-        floor = -np.inf if (own < 0.0).any() else self.floor
-        kernels.exponential_sum_factor(
-            nodes, count, self._n, self.rates, self.near, self.weights, self.white, floor,
-            self._decay, self._lower, self._diagonal, self._carried, own,
-        )  # fmt: skip
+        if count > len(self._factors.diagonal):
+            self._factors = self.room(count)
+        decays = self.decays._replace(floor=-np.inf) if (own < 0.0).any() else self.decays
+        kernels.exponential_sum_factor(decays, self._factors, nodes, count, self._n, own)
         self._count = count
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that causes the displacement there."""
-        kernels.exponential_sum_solve(
-            displacement, self._count, self.weights, self._decay, self._lower, self._diagonal, pressure,
-            self._carried[0],
-        )  # fmt: skip
+        kernels.exponential_sum_solve(displacement, self._count, self.decays.weights, self._factors, pressure)
 
 
 def _fit(compliance: Reals, n: int, rates: Reals) -> tuple[Reals, float]:

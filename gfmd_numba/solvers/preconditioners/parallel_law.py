@@ -42,15 +42,20 @@ class ParallelLaw:
             self.is_safe = all(each.is_safe for each in sums)
             if self.is_safe:
                 break
-        self._white, self._floor = [each.white for each in sums], [each.floor for each in sums]
-        missing = (0, DECAYS_AT_ONCE - sums[0].rates.size)
-        self._rates = np.pad(sums[0].rates, missing)  # a matter of the nodes alone
-        self._weights = np.array([np.pad(each.weights, missing) for each in sums])
-        self._near = np.exp(-np.outer(np.arange(2), self._rates))
+        missing = (0, DECAYS_AT_ONCE - sums[0].decays.rates.size)
+        rates = np.pad(sums[0].decays.rates, missing)  # a matter of the nodes alone
+        near = np.exp(-np.outer(np.arange(2), rates))
+        self._weights = np.array([np.pad(each.decays.weights, missing) for each in sums])
+        self._decays = [
+            each.decays._replace(rates=rates, near=near, weights=weights)
+            for each, weights in zip(sums, self._weights, strict=True)
+        ]
         self._least = np.array([_FREE / compliance.max() for compliance in compliances])
         self._own, self._share, self._traction = np.zeros((3, 2, n))
-        self._lower, self._decay = np.empty((2 * n, DECAYS_AT_ONCE)), np.empty((n, DECAYS_AT_ONCE))
-        self._carried, self._is_factored = np.empty((DECAYS_AT_ONCE, DECAYS_AT_ONCE)), False
+        lower, decay, carried = (np.empty((nodes, DECAYS_AT_ONCE)) for nodes in (2 * n, n, DECAYS_AT_ONCE))
+        self._factors = kernels.Factors(near[1:], lower, self._share, carried)
+        self._of_each = [kernels.Factors(decay, lower[c * n : (c + 1) * n], self._share[c], carried) for c in range(2)]
+        self._is_factored = False
 
     def factor(self, stiffness: Reals, moves: Reals) -> None:
         """Prepare `solve` for the stiffness of the law on each node, zero where it softens, and nodes that may move."""
@@ -60,16 +65,10 @@ class ParallelLaw:
             if self._is_factored and (np.abs(own - self._own[c]) <= _CHANGE * self._own[c]).all():
                 continue
             self._own[c] = own
-            kernels.exponential_sum_factor(
-                np.arange(n), n, n, self._rates, self._near, self._weights[c], self._white[c], self._floor[c],
-                self._decay, self._lower[c * n : (c + 1) * n], self._share[c], self._carried, own,
-            )  # fmt: skip
+            kernels.exponential_sum_factor(self._decays[c], self._of_each[c], np.arange(n), n, n, own)
             np.reciprocal(self._share[c], out=self._share[c])
         self._is_factored = True
 
     def solve(self, r: Reals, d: Reals) -> None:
         """Fill the displacements that about balance the tractions r."""
-        kernels.parallel_solve(
-            r, self._parts[1].start, self._own, self._near[1:], self._weights, self._lower, self._share,
-            self._traction, d,
-        )  # fmt: skip
+        kernels.parallel_solve(r, self._parts[1].start, self._own, self._weights, self._factors, self._traction, d)

@@ -160,11 +160,9 @@ def _surface_content(surface: Surface) -> dict[str, Any]:
     return content
 
 
-def _body_content(body: ElasticBody) -> dict[str, Any]:
-    """What tells a body from others; nothing is said of layers where there are none."""
-    if body.stack is not None:
-        return asdict(body)
-    return {"poissons_ratio": body.poissons_ratio, "aspect_ratio": body.aspect_ratio}
+def _body_content(body: ElasticBody) -> str:
+    """What tells a body from others: its text names its class and all its numbers."""
+    return repr(body)
 
 
 def _interface_content(interface: Interactions) -> dict[str, Any]:

@@ -51,24 +51,31 @@ def command_after(recipes, files, tmp_path):
 
     All lines that it is given run in one process. It returns what each of them prints.
     """
-    package = tmp_path / "copy" / "gfmd_numba"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    package = copied(tmp_path)
     for recipe in recipes:
         recipe.follow(package)
     for name, text in files.items():
         (tmp_path / name).write_text(text)
+    return lambda *lines: run_on_copy(package, _COMMANDS, lines)
 
-    def commands(*lines):
-        environment = os.environ | {"PYTHONPATH": str(package.parent)}  # its kernels are those of this package
-        done = subprocess.run(
-            [sys.executable, "-c", _COMMANDS],
-            input=json.dumps(lines),
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            env=environment,
-        )
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
 
-    return commands
+def copied(tmp_path):
+    """Copy of the package."""
+    package = tmp_path / "copy" / "gfmd_numba"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package
+
+
+def run_on_copy(package, script, given):
+    """Give a script that imports a copy of the package something to read as JSON; return what it prints as JSON."""
+    environment = os.environ | {"PYTHONPATH": str(package.parent)}  # its kernels are those of this package
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        input=json.dumps(given),
+        capture_output=True,
+        text=True,
+        cwd=package.parent.parent,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)

@@ -17,6 +17,8 @@ from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.solvers.status import Status
 
+Spent = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]  # iterations, transforms and seconds of a round
+
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
 _HALF = 0.5  # of the largest displacement, which the next order may add
@@ -78,7 +80,7 @@ def solve(
     correction = untouched if before is None or not (slopes.rub or is_inclined) else before.correction
     since = untouched if problem.interface.cohesive is not None else correction  # from where slip counts
     again, nearest, patience = None, np.inf, _PATIENCE
-    spent: list[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]] = []
+    spent: list[Spent] = []
     rounds, most = Rounds(), _MOST_ROUNDS_INCLINED if is_inclined else _MOST_ROUNDS
     for round_ in range(most):
         way = (correction.shifted - since.shifted)[np.newaxis] if slopes.rub else None
@@ -106,14 +108,19 @@ def solve(
         correction = new
     else:
         solved = _failed(solved)
-    iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
-    all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
-    solved = replace(solved, equilibrium=replace(solved.equilibrium, **all_rounds))
+    solved = _of_all_rounds(solved, spent)
     error = slopes.next_order(solved, responses, correction.pairing)
     moved_by_all = found.displacement if solved.deflected is None else found.displacement + solved.deflected[1]
     if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
     return Pressed(solved, responses, error, correction)
+
+
+def _of_all_rounds(contact: Contact, spent: list[Spent]) -> Contact:
+    """The same with what all rounds have taken."""
+    iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
+    all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
+    return replace(contact, equilibrium=replace(contact.equilibrium, **all_rounds))
 
 
 def _failed(contact: Contact) -> Contact:

@@ -1,10 +1,22 @@
 """Periodic self-affine profiles and maps by the power spectral density method (thesis 3.5.2.1)."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
+
+
+class Form(NamedTuple):
+    """Whether the spectrum is constant below the cut-on index, or else zero, and the scale that of the ensemble."""
+
+    plateau: bool = True
+    by_theory: bool = False
+
+
+_PLATEAU = Form()
 
 
 def profiles(
@@ -14,24 +26,23 @@ def profiles(
     nx: int,
     seed: int,
     realisations: range,
-    plateau: bool = True,
-    by_theory: bool = False,
+    form: Form = _PLATEAU,
 ) -> Reals:
-    """Heights `[realisation, nx]` of zero mean and unit rms gradient, each or `by_theory` in the ensemble, in L_x.
+    """Heights `[realisation, nx]` of zero mean and unit rms gradient, each or in the ensemble, in L_x.
 
     The amplitude falls as q^-(1/2 + H) (3.28) between the wave indices `cut_on_index` = L_x / lambda_l and
-    `cut_off_index` = L_x / lambda_s,H, is constant below (zero without `plateau`) and zero above. Random numbers
+    `cut_off_index` = L_x / lambda_s,H, is constant or zero below and zero above. Random numbers
     belong to (seed, realisation, wave index): a finer grid samples the same surface, a larger `cut_off_index` adds
     waves to it.
     """
     index = np.arange(1, cut_off_index + 1)
     envelope = np.maximum(index, cut_on_index) ** -(0.5 + hurst)
-    if not plateau:
+    if not form.plateau:
         envelope[index < cut_on_index * (1.0 - 1e-12)] = 0.0
     spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
     for row, realisation in zip(spectrum, realisations, strict=True):
         amplitudes = envelope * complex_gaussian(seed, realisation, cut_off_index)
-        power = 2.0 * envelope**2 if by_theory else np.abs(amplitudes) ** 2
+        power = 2.0 * envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
         amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * power))
         row[index] = amplitudes
     if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
@@ -47,10 +58,9 @@ def maps(
     seed: int,
     realisations: range,
     anisotropy: float = 1.0,
-    plateau: bool = True,
-    by_theory: bool = False,
+    form: Form = _PLATEAU,
 ) -> Reals:
-    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, each or `by_theory` in the ensemble, in L_x.
+    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, each or in the ensemble, in L_x.
 
     As `profiles`, with amplitudes that fall as |q|^-(1 + H) and random numbers of (seed, realisation, wave vector).
     With an `anisotropy` of 1 or more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths,
@@ -59,7 +69,7 @@ def maps(
     smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
     q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
     index = np.hypot(anisotropy * q_y, q_x) / (2.0 * np.pi)
-    lowest = 0.0 if plateau else cut_on_index * (1.0 - 1e-12)
+    lowest = 0.0 if form.plateau else cut_on_index * (1.0 - 1e-12)
     kept = (index > 0.0) & (index >= lowest) & (index <= cut_off_index * (1.0 + 1e-12))
     envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
     weight = grid.multiplicity(smallest[1]) * np.hypot(q_y, q_x) ** 2
@@ -67,7 +77,7 @@ def maps(
     heights = np.empty((len(realisations), nx, nx))
     for row, realisation in zip(heights, realisations, strict=True):
         amplitudes = envelope * waves(seed, realisation, smallest, cut_off_index)
-        power = envelope**2 if by_theory else np.abs(amplitudes) ** 2
+        power = envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
         amplitudes /= np.sqrt((weight * power).sum())
         spectrum = np.zeros((nx, nx // 2 + 1), dtype=np.complex128)
         np.add.at(spectrum, (k_y % nx, k_x), amplitudes)

@@ -43,9 +43,10 @@ class SelfAffineWaves:
     def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
         """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms gradient, or that `by_theory`."""
         waves = self.hurst, self.cut_on_index, self.cut_off_index, shape[0], seed, realisations
+        form = self_affine.Form(self.plateau, self.by_theory)
         if len(shape) == 1:
-            return self_affine.profiles(*waves, self.plateau, self.by_theory)
-        return self_affine.maps(*waves, self.anisotropy, self.plateau, self.by_theory)
+            return self_affine.profiles(*waves, form)
+        return self_affine.maps(*waves, self.anisotropy, form)
 
     def mean_square_height(self, shape: Shape) -> float:
         """Mean square height of an ensemble of unit rms gradient."""

@@ -53,8 +53,8 @@ def of_steps(
     if wanted.planes:
         found = [_planes(step, surface(step), wanted.z, elastic, scales, name) for step in every]
     else:
-        across, node = _place(every, largest, length, wanted)
-        found = [_section(step, surface(step), wanted.z, elastic, scales, order, across, node, name) for step in every]
+        place = _place(every, largest, length, wanted)
+        found = [_section(step, surface(step), wanted.z, elastic, scales, order, place, name) for step in every]
     for step, dataset, peaks in zip(every, found, largest, strict=True):
         _add_peaks(dataset, peaks, scales, int(step["status"]) != 0)
     return found
@@ -102,10 +102,10 @@ def _section(
     elastic: ElasticBody,
     scales: Scales,
     order: int,
-    across: Axis,
-    node: int,
+    place: tuple[Axis, int],
     name: str,
 ) -> xr.Dataset:
+    across, node = place
     cut, at = step.isel({across: node}), node / step.sizes[across]
     length = scales.worth["length"]
     values = map_sections.section(surface, z / length, elastic, across, at, _NAMES)

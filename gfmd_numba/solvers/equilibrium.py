@@ -78,6 +78,24 @@ class Equilibrium:
     growing_wave: Indices | None = None
     plastic: Flags | None = None
 
+    @classmethod
+    def empty(cls, punch: Reals, scale: Reals, interface: Interactions, sliding: Reals | float) -> "Equilibrium":
+        """Nothing yet, to be filled; `scale` is the rms pressure of full contact."""
+        rows = len(punch)
+        return cls(
+            displacement=np.empty_like(punch),
+            pressure=np.empty_like(punch),
+            touching=np.empty(punch.shape, dtype=np.bool_),
+            tangential=Tangential.zero(punch, sliding) if interface.couples else None,
+            status=np.full(rows, Status.steps_used_up, dtype=np.int8),
+            residual=np.full(rows, np.nan),
+            n_iterations=np.zeros(rows, dtype=np.int64),
+            n_transforms=np.zeros(rows, dtype=np.int64),
+            wall_time=np.zeros(rows),
+            full_contact_pressure=scale,
+            plastic=None if interface.hardness is None else np.zeros(punch.shape, dtype=np.bool_),
+        )
+
 
 def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
     """Initial state for the next load: the equilibrium before, whose touching nodes move with the punch, also sideways.
@@ -127,26 +145,10 @@ def equilibrate(
     elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
     cannot carry.
     """
-    hardness = interface.hardness
-    if load is not None and hardness is not None:
-        most = hardness - (0.0 if interface.normal_law is None else interface.normal_law.strength)
-        if load >= most:
-            raise ValueError(f"a mean pressure of {load:g} at or above the {most:g} that the hardness bears")
-    realisations, n = len(punch), punch[0].size
+    _check_hardness(load, interface)
+    hardness, realisations, n = interface.hardness, len(punch), punch[0].size
     scale = pressure_scale(punch, response)
-    result = Equilibrium(
-        displacement=np.empty_like(punch),
-        pressure=np.empty_like(punch),
-        touching=np.empty(punch.shape, dtype=np.bool_),
-        tangential=Tangential.zero(punch, sliding) if interface.couples else None,
-        status=np.full(realisations, Status.steps_used_up, dtype=np.int8),
-        residual=np.full(realisations, np.nan),
-        n_iterations=np.zeros(realisations, dtype=np.int64),
-        n_transforms=np.zeros(realisations, dtype=np.int64),
-        wall_time=np.zeros(realisations),
-        full_contact_pressure=scale,
-        plastic=None if hardness is None else np.zeros(punch.shape, dtype=np.bool_),
-    )
+    result = Equilibrium.empty(punch, scale, interface, sliding)
     start = Start.at_rest(punch) if start is None else start
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
@@ -186,6 +188,15 @@ def equilibrate(
     growing = np.full(realisations, -1, dtype=np.int64)
     growing[unstable] = growing_wave(result.displacement[unstable], sideways, elastic)
     return replace(result, growing_wave=growing)
+
+
+def _check_hardness(load: float | None, interface: Interactions) -> None:
+    """Raise ValueError for a load that the hardness cannot carry."""
+    if load is None or interface.hardness is None:
+        return
+    most = interface.hardness - (0.0 if interface.normal_law is None else interface.normal_law.strength)
+    if load >= most:
+        raise ValueError(f"a mean pressure of {load:g} at or above the {most:g} that the hardness bears")
 
 
 def _add_tractions_of_laws(result: Equilibrium, interface: Interactions, punch: Reals, sliding: Reals | float) -> None:

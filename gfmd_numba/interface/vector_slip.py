@@ -17,18 +17,19 @@ def length(slip: Reals) -> Reals:
 
 def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
     """Traction `[component, ...]` that drags the body along with the punch."""
+    if len(slip) == 1:
+        return law.tangential_traction(gap, slip)
     r = length(slip)
     return law.tangential_traction(gap, r) * _direction(slip, r)
 
 
 def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, ...]:
     """Second derivatives xx, xy, yy, xz, yz and zz of the energy by the displacements of the body, or xx, xz and zz."""
+    if len(slip) == 1:
+        return law.stiffness(gap, slip[0])
     r = length(slip)
     along, both, normal = law.stiffness(gap, r)
-    x, *across_x = _direction(slip, r)
-    if not across_x:
-        return along, both * x, normal
-    (y,) = across_x
+    x, y = _direction(slip, r)
     across = np.divide(law.tangential_traction(gap, r), r, out=along.copy(), where=r > 0.0)
     stretched = along - across
     return across + stretched * x * x, stretched * x * y, across + stretched * y * y, both * x, both * y, normal

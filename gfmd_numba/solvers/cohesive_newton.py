@@ -1,5 +1,7 @@
 """Truncated Newton method for a cohesive law: all displacements descend one energy together."""
 
+from functools import reduce
+
 import numpy as np
 
 from gfmd_numba import kernels
@@ -115,13 +117,17 @@ class CohesiveNewton(TruncatedNewton):
                 curvature[a] = k
 
     def _add_coupling(self, i: int) -> float:
-        p = self._of_each(self._conjugate)
-        pulled = np.zeros_like(p)
+        p, result = self._of_each(self._conjugate), self._of_each(self._result[i])
+        pulled: dict[int, Reals] = {}
+        energies = []
         for a, b, k in self._together:
-            pulled[a] += k * p[b]
-            pulled[b] += k * p[a]
-        self._of_each(self._result[i])[:] += pulled
-        return 2.0 * float(np.sum(sum(k * p[b] * p[a] for a, b, k in self._together)))
+            forces = {a: k * p[b], b: k * p[a]}
+            energies.append(forces[a] * p[a])
+            for component, force in forces.items():
+                pulled[component] = pulled[component] + force if component in pulled else force
+        for component, force in pulled.items():
+            result[component] += force
+        return 2.0 * float(np.sum(reduce(np.add, energies)))
 
     def _change(self, i: int) -> float:
         closing = self._of_each(self._closing)

@@ -291,7 +291,7 @@ def _iterate(
             np.greater(result.pressure[row], 0.0, out=result.touching[row])
             if result.plastic is not None:
                 np.greater_equal(result.pressure[row], solver.certificate.hardness, out=result.plastic[row])
-        if result.tangential is not None and solver.tangential is not None:
+        if done.size and result.tangential is not None and solver.tangential is not None:
             _store(result.tangential, solver.tangential, done, where, result.touching[where])
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
+from collections.abc import Callable
+from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
@@ -31,6 +32,36 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from gfmd_numba.campaign.block_work import Failures
+    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.run import Choice
+
+
+def _who_and_what(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options that say who works, and those that say which blocks to run, as one record each."""
+
+    @wraps(command)
+    def with_records(
+        workers: int,
+        scheduler: str | None,
+        insecure: bool,
+        cluster: Path | None,
+        only: tuple[tuple[str, str], ...],
+        limit: int | None,
+        retry_failed: bool,
+        fail_fast: bool,
+        **others: Any,
+    ) -> None:
+        from gfmd_numba.campaign.cluster_file import load_cluster
+        from gfmd_numba.campaign.execution import Workers
+        from gfmd_numba.campaign.run import Choice
+
+        _check_workers_options()
+        jobs = None if cluster is None else load_cluster(cluster)
+        who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
+        choice = Choice(dict(only), limit, retry_failed, fail_fast)
+        command(who=who, choice=choice, **others)
+
+    return with_records
 
 
 @main.command()
@@ -57,17 +88,12 @@ if TYPE_CHECKING:
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
 @budget_option
+@_who_and_what
 def run(
     file: Path,
     output: Path | None,
-    workers: int,
-    scheduler: str | None,
-    insecure: bool,
-    cluster: Path | None,
-    only: tuple[tuple[str, str], ...],
-    limit: int | None,
-    retry_failed: bool,
-    fail_fast: bool,
+    who: Workers,
+    choice: Choice,
     until: dict[str, float],
     budget: float | None,
 ) -> None:
@@ -79,26 +105,20 @@ def run(
     Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
     says that the limit has the error you want.
     """
-    from gfmd_numba.campaign.cluster_file import load_cluster
-    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.file import target_of_run
-    from gfmd_numba.campaign.run import Choice, StoppedError
+    from gfmd_numba.campaign.run import StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
     from gfmd_numba.cli.until import check_options, run_rounds
 
     until = until or target_of_run(file) or {}
-    check_options(until, budget, only, limit)
-    _check_workers_options()
-    choice = Choice(dict(only), limit, retry_failed, fail_fast)
-    jobs = None if cluster is None else load_cluster(cluster)
-    who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
+    check_options(until, budget, choice)
     try:
         if until:
             reached = run_rounds(file, output, who, choice, until, budget, show_results)
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
-            reached = show_results(results, failures, of_some=bool(only))
+            reached = show_results(results, failures, of_some=bool(choice.only))
     except StoppedError as error:
         say("gfmd:", str(error), width=6, err=True)
         sys.exit(SOME_FAILED)

@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     Show = Callable[[Path, Failures], bool]
 
 
-def check_options(until: object, budget: float | None, only: object, limit: int | None) -> None:
+def check_options(until: object, budget: float | None, choice: Choice) -> None:
     """Raise a usage error for options that do not go together."""
     if not until and budget is not None:
         raise click.UsageError(
             "--budget: you gave no --until, whose processor time it bounds, and FILE has no target; give both, or none"
         )
-    if until and (only or limit):
-        name = "--only" if only else "--limit"
+    if until and (choice.only or choice.limit):
+        name = "--only" if choice.only else "--limit"
         allowed = "one of the two, as the error of a limit needs all cases"
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 

@@ -230,7 +230,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     dimension = dimension_of(cases)
     nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
     if nodes < fewest:
-        stretches = "stretches" if dimension == 1 else "patches"
+        stretches = {1: "stretches", 2: "patches"}[dimension]
         finer = "a finer eps_c" if discretisations(cases) else "more points"
         notes.append(
             f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "

@@ -80,7 +80,7 @@ def check_resolved(
 def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
     """Which grid resolves the law of a problem, or that none within reach does."""
     needed, dimension = _needed(problem), len(problem.surface.shape)
-    both = " both ways" if dimension == 2 else ""
+    both = {1: "", 2: " both ways"}[dimension]
     length = "range" if problem.interface.cohesive is None else ("normal_length", "tangential_length")[_slips(problem)]
     if needed > _REACH[dimension]:
         return (

@@ -19,6 +19,7 @@ k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so th
 """
 
 import math
+from functools import reduce
 
 import numpy as np
 
@@ -30,12 +31,9 @@ def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
 
     As an index into coefficients on a finer grid they find those of the same waves.
     """
-    along_x = np.arange(shape[-1] // 2 + 1)
-    if len(shape) == 1:
-        return (along_x,)
-    along_y = np.arange(shape[0])
-    along_y[(shape[0] + 1) // 2 :] -= shape[0]
-    return along_y[:, np.newaxis], along_x[np.newaxis]
+    *across, nx = shape
+    along_y = [(np.arange(n) + n // 2) % n - n // 2 for n in across]
+    return np.ix_(*along_y, np.arange(nx // 2 + 1))
 
 
 def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, ...]:
@@ -61,17 +59,15 @@ def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Rea
 
     `lengths` are the periods (L_x,) or (L_y, L_x); the result is in one over their unit.
     """
-    along_x = wavenumbers(shape[-1]) / lengths[-1]
-    if len(shape) == 1:
-        return (along_x,)
-    along_y = 2.0 * np.pi * np.fft.fftfreq(shape[0], lengths[0] / shape[0]).astype(np.float64)
-    return along_y[:, np.newaxis], along_x[np.newaxis]
+    across = zip(shape[:-1], lengths[:-1], strict=True)
+    along_y = [2.0 * np.pi * np.fft.fftfreq(n, length / n).astype(np.float64) for n, length in across]
+    return np.ix_(*along_y, wavenumbers(shape[-1]) / lengths[-1])
 
 
 def magnitudes(shape: tuple[int, ...], lengths: tuple[float, ...] | None = None) -> Reals:
     """Magnitudes q = |q| `[(ny,) nx // 2 + 1]` of the wave vectors; without `lengths` in 1/L_x, all periods L_x."""
     vectors = wavevectors(shape, (1.0,) * len(shape) if lengths is None else lengths)
-    return vectors[0] if len(shape) == 1 else np.hypot(*vectors)
+    return reduce(np.hypot, vectors)
 
 
 def multiplicity(nx: int) -> Reals:
@@ -106,10 +102,9 @@ def derivative(spectrum: Complexes) -> Complexes:
 def without_nyquist(spectrum: Complexes, shape: tuple[int, ...]) -> Complexes:
     """Coefficients `[..., (ny,) nx // 2 + 1]` on a grid of this shape, nx or ny, nx, with zero in the Nyquist waves."""
     kept = spectrum.copy()
-    if shape[-1] % 2 == 0:
-        kept[..., -1] = 0.0
-    if len(shape) == 2 and shape[0] % 2 == 0:
-        kept[..., shape[0] // 2, :] = 0.0
+    for axis, n in zip((-1, -2), shape[::-1], strict=False):
+        if n % 2 == 0:
+            np.moveaxis(kept, axis, 0)[n // 2] = 0.0
     return kept
 
 

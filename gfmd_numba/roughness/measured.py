@@ -88,7 +88,7 @@ def periodic_surface(
     """
     record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
-        kind, other = ("a map", "a profile") if dimension == 1 else ("a profile", "a map")
+        kind, other = {1: ("a map", "a profile"), 2: ("a profile", "a map")}[dimension]
         shape = " x ".join(map(str, found.heights.shape))
         raise ValueError(f"{kind} of {shape} heights, where dimension: {dimension} needs {other}")
     sizes, unit = _sizes(field, length, in_si, told_by)

@@ -1,6 +1,7 @@
 """Checks of a scene that need more than its records: grids that fit in memory, waves that fit a grid."""
 
 from collections.abc import Collection, Mapping
+from math import prod
 
 from gfmd_numba.scene.boundary_file import LoadedBody
 from gfmd_numba.scene.document import Document, Location
@@ -19,7 +20,7 @@ def check_discretisation(
     """Raise InputError, at one of the varied values if any, unless waves are whole and arrays of the grid fit."""
     eps = discretisation.model_dump()
     nx = discretisation.waves["eps_c"]
-    nodes = nx * nx if dimension == 2 else nx  # a power of floats raises where their product is infinite
+    nodes = prod((nx,) * dimension)  # a power of floats raises where their product is infinite
     if allowed := beyond_memory(nodes, arrays, f"nx = {nx:.6g}"):
         axis = min(varied or eps, key=eps.__getitem__)
         raise document.error(locations[axis], document.value(locations[axis]), allowed)

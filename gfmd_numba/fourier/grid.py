@@ -59,8 +59,7 @@ def wavevectors(shape: tuple[int, ...], lengths: tuple[float, ...]) -> tuple[Rea
 
     `lengths` are the periods (L_x,) or (L_y, L_x); the result is in one over their unit.
     """
-    across = zip(shape[:-1], lengths[:-1], strict=True)
-    along_y = [2.0 * np.pi * np.fft.fftfreq(n, length / n).astype(np.float64) for n, length in across]
+    along_y = [2.0 * np.pi * np.fft.fftfreq(n, lengths[0] / n).astype(np.float64) for n in shape[:-1]]
     return np.ix_(*along_y, wavenumbers(shape[-1]) / lengths[-1])
 
 

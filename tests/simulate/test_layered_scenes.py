@@ -93,17 +93,6 @@ def test_layers_on_their_own_material_are_one_problem_with_the_half_space():
     assert reduced(stack, **friction)[0].identity == reduced(part, **friction)[0].identity
 
 
-def test_nothing_is_said_of_layers_where_there_are_none(monkeypatch):
-    hashed = []
-    encode = problem._JSON.encode
-    monkeypatch.setattr(problem._JSON, "encode", lambda content: hashed.append(content) or encode(content))
-    reduced({"poissons_ratio": 0.3, "aspect_ratio": 0.1})[0].identity  # noqa: B018
-    reduced(HARD_ON_SOFT)[0].identity  # noqa: B018
-    bodies = [content["body"] for content in hashed if "body" in content]
-    assert bodies[0] == {"poissons_ratio": 0.3, "aspect_ratio": 0.1}
-    assert set(bodies[1]) == {"poissons_ratio", "aspect_ratio", "stack"}
-
-
 def test_heights_are_in_metres_with_a_length_and_only_ratios_of_moduli_matter():
     plain = reduced(HARD_ON_SOFT)[0]
     in_metres = [

@@ -7,6 +7,8 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 
+PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
+
 
 def residual_error(cases: xr.Dataset, variable: str) -> Reals:
     """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
@@ -27,6 +29,15 @@ def processor_time(dataset: xr.Dataset) -> dict[str, float]:
 def dimension_of(cases: xr.Dataset) -> int:
     """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
     return int(cases["dimension"].values[0]) if "dimension" in cases else 1
+
+
+def load_of(cases: xr.Dataset) -> float:
+    """Return the reduced pressure of cases, at a step of a path that step's; nan if it differs or is not known."""
+    for name in (PATH_LOAD, "reduced_pressure"):
+        if name in cases.coords:
+            loads = cases[name].values.astype(float)
+            return float(loads[0]) if np.allclose(loads, loads[0], rtol=1e-9, atol=0.0) else nan
+    return nan
 
 
 def nodes_per_segment(cases: xr.Dataset, dimension: int) -> float:

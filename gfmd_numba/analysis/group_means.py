@@ -17,7 +17,7 @@ def means_of(group: Group, values: Reals) -> Means:
     mean, of_means = best_means(values, covariance)
     waning = (
         POWER_OF_WANING[group.dimension]
-        if has_slope_law(group.variable, group.parameters.get("hurst", np.nan))
+        if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
         else 1.0
     )
     means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, waning)

@@ -147,13 +147,13 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
     The law from theory holds for kappa and one Hurst exponent, where no exponent of eps_f is imposed. Powers stand
     next to it where a range of their exponents is given, but for those near H = 1.
     """
-    hursts, loads = ([group.parameters.get(name, np.nan) for group in groups] for name in ("hurst", "reduced_pressure"))
+    hursts, loads = [group.parameters.get("hurst", np.nan) for group in groups], [group.load for group in groups]
     powers = {limit: power(limit, given) for limit in limits}
     low, high = given.get("eps_f", FREE)
     if (
         "eps_f" not in limits
         or len(set(hursts)) != 1
-        or not has_slope_law(groups[0].variable, hursts[0])
+        or not has_slope_law(groups[0].variable, hursts[0], float(np.min(loads)))
         or low == high
     ):
         return [powers]

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis.arguments import Limit, Variable, checked
-from gfmd_numba.analysis.facts_of_cases import dimension_of, nodes_per_segment, residual_error
+from gfmd_numba.analysis.facts_of_cases import dimension_of, load_of, nodes_per_segment, residual_error
 from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.si_prefix import si_prefix
@@ -55,6 +55,7 @@ class Group:
     residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
     dimension: int  # of its surfaces
+    load: float  # reduced pressure p / (g E*), nan if it is not the same in all cases or not known
     notes: list[str]
 
     @property
@@ -252,6 +253,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension,
+        load=load_of(cases),
         notes=notes,
     )
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.facts_of_cases import PATH_LOAD
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.text.input_error import brief
 
@@ -57,4 +58,8 @@ def joined(fits: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _at(dataset: xr.Dataset, step: int) -> xr.Dataset:
     one = dataset.isel(step=step).drop_vars("step", errors="ignore")
+    if {"step_load", "reduced_pressure"} <= set(dataset.variables):  # which is that of the first load
+        first = dataset["step_load"].isel(step=0).values
+        share = np.divide(one["step_load"].values, first, out=np.full(len(first), np.nan), where=first != 0.0)
+        one = one.assign_coords({PATH_LOAD: ("case", one["reduced_pressure"].values * share)})
     return one.assign_coords(path_step=("case", np.full(one.sizes["case"], step), _PATH_STEP))

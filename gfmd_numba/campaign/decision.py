@@ -62,6 +62,11 @@ class Judgement:
         """Error that the true one does not exceed with 90 % probability."""
         return float(np.sqrt(self.error**2 + (self.factor**2 - 1.0) * self.sampling**2))
 
+    @property
+    def sure_factor(self) -> float:
+        """What the sure error is over that of the fit."""
+        return self.sure_error / self.error if 0.0 < self.error < inf else self.factor
+
 
 @dataclass(frozen=True)
 class Decision:

@@ -127,9 +127,16 @@ class Campaign(BaseModel):
             getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
         ]
         ranges: dict[str, Any] = dict(exponent_ranges(variable, self.scene.dimension or 1, max(hursts, default=nan)))
-        if all(has_slope_law(variable, hurst) for hurst in hursts):
+        if all(has_slope_law(variable, hurst, 1.0 if self._is_at_one_load else nan) for hurst in hursts):
             del ranges["eps_f"]
         return ranges
+
+    @property
+    def _is_at_one_load(self) -> bool:
+        """Whether p / (g E*) is the same at all discretisations."""
+        loading, surfaces = self.scene.loading, self.scene.surfaces.values()
+        of_gradient = all(getattr(surface, "rms_gradient", None) is not None for surface in surfaces)
+        return loading.reduced_pressure is not None or (loading.displacement is None and of_gradient)
 
     @property
     def n_cases(self) -> int:

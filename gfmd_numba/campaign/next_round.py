@@ -89,7 +89,7 @@ def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
     described = all(doubt.size < inf for doubt in doubts)
     expected = _was_to_reach(now, fit) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
-    error = TargetError(error=found.error if found.error < inf else None, factor=found.factor, reached=reached)
+    error = TargetError(error=found.error if found.error < inf else None, factor=found.sure_factor, reached=reached)
     return _Standing(results, fitted, fit, target, found, doubts, error)
 
 

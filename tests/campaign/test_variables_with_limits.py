@@ -98,9 +98,9 @@ def test_what_the_contacts_do_not_have_is_refused():
 
 
 def test_levels_that_are_chosen_take_the_ranges_of_the_variable():
-    for variable in ("contact_area_fraction_counted", "rms_gradient_contact"):
+    for variable, of_a_law in (("contact_area_fraction_counted", {"eps_f": None}), ("rms_gradient_contact", {})):
         fixed = loaded(SCENE, variable).fit.fixed
-        expected = exponent_ranges(variable, 1, 0.8)
+        expected = {**exponent_ranges(variable, 1, 0.8), **of_a_law}
         assert {name: getattr(fixed, name) for name in expected} == expected
     assert exponent_ranges("kappa", 1, 0.8)["eps_c"] == (2.0, 3.0)
 

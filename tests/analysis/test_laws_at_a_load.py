@@ -1,0 +1,46 @@
+"""The law of the unseen slope at a load: areas have it as kappa does, and each step of a path has that of its own load."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+
+CAMPAIGN = {
+    "name": "loads",
+    "seed": 4,
+    "realisations": 30,
+    "scene": {
+        "body": {"youngs_modulus": 1e9, "poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+        "interface": {"hard_wall": {}},
+        "loading": {"pressure": 4e5},
+    },
+    "reference": {"eps_c": 1 / 4, "eps_f": 1 / 32, "eps_t": 1 / 2},
+    "limits": {"eps_f": [1 / 8, 1 / 64]},
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("loads")
+    heavy = CAMPAIGN | {"scene": CAMPAIGN["scene"] | {"loading": {"pressure": 2e6}}}
+    along = CAMPAIGN | {"path": [{"pressure": 2e6}]}
+    runs = {"light": CAMPAIGN, "heavy": heavy, "path": along}
+    return {name: gfmd_numba.run(file, folder / name).load() for name, file in runs.items()}
+
+
+def test_an_area_at_one_load_has_the_limit_of_kappa(results):
+    kappa, area = (gfmd_numba.fit_tfc(results["light"], name) for name in ("kappa", "contact_area_fraction"))
+    load = results["light"]["reduced_pressure"].values[0]
+    assert area["law"].sel(limit="eps_f").item() == "unseen slope"
+    np.testing.assert_allclose(area["contact_area_fraction_tfc"], load * kappa["kappa_tfc"], rtol=1e-9)
+    np.testing.assert_allclose(area["contact_area_fraction_tfc_error"], load * kappa["kappa_tfc_error"], rtol=1e-6)
+
+
+def test_a_step_of_a_path_has_the_law_of_its_own_load(results):
+    """An elastic contact does not remember, so that the step has the limit of a campaign under its load alone."""
+    steps = gfmd_numba.fit_tfc(results["path"])
+    for step, name in enumerate(("light", "heavy")):
+        alone = gfmd_numba.fit_tfc(results[name])
+        np.testing.assert_allclose(steps["kappa_tfc"][step], alone["kappa_tfc"][0], rtol=1e-5)
+        np.testing.assert_allclose(steps["kappa_tfc_error"][step], alone["kappa_tfc_error"][0], rtol=1e-3)

@@ -316,24 +316,27 @@ def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Do
 def _begun(campaign: Campaign) -> Campaign:
     """Campaign with the variable that is fitted, and with the levels a run begins with where it has none.
 
-    What is known of the exponents goes with these levels.
+    A run to a target knows the usual ranges of the exponents that the file does not mention.
     """
     campaign = campaign.model_copy(update={"fit": campaign.fit.with_target(campaign.target)})
     needed = any(surface.needs_discretisation for surface in campaign.scene.surfaces.values())
-    if not (campaign.chooses_levels and needed):
+    if campaign.target is None or not needed:
+        return campaign
+    known = {name: each for name, each in campaign.fit.fixed if each is not None}
+    fixed = FixedExponents.model_validate(campaign.usual_exponents(campaign.fit.variable) | known)
+    exponents = campaign.fit.exponents if "exponents" in campaign.fit.model_fields_set else "free"
+    fit = campaign.fit.model_copy(update={"fixed": fixed, "exponents": exponents})
+    campaign = campaign.model_copy(update={"fit": fit})
+    if not campaign.chooses_levels:
         return campaign
     dimension = campaign.scene.dimension
     surfaces = campaign.scene.surfaces.values()
     anisotropies = values_of(campaign.grid, "anisotropy") or [getattr(each, "anisotropy", None) for each in surfaces]
     reference, *others = first_levels(dimension, max(each or 1.0 for each in anisotropies))
-    known = {name: each for name, each in campaign.fit.fixed if each is not None}
-    fixed = FixedExponents.model_validate(campaign.usual_exponents(campaign.fit.variable) | known)
-    exponents = campaign.fit.exponents if "exponents" in campaign.fit.model_fields_set else "free"
     update = {
         "reference": discretisation_of(reference),
         "limits": limits_around(reference, others),
         "realisations": Realisations(reference=FEWEST),
-        "fit": campaign.fit.model_copy(update={"fixed": fixed, "exponents": exponents}),
     }
     return campaign.model_copy(update=update)
 

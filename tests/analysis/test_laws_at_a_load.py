@@ -1,4 +1,4 @@
-"""The law of the unseen slope at a load: areas have it as kappa does, and each step of a path has that of its own load."""
+"""The law of the unseen slope at a load: areas have it as kappa does, and each step of a path that of its own load."""
 
 import numpy as np
 import pytest

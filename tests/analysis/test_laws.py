@@ -67,6 +67,10 @@ def test_a_power_is_that_of_thesis_4_3():
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
 
+def group(hurst, load, variable="kappa"):
+    return SimpleNamespace(variable=variable, dimension=1, parameters={"hurst": hurst}, load=load)
+
+
 @pytest.mark.parametrize(
     ("variable", "hursts", "given", "from_theory"),
     [
@@ -87,11 +91,17 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
     ],
 )
 def test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed(variable, hursts, given, from_theory):
-    groups = [SimpleNamespace(variable=variable, dimension=1, parameters={"hurst": hurst}) for hurst in hursts]
+    groups = [group(hurst, np.nan, variable) for hurst in hursts]
     found = choices(LIMITS, groups, given)
     assert [laws["eps_f"].whole for laws in found] == from_theory
     assert not any(laws[limit].whole for laws in found for limit in ("eps_c", "eps_t"))
     assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], groups, {}) if "eps_f" in laws] == []
+
+
+@pytest.mark.parametrize(("loads", "from_theory"), [([0.05], True), ([0.05, 0.1], True), ([np.nan, 0.05], False)])
+def test_the_law_from_theory_is_one_for_areas_whose_loads_are_known(loads, from_theory):
+    (laws,) = choices(LIMITS, [group(0.8, load, "contact_area_fraction") for load in loads], {})
+    assert laws["eps_f"].whole == from_theory
 
 
 def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution():
@@ -122,10 +132,6 @@ def test_contacts_see_shorter_waves_the_larger_the_load_is():
     [([0.007, 0.007], True), ([0.007, 0.05], False), ([-0.01], False), ([0.0], False), ([], False)],
 )
 def test_the_size_of_contacts_is_expected_for_one_load_that_presses(loads, expected):
-    groups = [
-        SimpleNamespace(variable="kappa", dimension=1, parameters={"hurst": 0.8, "reduced_pressure": load})
-        for load in loads
-    ]
-    groups = groups or [SimpleNamespace(variable="kappa", dimension=1, parameters={"hurst": 0.8})]
+    groups = [group(0.8, load) for load in loads] or [group(0.8, np.nan)]
     (laws,) = choices(LIMITS, groups, {})
     assert (laws["eps_f"].parameters[0].usual is not None) == expected

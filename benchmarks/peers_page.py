@@ -68,8 +68,8 @@ materials. The [README](../README.md#how-it-compares) has a table of both sides.
 
 Stopping at an error is not new. QMCPy and drivers of multilevel Monte Carlo also add samples until a tolerance is met.
 The drivers also add finer levels of one discretisation, and estimate the order with which it converges. Multi-index
-Monte Carlo has several discretisations. A run of gfmd-numba differs in what it knows of the limits. There are three, and
-each has a law of its own. Their interactions and the covariance of all levels are part of the error, and so is the
+Monte Carlo has several discretisations. A run of gfmd-numba differs in what it knows of the limits. There are three,
+and each has a law of its own. Their interactions and the covariance of all levels are part of the error, and so is the
 distance from the finest level to the limit.
 
 ## Codes that are not compared

@@ -1,23 +1,101 @@
 """A task of a run, done by one process: its blocks solved one after another, and stored or handed back."""
 
+import ctypes
+import faulthandler
 import hashlib
+import signal
+import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
+from typing import Any
 
 import numpy as np
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.failures import Failure
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.provenance import difference, versions
-from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
+
+# glibc's parameters of mallopt, and their values in bytes
+_TRIM_THRESHOLD, _KEPT = -1, 2**30  # free memory that a process keeps
+_MMAP_THRESHOLD, _LARGEST = -3, 2**25  # an array above it comes from the system and goes back; the most glibc allows
+
+
+@cache
+def keep_freed_memory() -> None:
+    """Keep up to 1 GiB of freed memory for the next arrays of this process, where the C library is glibc.
+
+    A dask nanny starts its workers with a threshold of 64 KiB, under which nearly every array is made of new pages:
+    a quarter of a worker's processor time is then the system's.
+    """
+    try:
+        library = ctypes.CDLL(None)
+        library.gnu_get_libc_version  # noqa: B018 - AttributeError in any other library
+        set_parameter = library.mallopt
+    except (AttributeError, OSError, TypeError):  # the last on Windows
+        return
+    set_parameter(_TRIM_THRESHOLD, _KEPT)
+    set_parameter(_MMAP_THRESHOLD, _LARGEST)
+
+
+_AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
+
+
+class TooLongError(Exception):
+    """A block took longer than the campaign's `case_timeout`."""
+
+
+@contextmanager
+def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
+    """Stop what runs inside after `timeout` seconds.
+
+    In the main thread by TooLongError. In that of a dask worker nothing short of the process's end stops compiled
+    code: where it was is then written to `trace`. A process that is not to be ended has no trace, and no time-out
+    outside its main thread.
+    """
+    if timeout is None:
+        yield
+    elif threading.current_thread() is threading.main_thread() and hasattr(signal, "setitimer"):
+        before = signal.signal(signal.SIGALRM, _expire)
+        signal.setitimer(signal.ITIMER_REAL, timeout, _AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+    elif trace is None:
+        yield
+    else:
+        with atomic_file.open_own(trace) as file:
+            file.truncate()
+            faulthandler.dump_traceback_later(timeout, exit=True, file=file)
+            try:
+                yield
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+                trace.unlink(missing_ok=True)
+
+
+def expired(trace: Path) -> bool:
+    """Whether a process was ended here; forgets it."""
+    try:
+        return trace.stat().st_size > 0
+    except FileNotFoundError:
+        return False
+    finally:
+        trace.unlink(missing_ok=True)
+
+
+def _expire(*_: Any) -> None:
+    raise TooLongError
+
 
 SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
 

@@ -8,13 +8,11 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
-from gfmd_numba.campaign.axis import Place
+from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies
-from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
-from gfmd_numba.campaign.prescribed_tractions import PrescribedTractions
+from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
@@ -22,10 +20,11 @@ from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
-from gfmd_numba.contact.tractions import Tractions
+from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
+from gfmd_numba.scene.scene_file import located_boundary
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
@@ -41,7 +40,7 @@ class GridPoint:
     common: Scene
     places: tuple[Place, ...]
     values: tuple[Any, ...]
-    measured: MeasuredPunch | MeasuredBodies | None
+    measured: MeasuredScene | None
 
     @property
     def scene(self) -> Scene:
@@ -88,15 +87,12 @@ class Block:
 
 
 def expand(
-    campaign: Campaign,
-    punches: Punches = MappingProxyType({}),
-    measured: Bodies = MappingProxyType({}),
-    document: Document | None = None,
+    campaign: Campaign, measured: Measurements = MappingProxyType({}), document: Document | None = None
 ) -> list[Case]:
     """All cases of a campaign: the grid's full product, each at the reference and along the limits.
 
-    `punches` are its surfaces, if they were measured, or `measured` where topographies are followed; raises InputError,
-    at a place of the document if there is one, for a surface that cannot be used.
+    `measured` are its measured surfaces, if it has any. Raises InputError, at a place of the document if there is one,
+    for a surface that cannot be used.
     """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
@@ -104,25 +100,23 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of, tractions_of = _RoughBodies(campaign, document), PrescribedTractions(document, campaign.scene)
+    bodies_of, tractions_of = _RoughBodies(campaign, document), _PrescribedTractions(document, campaign.scene)
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
-        punch = punches.get(scene.roughness)
-        bodies = measured.get(scene.roughness) or measured.get(None)
-        point = GridPoint(campaign.scene, places, values, punch or bodies)
-        if point.measured is not None:
-            scene = point.scene
+        found = measured.get(scene.roughness) or measured.get(None)
+        point = GridPoint(campaign.scene, places, values, found)
+        scene = scene if found is None else found.under(scene)
         for level in levels:
             surface: ProblemSurface
             rough = None
             if scene.follows_topography:
-                surface, rough = bodies_of(scene, level.discretisation, bodies)
+                surface, rough = bodies_of(scene, level.discretisation, found)
                 rms_gradient = surface.rms_gradient
-            elif punch is None:
-                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
+            elif found is not None and found.punch is not None:
+                surface, rms_gradient = found.punch
             else:
-                surface, rms_gradient = punch.surface, punch.rms_gradient
+                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
             tractions = tractions_of(scene, surface.shape, rms_gradient)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
@@ -161,7 +155,7 @@ class _RoughBodies:
         self._checked: set[tuple[SummedSurface, tuple[tuple[float, float, int], ...]]] = set()
 
     def __call__(
-        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredBodies | None
+        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
     ) -> tuple[SummedSurface, RoughBodies]:
         """All surfaces of a scene, the measured ones `given`, and its bodies; raises InputError for unusable ones."""
         measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
@@ -172,6 +166,25 @@ class _RoughBodies:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
         return summed, rough
+
+
+class _PrescribedTractions:
+    """The boundary of a campaign's scenes in units of each case; equal tractions are one object."""
+
+    def __init__(self, document: Document, scene: Scene):
+        self._document = document
+        self._boundary = None if scene.boundary is None else located_boundary(document, scene.boundary)
+        self._arrays: dict[tuple[int, ...], dict[str, Reals]] = {}
+        self._found: dict[str, Tractions] = {}
+
+    def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
+        """Tractions on a surface of that shape; raises InputError for files that do not fit it, or no balance."""
+        if self._boundary is None:
+            return None
+        if shape not in self._arrays:
+            self._arrays[shape] = read_boundary(self._document, self._boundary, scene.dimension, shape)
+        found = tractions_on_the_body(self._document, scene, self._arrays[shape], shape, rms_gradient)
+        return self._found.setdefault(found.digest, found)
 
 
 def _reduced(

@@ -14,7 +14,7 @@ from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
-from gfmd_numba.campaign.outcome import SENTENCES, Outcome
+from gfmd_numba.campaign.failures import SENTENCES, Outcome
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
@@ -81,7 +81,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
-        **({"processing": planned.processing} if planned.punches or planned.measured else {}),
+        **({"processing": planned.processing} if planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions() | made_with),
         "git_commit": git_commit(),

@@ -9,8 +9,8 @@ from math import prod
 from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.doubts import is_resolved
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.law_resolution import is_resolved
 from gfmd_numba.campaign.limits import CROSS, Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.scene import InputError

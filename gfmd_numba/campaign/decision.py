@@ -20,8 +20,8 @@ from gfmd_numba.analysis.ensembles import level_of_case
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.limits import CROSS, MOST
-from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.theory.exponents import exponent_ranges
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot

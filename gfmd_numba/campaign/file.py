@@ -6,17 +6,16 @@ from itertools import product
 from math import nan, prod
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import yaml
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.fit_record import Fit, check_limit, check_recorded
-from gfmd_numba.campaign.goal import Target
+from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
 from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
-from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.scene.checks import (
     check_anisotropy_fits,
@@ -24,7 +23,7 @@ from gfmd_numba.scene.checks import (
     check_points,
     check_surfaces,
 )
-from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.document import Document, Location, plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
@@ -384,3 +383,25 @@ def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
         yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
     elif own is not None:
         yield own, ("scene", "roughness", "anisotropy")
+
+
+def written(record: BaseModel) -> str:
+    """YAML text of a record, from which an equal one is read."""
+    return yaml.dump(record.model_dump(exclude_unset=True), Dumper=_PlainDumper, sort_keys=False)
+
+
+class _PlainDumper(yaml.SafeDumper):
+    """PyYAML's safe dumper without aliases, for the loader of documents."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
+    """Text, quoted if it would be read as a number or the like."""
+    style = None if plain_scalar(text) == text else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_PlainDumper.add_representer(str, _text)
+_PlainDumper.add_multi_representer(float, lambda dumper, number: dumper.represent_float(float(number)))

@@ -1,15 +1,16 @@
 """The grid of a campaign: values of the axes taken as a full product, each checked as the scene itself is."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
-from gfmd_numba.campaign.axis import Axis, Place
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, Place, with_values
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Document, Random, Scene
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, dotted
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 
 Value = TypeVar("Value")
@@ -95,6 +96,23 @@ def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place,
     for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
         values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
         yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
+
+
+def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
+    """Return sentences about implausible numbers of a scene, its grid or its path, a line each.
+
+    Of the values of an axis the first implausible one is named.
+    """
+    axes = {axis: values for axis in OF_THE_SCENE if (values := getattr(grid, axis.name))}
+    scene = with_values(scene, {axis.place: values[0] for axis, values in axes.items()})
+    found = dict.fromkeys(implausible(scene, path))
+    for axis, values in axes.items():
+        others = (implausible(with_values(scene, {axis.place: value}), path) for value in values[1:])
+        found |= dict.fromkeys(next((sentences for sentences in others if set(sentences) - found.keys()), ()))
+    said = "\n".join(found)
+    for axis in axes:
+        said = said.replace(f"{dotted(axis.place)} is ", f"grid.{axis.name} is ")
+    return said
 
 
 def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:

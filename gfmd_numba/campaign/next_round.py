@@ -12,6 +12,7 @@ from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.extrapolation import expected_doubts
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.decision import (
     Fit,
     Judgement,
@@ -22,7 +23,6 @@ from gfmd_numba.campaign.decision import (
     whole_price,
 )
 from gfmd_numba.campaign.levels import STEP, Level, finer_levels, first_realisations, nodes_of
-from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
 
 REACHED = "reached"

@@ -12,9 +12,9 @@ import xarray as xr
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.cases import Case, groups
 from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.cost import remember, remembered
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.run_times import remember, remembered
 
 UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
 

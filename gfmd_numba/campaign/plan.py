@@ -11,16 +11,13 @@ import psutil
 from gfmd_numba.campaign.block_work import Task
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
 from gfmd_numba.campaign.cluster_file import Cluster
-from gfmd_numba.campaign.conditions import meeting
-from gfmd_numba.campaign.coordinates import coordinates
+from gfmd_numba.campaign.coordinates import coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, Told, predict
+from gfmd_numba.campaign.doubts import check_resolved, doubt_of_bodies, unresolved
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
-from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies, measured_bodies, said_of_bodies
-from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches, measured_punches, said_of
-from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
-from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
+from gfmd_numba.campaign.grid import doubt_of_numbers
+from gfmd_numba.campaign.measured_surfaces import Measurements, measured_scenes, said_of
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
@@ -41,8 +38,7 @@ class Plan:
     document: Document
     cases: list[Case]
     problems: list[Problem]
-    punches: Punches = field(default_factory=dict)
-    measured: Bodies = field(default_factory=dict)
+    measured: Measurements = field(default_factory=dict)
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -76,14 +72,15 @@ class Plan:
     @property
     def validity(self) -> str:
         """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
-        implausible = (*said_of(self.punches, "doubts"), *said_of_bodies(self.measured, "doubts"))
-        numbers = doubt_of_numbers(self.campaign, self.cases[0].scene.length)
+        implausible = said_of(self.measured, "doubts")
+        scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # which a file may tell
+        numbers = doubt_of_numbers(scene, self.campaign.grid, self.campaign.path)
         return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:
         """What was done to measured surfaces."""
-        return "\n".join((*said_of(self.punches, "done"), *said_of_bodies(self.measured, "done")))
+        return "\n".join(said_of(self.measured, "done"))
 
     @property
     def file_bytes(self) -> int:
@@ -132,16 +129,13 @@ class Plan:
 def plan(source: Source | Campaign, target: Mapping[str, float] | None = None) -> Plan:
     """Plan of a campaign file or mapping, with another target if one is given; raises InputError."""
     campaign, document = load_campaign(source, target)
-    follows = campaign.scene.follows_topography
-    measured = measured_bodies(campaign, document) if follows else {}
-    punches = {} if follows else measured_punches(campaign, document)
-    told: tuple[MeasuredPunch | MeasuredBodies, ...] = (*punches.values(), *measured.values())
-    scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in told}
+    measured = measured_scenes(campaign, document)
+    scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in measured.values()}
     if len(scenes) == 1:
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
-    cases = expand(campaign, punches, measured, document)
+    cases = expand(campaign, measured, document)
     check_resolved(document, campaign, cases)
-    return Plan(campaign, document, cases, distinct(cases), punches, measured)
+    return Plan(campaign, document, cases, distinct(cases), measured)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:

@@ -10,13 +10,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, distinct, expand, groups
+from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, plan
-from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.storage import json_file
 
@@ -178,7 +178,7 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
     """
     update = {"realisations": Realisations(reference=FEWEST), "target": goal.targets}
     campaign = planned.campaign.model_copy(update=update)
-    cases = expand(campaign, planned.punches, planned.measured, planned.document)
+    cases = expand(campaign, planned.measured, planned.document)
     piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
     members = groups(piloted.cases)
     number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
@@ -219,7 +219,7 @@ def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
         "realisations": Realisations(reference=FEWEST),
     }
     campaign = planned.campaign.model_copy(update=update)
-    found = expand(campaign, planned.punches, planned.measured, planned.document)
+    found = expand(campaign, planned.measured, planned.document)
     cases: list[Case] = []
     for members, wanted in zip(groups(found), levels, strict=True):
         of_level = {level_of(case): case for case in members}

@@ -1,13 +1,16 @@
 """How far a campaign is, from what lies in its output directory."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
+from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
+from gfmd_numba.campaign.cost import price_of_transform
+from gfmd_numba.campaign.execution import held
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan
@@ -136,8 +139,7 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
 
 
 def _work(block: Block) -> float:
-    nodes = block.problem.surface.nodes
-    return (block.stop - block.first) * block.problem.n_loads * nodes * log(nodes)
+    return (block.stop - block.first) * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
 
 
 def _retry(directory: Path, block: Block) -> str:
@@ -145,3 +147,37 @@ def _retry(directory: Path, block: Block) -> str:
         f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={block.problem.identity} "
         "--retry-failed --workers 0"
     )
+
+
+def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
+    """Realisations (case) from the first one up to which all have ended, but no less than the fewest (case)."""
+    reach: dict[str, int] = {}
+    stopped: set[str] = set()
+    stored = Finished(directory)
+    for block in planned.blocks_in(directory):  # those of a problem come in order
+        identity = block.problem.identity
+        ended = block.name in stored or failures.of(directory, block.name) is not None
+        if ended and identity not in stopped:
+            reach[identity] = block.stop
+        elif not ended:
+            stopped.add(identity)
+    cases = zip(planned.cases, fewest, strict=True)
+    return [max(least, min(case.realisations, reach.get(case.problem.identity, 0))) for case, least in cases]
+
+
+def seconds_per_price(planned: Plan, directory: Path) -> float | None:
+    """Processor time in s over the price, of all shards of a plan; None where none tells."""
+    seconds = price = 0.0
+    stored = Finished(directory)
+    for block in planned.blocks_in(directory):
+        measured = stored.read(block.name)
+        if measured is not None:
+            seconds += float(measured[SECONDS].sum())
+            price += float(measured["n_transforms"].sum() * price_of_transform(block.problem.surface.nodes))
+    return seconds / price if seconds > 0 and price > 0 else None
+
+
+def unused(planned: Plan, directory: Path) -> int:
+    """Number of simulations in a directory that are of a plan's problems, and more than it asks for."""
+    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
+    return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())

@@ -15,8 +15,7 @@ from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Workers, check, started
 from gfmd_numba.campaign.file import Campaign
-from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
-from gfmd_numba.campaign.fit_record import Fit as FitRecord
+from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import REACHED, Fitted, after
 from gfmd_numba.campaign.output_directory import claimed
@@ -34,6 +33,7 @@ from gfmd_numba.campaign.run import (
     stopped_by_errors_of_the_system,
     to_do,
 )
+from gfmd_numba.campaign.status import finished, seconds_per_price, unused
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.source import Source
 

@@ -1,38 +1,155 @@
 """Error against seconds, one setting at a time around a campaign's reference case (work-precision studies)."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, nan
+from itertools import pairwise
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, expand
-from gfmd_numba.campaign.divided_path import divided
-from gfmd_numba.campaign.ensemble import measured
+from gfmd_numba.campaign.cases import Case, blocks, expand
+from gfmd_numba.campaign.collection import Measures
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.study_points import (
-    AREA,
-    KAPPA,
-    OF_PATHS,
-    Point,
-    errors_of_paths,
-    relative_error,
-    sampling_error,
-)
+from gfmd_numba.contact import path_measures
+from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.contact.path_observables import recorded_along
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.problem import LoadStep, Problem
 from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
 from gfmd_numba.solvers.table import able
+
+Values = Mapping[str, Reals]  # measures [realisation] or, along a path, [realisation, step]
+KAPPA, AREA = "kappa", "contact_area_fraction"
+OF_PATHS = ("hysteresis", "pull_off_pressure")
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting: its relative error in kappa and the seconds a surface takes.
+
+    `study` is what is varied, `curve` what else differs, `setting` its value; `failed` surfaces did not end ok. Where
+    no step has a mean pressure above 0, and so a kappa, the `variable` is the contact area. Along a path the error is
+    that of the step where it is largest, and what the path has as a whole has errors of its own.
+    `next_order` is what the next order in the slope of rough bodies would add to a displacement (L_x). Errors that the
+    contact does not have are nan.
+    """
+
+    study: str
+    curve: str
+    setting: float
+    error: float
+    seconds: float
+    transforms: float
+    failed: int
+    variable: str = KAPPA
+    hysteresis_error: float = nan
+    pull_off_pressure_error: float = nan
+    next_order: float = nan
+
+
+_NAMES = {
+    "study": ("what is varied", "1"),
+    "curve": ("what else differs within the study", "1"),
+    "setting": ("value of what is varied", "1"),
+    "error": ("relative error of the variable, along a path where it is largest", "1"),
+    "variable": ("what the error is about", "1"),
+    "seconds": ("processor time of one surface", "s"),
+    "transforms": ("Fourier transforms of one surface", "1"),
+    "failed": ("surfaces that did not end ok", "1"),
+}
+OF_SOME = {  # columns that not every contact has
+    "hysteresis_error": ("relative error of the hysteresis", "1"),
+    "pull_off_pressure_error": ("relative error of the pull-off pressure", "1"),
+    "next_order": ("what the next order in the slope would add to a displacement, over L_x", "1"),
+}
+
+
+def dataset(points: Iterable[Point]) -> xr.Dataset:
+    """Studies as a dataset over (point), for netCDF, without columns that no point has."""
+    rows = list(points)
+    found = xr.Dataset()
+    for name, (long_name, units) in (_NAMES | OF_SOME).items():
+        values = [getattr(point, name) for point in rows]
+        if name not in OF_SOME or not all(map(isnan, values)):
+            found[name] = ("point", values, cf_attributes(long_name, units))
+    return found
+
+
+def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> float:
+    """Rms error of the surfaces that ended ok or, where it is a bias that counts, of their mean; nan if unknown.
+
+    Of values [realisation, step] it is the largest over the steps at which most surfaces are known.
+    """
+    if exact.ndim == 2:
+        steps = _known_steps(exact)
+        return _largest(relative_error(values[:, i], exact[:, i], of_means=of_means) for i in steps)
+    known = np.isfinite(exact)
+    if not known.any() or exact[known].mean() == 0.0:
+        return nan
+    mean = abs(exact[known].mean())
+    difference = values / mean - exact / mean
+    good = np.isfinite(difference)
+    if not good.any():
+        return nan
+    return float(abs(difference[good].mean()) if of_means else np.sqrt((difference[good] ** 2).mean()))
+
+
+def sampling_error(values: Reals, number: int) -> float:
+    """Relative standard error of the mean of a number of surfaces, along a path the largest; nan if unknown."""
+    if values.ndim == 2:
+        return _largest(sampling_error(values[:, i], number) for i in _known_steps(values))
+    known = values[np.isfinite(values)]
+    if len(known) < 2 or known.mean() == 0.0:
+        return nan
+    return float(np.std(known, ddof=1) / np.sqrt(number) / abs(known.mean()))
+
+
+def errors_of_paths(values: Values, exact: Values, *, of_means: bool = False) -> dict[str, float]:
+    """Errors of what a path has as a whole, by the field of `Point`."""
+    return {
+        f"{name}_error": relative_error(values[name], exact[name], of_means=of_means)
+        for name in OF_PATHS
+        if name in exact
+    }
+
+
+def _known_steps(values: Reals) -> list[int]:
+    known = np.isfinite(values).sum(axis=0)
+    return [] if known.max() == 0 else np.flatnonzero(known == known.max()).tolist()
+
+
+def _largest(errors: Iterable[float]) -> float:
+    return max((error for error in errors if not isnan(error)), default=nan)
+
+
+def measured(problem: Problem, realisations: int) -> Measures:
+    """Measures [realisation], solved in blocks as a run does it: their memory is bounded."""
+    parts = [path_measures.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
+    """Return the path of a problem, each step of which is walked in so many equal ones."""
+    steps = [LoadStep(problem.load, (0.0,) * len(problem.surface.shape)), *problem.path]
+    return tuple(
+        LoadStep(
+            before.load + share * (after.load - before.load),
+            tuple(old + share * (new - old) for old, new in zip(before.sliding, after.sliding, strict=True)),
+        )
+        for before, after in pairwise(steps)
+        for share in (np.arange(1, number + 1) / number).tolist()
+    )
+
 
 _RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 _TIGHT = 1e-10

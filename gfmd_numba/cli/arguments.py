@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -150,64 +149,3 @@ until_option = click.option(
 budget_option = click.option(
     "--budget", callback=_budget_given, metavar="TIME", help="Processor time that the rounds may take, like 20min"
 )
-
-
-_NETCDF = (".nc", ".nc4")
-
-
-def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF) -> None:
-    """Raise InputError unless a file of this kind can be written that is none of the inputs and nobody else's."""
-    import os
-
-    from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
-
-    for file in inputs:
-        if output.exists() and file.exists() and output.samefile(file):
-            raise InputError(f"--output: you gave {output}, which is an input; gfmd allows another file")
-    if not output.parent.is_dir():
-        raise InputError(
-            f"--output: you gave {output}; gfmd allows a file in a folder that exists, unlike {output.parent}"
-        )
-    if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
-        raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
-    if output.suffix.lower() not in suffixes:
-        kind = "netCDF file" if suffixes is _NETCDF else "picture"
-        raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
-    if clause := foreign(output):
-        raise InputError(
-            f"--output: you gave {output}, {clause}; gfmd allows a new file, or one as gfmd wrote it "
-            "(move the file away, or choose another name)"
-        )
-
-
-def picture_path(output: Path) -> Path:
-    """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    return companion(output, "picture", ".png")
-
-
-def companion(output: Path, kind: str, suffix: str) -> Path:
-    """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
-    from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
-
-    if not output.name:
-        raise click.BadParameter("you gave no name; gfmd allows a file, like steel.nc", param_hint="--output")
-    file = output.with_suffix(suffix)
-    if file == output:
-        raise click.BadParameter(
-            f"the {kind} takes the name with {suffix}; give one like steel.nc", param_hint="--output"
-        )
-    if clause := foreign(file):
-        raise InputError(
-            f"{file}: you gave a path {clause}, where the {kind} would go; "
-            "gfmd allows no such file, or one as gfmd wrote it (move it away, or choose another --output)"
-        )
-    return file
-
-
-def picture_suffixes() -> list[str]:
-    """Return what the names of pictures may end in."""
-    from matplotlib.backend_bases import FigureCanvasBase
-
-    return [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]

@@ -10,21 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    LIMITS,
-    OF_PATHS,
-    budget_option,
-    conditions_option,
-    file_argument,
-    until_option,
-)
-from gfmd_numba.cli.fits import draw, draw_second, fit_options, second_picture
-from gfmd_numba.cli.goals import show_goal
+from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, budget_option, conditions_option, file_argument, until_option
+from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.path_table import show_paths
+from gfmd_numba.cli.outputs import draw, draw_second, second_picture, told
 from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import endings, show_fit, show_means
+from gfmd_numba.cli.tables import endings, show_fit, show_goal, show_means, show_paths
+from gfmd_numba.cli.terminal import say, warn, warn_of_doubts
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -120,7 +112,7 @@ def run(
                 results, failures = run_campaign(file, output, who, watch, choice)
             reached = show_results(results, failures, of_some=bool(choice.only))
     except StoppedError as error:
-        say("gfmd:", str(error), width=6, err=True)
+        warn(str(error))
         sys.exit(SOME_FAILED)
     if not reached:
         sys.exit(SOME_FAILED)
@@ -148,10 +140,9 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     """Print and draw the results of a run, `of_some` cases alone; False if some are not ok, or undrawn."""
     import gfmd_numba
 
-    click.echo(f"results  {printable(results)}")
+    told("results", results)
     dataset = gfmd_numba.open_campaign(results)
-    for doubt in dataset.attrs.get("validity", "").splitlines():
-        say("gfmd:", doubt, width=6, err=True)
+    warn_of_doubts(dataset)
     numbers = _Numbers.of(dataset["status"])
     drawn = True
     if numbers.to_do:
@@ -165,15 +156,12 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     else:
         show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
     for block, failure in failures.items():
-        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
+        warn(f"block {block} {failure.status}: {failure.reason}")
     _show_endings(dataset)
     if numbers.not_ok:
-        say(
-            "gfmd:",
+        warn(
             f"{numbers.not_ok} of {numbers.asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
-            width=6,
-            err=True,
         )
     return drawn and not numbers.not_ok
 
@@ -222,7 +210,7 @@ def _show_endings(dataset: xr.Dataset) -> None:
         ended = dataset["n_iterations"].where(status == meanings.index(ending))
         if ended.max() > 0:  # what has not run has no iterations
             first = f"the first after {int(ended.min())} iterations"
-            say("gfmd:", f"{int(ended.count())} ended as {ending}, {first}. {sentence}", width=6, err=True)
+            warn(f"{int(ended.count())} ended as {ending}, {first}. {sentence}")
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:

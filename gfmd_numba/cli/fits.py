@@ -9,22 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    OF_PATHS,
-    Fixed,
+from gfmd_numba.cli.arguments import OF_PATHS, Fixed, exponents_option, fixed_option, results_argument, variable_option
+from gfmd_numba.cli.group import main
+from gfmd_numba.cli.outputs import (
     check_output,
-    exponents_option,
-    fixed_option,
+    draw,
+    draw_second,
     picture_path,
     picture_suffixes,
-    results_argument,
-    variable_option,
+    second_picture,
+    write,
 )
-from gfmd_numba.cli.goals import show_goal
-from gfmd_numba.cli.group import main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import show_fit
+from gfmd_numba.cli.tables import show_fit, show_goal
+from gfmd_numba.cli.terminal import say
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -69,10 +67,7 @@ def fit(
     if fitted.attrs["variable"] in {fit_options(dataset, (), None, None).get("variable"), *targets_of(dataset)}:
         show_goal(dataset, fitted)
     if output is not None:
-        from gfmd_numba.storage.atomic_file import write_dataset
-
-        write_dataset(output, fitted)
-        click.echo(f"fit      {printable(output)}")
+        write(output, fitted, "fit")
     if function is not None:
         with naming(file):
             _write_function(fitted, function)
@@ -190,38 +185,3 @@ def fit_options(
     if exponents is not None:
         options["exponents"] = exponents
     return options
-
-
-def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool = False) -> None:
-    """Write the picture of a campaign with its fit, or of anything else without, and say so."""
-    from gfmd_numba.analysis import plot_campaign
-    from gfmd_numba.analysis.plots.kinds import picture_of
-    from gfmd_numba.storage.atomic_file import write_picture
-
-    with waiting("drawing"):
-        drawing = picture_of(dataset)
-        if drawing is None and fitted is not None:
-            figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
-        else:
-            figure = (drawing or plot_campaign)(dataset)
-        write_picture(path, figure, dpi=150)
-    click.echo(f"picture  {printable(path)}", err=err)
-
-
-def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
-    """Name of the second picture of a dataset, after that of the first; None where there is but one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-
-    second = second_picture_of(dataset)
-    return picture.with_stem(f"{picture.stem}-{second[0]}") if second is not None else None
-
-
-def draw_second(dataset: xr.Dataset, path: Path) -> None:
-    """Write the second picture of a dataset that has one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-    from gfmd_numba.storage.atomic_file import write_picture
-
-    second = second_picture_of(dataset)
-    if second is not None:
-        write_picture(path, second[1](dataset), dpi=150)
-        click.echo(f"picture  {printable(path)}")

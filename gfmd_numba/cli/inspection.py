@@ -13,8 +13,8 @@ import click
 from gfmd_numba.cli.arguments import file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.readable import dimensions
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.quantities import dimensions
+from gfmd_numba.cli.terminal import say, warn
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -45,7 +45,7 @@ def check(file: Path) -> None:
         kind, doubt = _check_scene(document)
     click.echo(f"{printable(file)}: {kind}")
     for sentence in doubt.splitlines():
-        say("gfmd:", sentence, width=6, err=True)
+        warn(sentence)
 
 
 def _describes_jobs(keys: Set[object]) -> bool:
@@ -59,11 +59,11 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import is_without_levels, load_campaign
-    from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
+    from gfmd_numba.campaign.grid import doubt_of_numbers
     from gfmd_numba.scene import Measured
 
     campaign = load_campaign(document)[0]
-    doubts = doubt_of_numbers(campaign, campaign.scene.length).splitlines()
+    doubts = doubt_of_numbers(campaign.scene, campaign.grid, campaign.path).splitlines()
     scene, few = campaign.scene, _has_few_levels(campaign)
     is_measured = isinstance(scene.roughness, Measured)
     if few or scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
@@ -72,9 +72,9 @@ def _check_campaign(document: Document) -> tuple[str, str]:
         planned = plan(document)
         campaign, doubts = planned.campaign, planned.validity.splitlines()
         if few:
-            from gfmd_numba.campaign.limits_beforehand import refused_limits
+            from gfmd_numba.campaign.doubts import refused_limits
 
-            doubts += refused_limits(planned)
+            doubts += refused_limits(planned.campaign, planned.cases)
     kind = f"a campaign of {campaign.n_cases} cases"
     if is_without_levels(document, campaign):
         targets = " and ".join(f"{share:.2%} of {variable}" for variable, share in (campaign.target or {}).items())

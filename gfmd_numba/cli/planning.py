@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, target_option
-from gfmd_numba.cli.columns import print_table
-from gfmd_numba.cli.goals import said_of_error
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.readable import dimensions
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration
+from gfmd_numba.cli.quantities import dimensions
+from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration, said_of_error
+from gfmd_numba.cli.terminal import print_table, say, warn
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
@@ -52,8 +50,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
+    from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
-    from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.cli.until import goal_in, options_named
 
@@ -77,8 +75,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
         say("scene", told, width=14)
     if planned.campaign.path:
         click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
-    for doubt in (*planned.validity.splitlines(), *refused_limits(planned)):
-        say("gfmd:", doubt, width=6, err=True)
+    for doubt in (*planned.validity.splitlines(), *refused_limits(planned.campaign, planned.cases)):
+        warn(doubt)
     well = True
     if goal is not None:
         well = _show_decision(_run_pilot(file, goal, workers), workers)
@@ -157,7 +155,7 @@ def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
         with options_named("target"), rounds_shown() as (watch, told):
             return first_decision(file, goal, Workers(workers), watch, told)
     except KeyboardInterrupt:
-        say("gfmd:", "interrupted; a plan keeps no results", width=6, err=True)
+        warn("interrupted; a plan keeps no results")
         sys.exit(INTERRUPTED)
 
 
@@ -181,7 +179,7 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
         _show_next_round(state, decided.planned)
         _show_size(decided.planned, workers)
     for block, failure in decided.failures.items():
-        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
+        warn(f"block {block} {failure.status}: {failure.reason}")
     return state.ended in ("", REACHED) and not decided.failures
 
 

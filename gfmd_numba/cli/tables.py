@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from math import floor, inf, isnan, log10
+from math import floor, inf, isnan, log10, nan
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
-from gfmd_numba.cli.columns import print_table
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.quantities import column
+from gfmd_numba.cli.terminal import print_table, say
 from gfmd_numba.text.si_prefix import si_prefix
 from gfmd_numba.text.uncertain import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
 _IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
@@ -198,3 +199,90 @@ def _number(value: Any) -> str:
 
 def _with_errors(values: Any, errors: Any) -> list[str]:
     return [with_error(float(value), float(error)) for value, error in zip(values, errors, strict=True)]
+
+
+def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
+    """Print what a campaign has reached of its target, round by round if it ran until then; nothing without one."""
+    from gfmd_numba.analysis.arguments import targets_of
+
+    targets = targets_of(dataset)
+    if "round" in dataset.dims:
+        _show_rounds(dataset, fitted, targets)
+    elif fitted.attrs["variable"] in targets:
+        show_target(fitted, targets[fitted.attrs["variable"]])
+    if others := [name for name in targets if name != fitted.attrs["variable"]]:
+        say("note", f"`gfmd fit --variable NAME` shows the limit of {' or '.join(others)}")
+
+
+def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> None:
+    known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
+    for number in dataset["round"].values.tolist():
+        errors, asked = [], "finer levels" if number else "the pilot"
+        for name, of_target in known.items():
+            one = of_target.sel(round=number)
+            found = said_of_error(float(one["round_error"]), float(one["round_error_factor"]))
+            errors.append(f"{name} {found}" if len(targets) > 1 else found)
+            if not isnan(expected := float(one["round_predicted_error"])):
+                asked = f"{expected:.2%}{f' of {name}' if len(targets) > 1 else ''} expected"
+        seconds = float(dataset["round_cpu_seconds"].sel(round=number))
+        spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time for the contacts so far"
+        say("round", f"{number}: {', '.join(errors)}, {asked}; {spent}")
+    reached = dataset.attrs.get("reached", "").split(", ")
+    for name, target in targets.items():
+        say("until", f"{name} to {target:.2%}: {'reached' if name in reached else dataset.attrs['ended']}")
+    of_fitted = known.get(fitted.attrs["variable"])
+    error = nan if of_fitted is None else float(of_fitted["round_error"][-1])
+    if isnan(error) or isnan(seconds):
+        return
+    left, digit = _left_open(fitted), error / 10
+    if left < digit:  # the rest of the error falls with the square root of time
+        price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
+    else:
+        price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
+    say("price", f"the next digit, {digit:.2%}, {price}")
+
+
+def said_of_error(error: float, factor: float) -> str:
+    """Return the error after a round, and what it does not exceed with 90 % probability; nan: none is known."""
+    if isnan(error):
+        return "without an error"
+    return f"error {error:.2%} (with 90 % probability below {error * factor:.2%})"
+
+
+def _left_open(fitted: xr.Dataset) -> float:
+    """Return the largest relative error of a limit that its levels leave, however many surfaces there are."""
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
+    open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
+    return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
+
+
+_SHOWN = (
+    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
+    *("contact_area_fraction", "mean_plastic_depth"),
+)
+
+
+def show_paths(dataset: xr.Dataset) -> None:
+    """Print the means of every case: what its path lost and pulled, and what of the contact its last step left.
+
+    Of a campaign with limits only the references are shown.
+    """
+    from gfmd_numba.analysis import ensemble_mean
+
+    if LIMITS.keys() & set(dataset["limit"].values):
+        dataset = dataset.isel(case=dataset["is_reference"].values)
+    shown = dataset.isel(case=slice(MOST_ROWS), step=-1)
+    names = [name for name in _SHOWN if name in dataset]
+    means = shown.drop_vars(names)
+    for name in names:
+        mean, error = ensemble_mean(shown, name)
+        means[name], means[f"{name}_standard_error"] = ("case", mean, dataset[name].attrs), ("case", error)
+    steps = dataset.sizes["step"] - 1
+    print_table(
+        f"end of the path of {steps} steps, mean of the realisations (one standard error)",
+        cells_of_parameters(shown, dataset),
+        dict(column(means, name) for name in names),
+    )
+    if dataset.sizes["case"] > MOST_ROWS:
+        say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.progress import progress_bar
-from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
+from gfmd_numba.cli.terminal import say
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.block_work import Failures

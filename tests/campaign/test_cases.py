@@ -4,7 +4,7 @@ import numpy as np
 
 import gfmd_numba
 from gfmd_numba.campaign.cases import blocks
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Outcome
 from gfmd_numba.campaign.plan import plan
 from support.campaigns import SMALL, campaign
 

@@ -7,9 +7,8 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import block_work, decision, execution, next_round, rounds, until
 from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.failures import Failure, Outcome
 from gfmd_numba.campaign.goal import Goal, goal_of
-from gfmd_numba.campaign.outcome import Outcome
 from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.until import InterruptedRunError, run_until
 from gfmd_numba.scene import InputError

@@ -16,8 +16,7 @@ import gfmd_numba
 from gfmd_numba.campaign import block_work
 from gfmd_numba.campaign.block_work import trace
 from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.failures import Failure
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Failure, Outcome
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign

@@ -9,12 +9,12 @@ import threading
 import pytest
 
 from gfmd_numba.campaign import block_work
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.block_work import keep_freed_memory
 
 FAULTS = """
 import resource
 import numpy as np
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.block_work import keep_freed_memory
 
 def faults():
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt

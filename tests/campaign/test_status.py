@@ -10,7 +10,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import block_work, failures, provenance, shards
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Outcome
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.storage import json_file

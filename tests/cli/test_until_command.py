@@ -14,8 +14,8 @@ import pytest
 import gfmd_numba
 from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign.failures import Outcome
 from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.outcome import Outcome
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 

@@ -1,16 +1,16 @@
 """Every way a run may end has a name, a number in the files and a sentence that says what to do."""
 
 import gfmd_numba
-from gfmd_numba.campaign import outcome
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign import failures
+from gfmd_numba.campaign.failures import Outcome
 from gfmd_numba.solvers import status
 from gfmd_numba.solvers.status import Status, flag_attributes
 
 
 def test_every_ending_has_a_sentence():
     assert set(status.SENTENCES) == set(Status)
-    assert set(outcome.SENTENCES) == set(Outcome)
-    assert all(sentence.endswith(".") for sentence in outcome.SENTENCES.values())
+    assert set(failures.SENTENCES) == set(Outcome)
+    assert all(sentence.endswith(".") for sentence in failures.SENTENCES.values())
 
 
 def test_a_campaign_has_the_endings_of_the_solver_and_its_own():
@@ -22,7 +22,7 @@ def test_a_campaign_has_the_endings_of_the_solver_and_its_own():
         "unfinished": 9,
         "not_asked": 10,
     }
-    assert flag_attributes(outcome.SENTENCES)["flag_values"].tolist() == list(range(11))
+    assert flag_attributes(failures.SENTENCES)["flag_values"].tolist() == list(range(11))
 
 
 def test_results_carry_the_sentences():

@@ -1,14 +1,51 @@
-"""Tables on the terminal, within 80 columns."""
+"""What stands on the terminal, within 80 columns: a label with text next to it, and tables."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.sentences import COLUMNS, say
 from gfmd_numba.text.printable import printable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COLUMNS = 80
+_SPACE = "\0"  # within a command, where no line may end: printable text has none
+
+
+def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
+    """Print a text next to its label, made harmless; only what cannot be folded, a path or command, goes beyond."""
+    whole = re.sub(r"`[^`]*`", lambda command: command[0].replace(" ", _SPACE), printable(text))
+    folded = wrap(whole, COLUMNS - width, break_long_words=False, break_on_hyphens=False)
+    lines = [line.replace(_SPACE, " ") for line in folded] or [""]
+    click.echo(f"{label:<{width}}{lines[0]}".rstrip(), err=err)
+    for line in lines[1:]:
+        click.echo(f"{'':{width}}{line}", err=err)
+
+
+def warn(text: str) -> None:
+    """Print a sentence to standard error as one of gfmd."""
+    say("gfmd:", text, width=6, err=True)
+
+
+def warn_of_doubts(dataset: xr.Dataset) -> None:
+    """Print the reasons to doubt a result, as its attribute `validity` gives them."""
+    for doubt in dataset.attrs.get("validity", "").splitlines():
+        warn(doubt)
+
+
+def say_command(command: str, *, width: int) -> None:
+    """Print a command of the shell, folded so that it can be copied."""
+    words = re.findall(r"""(?:\$'(?:\\.|[^'\\])*'|'[^']*'|"[^"]*"|\S)+""", printable(command))
+    whole = " ".join(each.replace(" ", _SPACE) for each in words)
+    lines = wrap(whole, COLUMNS - width - 2, break_long_words=False, break_on_hyphens=False)
+    click.echo(" \\\n".join(" " * width + line.replace(_SPACE, " ") for line in lines))
+
 
 _GAP = "  "
 _WIDEST_HEADING = 10

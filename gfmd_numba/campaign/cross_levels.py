@@ -1,14 +1,13 @@
 """Cross levels that a plan adds to a campaign without any, to see whether its corrections add up."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, product
 from math import prod
 
 from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import distinct, expand
+from gfmd_numba.campaign.cases import expand
 from gfmd_numba.campaign.doubts import is_resolved
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.limits import CROSS, Limits
@@ -26,9 +25,7 @@ def with_cross_levels(planned: Plan) -> Plan:
     levels = [level for level in found if level is not None]
     if not levels:
         return planned
-    campaign = _with(planned.campaign, levels)
-    cases = expand(campaign)  # measured surfaces have no limits
-    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+    return planned.changed(limits=_with(planned.campaign, levels).limits)
 
 
 def added(planned: Plan) -> str:

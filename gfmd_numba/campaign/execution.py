@@ -1,6 +1,6 @@
 """Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -39,11 +39,12 @@ from gfmd_numba.text.input_error import brief
 if TYPE_CHECKING:
     from gfmd_numba.campaign.job_queue import QueueTold
 
-Told = Callable[[int, Failures], bool]  # told of blocks that ended and how many failed; False: stop
+Ended = Generator[tuple[int, Failures]]  # numbers of blocks that ended, with those that failed
 
 _LOST = "its worker died or froze, even when nothing else was running"
 _SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
 _NO_SCHEDULER = "the dask scheduler is lost"
+_MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,11 @@ class Submission:
     directory: Path
     timeout: float | None
     together: int
-    finished: Told
     workers_store: bool
     most: int
     run: str = field(default_factory=lambda: uuid4().hex)
 
-    def all(self, tasks: list[Task]) -> None:
+    def ended(self, tasks: Iterable[Task]) -> Ended:
         """Perform tasks, a few in flight; the blocks of those that lost their worker then once more, alone.
 
         A lost worker takes innocent blocks with it: to blame is only a block that was late, or that loses its worker
@@ -70,7 +70,7 @@ class Submission:
         """
         for alone in (False, True):
             suspects: list[Task] = []
-            with closing(self._outcomes(tasks, alone)) as outcomes:
+            with closing(self._outcomes(iter(tasks), alone)) as outcomes:
                 for task, outcome in outcomes:
                     left = [] if outcome is not None else unfinished(task, self.directory)
                     late = self._late(left)
@@ -81,8 +81,7 @@ class Submission:
                         elif alone:
                             failures[block.name] = Failure("crashed", _LOST)
                     again = [block for block in left if block.name not in failures]
-                    if not self.finished(len(task) - len(again), failures):
-                        return
+                    yield len(task) - len(again), failures
                     suspects += [(block,) for block in again]
             tasks = suspects
 
@@ -113,32 +112,28 @@ class Submission:
             shards.store(self.directory, {name: measured[name] for name in names[first : first + self.together]})
         return failures
 
-    def _outcomes(self, tasks: list[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
+    def _outcomes(self, tasks: Iterator[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
         """Each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
         from distributed import KilledWorker, as_completed
         from distributed.client import FutureCancelledError
 
         at_work: dict[str, Task] = {}
-
-        def submitted() -> Iterator[Any]:
-            for task in tasks:
-                future = self._submitted(task)
-                at_work[future.key] = task
-                yield future
-
         wanted, counted = 1, -inf
 
-        def missing() -> int:
+        def submitted() -> list[Any]:
+            """Futures of the next tasks, as many as workers have room for."""
             nonlocal wanted, counted
             if not alone and monotonic() - counted > _SECONDS_BETWEEN_COUNTS:
                 try:
                     wanted, counted = 2 * max(1, self.most, len(self.client.nthreads())), monotonic()
                 except OSError:
                     raise ConnectionError(_NO_SCHEDULER) from None
-            return max(0, wanted - len(at_work))
+            some = list(islice(tasks, max(0, wanted - len(at_work))))
+            new = [self._submitted(task) for task in some]
+            at_work.update((future.key, task) for future, task in zip(new, some, strict=True))
+            return new
 
-        submissions = submitted()
-        futures = as_completed(list(islice(submissions, missing())), loop=self.client.loop)
+        futures = as_completed(submitted(), loop=self.client.loop)
         for future in futures:
             failures: Failures | None
             try:
@@ -148,11 +143,7 @@ class Submission:
             except FutureCancelledError:
                 raise ConnectionError(_NO_SCHEDULER) from None
             yield at_work.pop(future.key), failures
-            for following in islice(submissions, missing()):
-                futures.add(following)
-
-
-_MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
+            futures.update(submitted())
 
 
 @dataclass(frozen=True)
@@ -244,11 +235,11 @@ def held(finished: shards.Finished) -> dict[str, list[Range]]:
     return ranges
 
 
-def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Told) -> None:
-    """Perform tasks until all are done or `finished` says to stop.
+def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:
+    """Perform tasks, and give the number of blocks that ended, with what failed, each time that some have.
 
     Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
-    then is kept.
+    then is kept. So it is if the generator is closed before its end.
     """
     make_folder(directory / shards.FOLDER)
     shards.remove_unreadable(directory)  # their blocks are among the tasks
@@ -257,11 +248,12 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
     together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
     if workers.in_this_process:
         for task in tasks:
-            if not finished(len(task), perform(task, directory, timeout, together, mortal=False)):
-                return
+            yield len(task), perform(task, directory, timeout, together, mortal=False)
         return
     with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
-        Submission(begun.client, directory.resolve(), timeout, together, finished, begun.at_home, begun.most).all(tasks)
+        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.at_home, begun.most)
+        with closing(submission.ended(tasks)) as ended:
+            yield from ended
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:

@@ -2,9 +2,10 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import psutil
 
@@ -32,13 +33,22 @@ _TASKS_PER_WORKER = 16  # so that all end at about the same time
 
 @dataclass(frozen=True)
 class Plan:
-    """A campaign, its cases, and the distinct problems among them, the largest grids first."""
+    """A campaign, its cases, and what was measured of their surfaces."""
 
     campaign: Campaign
     document: Document
     cases: list[Case]
-    problems: list[Problem]
     measured: Measurements = field(default_factory=dict)
+
+    def changed(self, **update: Any) -> "Plan":
+        """Plan of the campaign with other values of its keys."""
+        campaign = self.campaign.model_copy(update=update)
+        return replace(self, campaign=campaign, cases=expand(campaign, self.measured, self.document))
+
+    @cached_property
+    def problems(self) -> list[Problem]:
+        """Distinct problems among the cases, the largest grids first."""
+        return distinct(self.cases)
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -73,7 +83,7 @@ class Plan:
     def validity(self) -> str:
         """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
         implausible = said_of(self.measured, "doubts")
-        scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # which a file may tell
+        scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # that a file tells
         numbers = doubt_of_numbers(scene, self.campaign.grid, self.campaign.path)
         return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
@@ -135,7 +145,7 @@ def plan(source: Source | Campaign, target: Mapping[str, float] | None = None) -
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
     cases = expand(campaign, measured, document)
     check_resolved(document, campaign, cases)
-    return Plan(campaign, document, cases, distinct(cases), measured)
+    return Plan(campaign, document, cases, measured)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:

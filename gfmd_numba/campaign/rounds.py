@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, distinct, expand, groups
+from gfmd_numba.campaign.cases import Case, groups
 from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
@@ -176,16 +176,13 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
 
     Cross levels are added where it has none.
     """
-    update = {"realisations": Realisations(reference=FEWEST), "target": goal.targets}
-    campaign = planned.campaign.model_copy(update=update)
-    cases = expand(campaign, planned.measured, planned.document)
-    piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
+    piloted = with_cross_levels(planned.changed(realisations=Realisations(reference=FEWEST), target=goal.targets))
     members = groups(piloted.cases)
     number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
     counts: list[int] = []
     for of_group in members:
         levels = [level_of(case) for case in of_group]
-        counts += first_realisations(levels, campaign.scene.dimension or 1, number)
+        counts += first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
     return with_realisations(piloted, counts)
 
 
@@ -213,18 +210,16 @@ def in_round(piloted: Plan, now: Round) -> Plan:
 def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
     """Plan with other levels of each of its groups."""
     everywhere = list(dict.fromkeys(level for of_group in levels for level in of_group))
-    update = {
-        "reference": discretisation_of(everywhere[0]),
-        "limits": limits_around(everywhere[0], everywhere[1:]),
-        "realisations": Realisations(reference=FEWEST),
-    }
-    campaign = planned.campaign.model_copy(update=update)
-    found = expand(campaign, planned.measured, planned.document)
+    found = planned.changed(
+        reference=discretisation_of(everywhere[0]),
+        limits=limits_around(everywhere[0], everywhere[1:]),
+        realisations=Realisations(reference=FEWEST),
+    )
     cases: list[Case] = []
-    for members, wanted in zip(groups(found), levels, strict=True):
+    for members, wanted in zip(groups(found.cases), levels, strict=True):
         of_level = {level_of(case): case for case in members}
         cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
-    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+    return replace(found, cases=cases)
 
 
 def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -95,17 +95,7 @@ def finish(
 
     Raises InputError where the memory does not do, OSError where the disk or the cluster gives up.
     """
-    new: Failures = {}
     _check_names(planned, todo, directory)
-
-    def finished(blocks: int, reasons: Failures) -> bool:
-        for name, failure in reasons.items():
-            failures.record(directory, name, failure)
-        new.update(reasons)
-        if progress is not None:
-            progress(blocks)
-        return not (new and choice.fail_fast)
-
     if not todo:
         return True
     check_room(todo, workers)
@@ -117,9 +107,18 @@ def finish(
         predicted_cpu_seconds_p50=predicted.quantile(0.5),
         predicted_cpu_seconds_p90=predicted.quantile(0.9),
     )
-    execute(tasks(todo, predicted, workers.most), directory, workers, planned.campaign.case_timeout, finished)
+    timeout, well = planned.campaign.case_timeout, True
+    with closing(execute(tasks(todo, predicted, workers.most), directory, workers, timeout)) as ended:
+        for blocks, reasons in ended:
+            for name, failure in reasons.items():
+                failures.record(directory, name, failure)
+            if progress is not None:
+                progress(blocks)
+            well = well and not reasons
+            if choice.fail_fast and not well:
+                break
     note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
-    return not (new and choice.fail_fast)
+    return well or not choice.fail_fast
 
 
 def check_room(todo: list[Block], workers: Workers) -> None:

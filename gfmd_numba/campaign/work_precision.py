@@ -1,7 +1,7 @@
 """Error against seconds, one setting at a time around a campaign's reference case (work-precision studies)."""
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -13,8 +13,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, blocks, expand
-from gfmd_numba.campaign.collection import Measures
+from gfmd_numba.campaign.cases import Case, blocks
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
@@ -28,19 +27,32 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
 from gfmd_numba.solvers.table import able
 
-Values = Mapping[str, Reals]  # measures [realisation] or, along a path, [realisation, step]
+_RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+_TIGHT = 1e-10
+_PATIENCE = 50_000  # iterations
+_TIME_STEPS = (0.25, 0.5, 0.95)
+_DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
+_OF_EACH_PRECISION = ("active_set_newton", "verlet")
+_FINER = 4  # times as fine as the reference, the level that others are compared with
+_SLABS = (1.0, 0.5, 0.2, 0.1)
+_DIVISIONS, _FINEST_DIVISION = (1, 2, 4), 8  # of each step of a path
+_ORDERS, _HIGHEST_ORDER = (0, 1, 2), 3  # in the slope of rough bodies
+_MOST_NODES = {1: 2**17, 2: 2**20}  # of a level, by dimension
+_SURFACES = (4, 16)  # of a study: the most unless they have more nodes than these, which take seconds,
+_NODES = 2**19
+_SAMPLED = 16  # times as many of the study of their number, unless they have more nodes than these
+_SAMPLED_NODES = 2**23
+
+Measures = dict[str, Reals]  # [realisation] or, along a path, [realisation, step]
 KAPPA, AREA = "kappa", "contact_area_fraction"
 OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 
 @dataclass(frozen=True)
 class Point:
-    """One setting: its relative error in kappa and the seconds a surface takes.
+    """One setting, its error and what a surface costs: a row of the table of `COLUMNS`.
 
-    `study` is what is varied, `curve` what else differs, `setting` its value; `failed` surfaces did not end ok. Where
-    no step has a mean pressure above 0, and so a kappa, the `variable` is the contact area. Along a path the error is
-    that of the step where it is largest, and what the path has as a whole has errors of its own.
-    `next_order` is what the next order in the slope of rough bodies would add to a displacement (L_x). Errors that the
+    Where no step has a mean pressure above 0, and so a kappa, the `variable` is the contact area. Errors that the
     contact does not have are nan.
     """
 
@@ -57,31 +69,30 @@ class Point:
     next_order: float = nan
 
 
-_NAMES = {
-    "study": ("what is varied", "1"),
-    "curve": ("what else differs within the study", "1"),
-    "setting": ("value of what is varied", "1"),
-    "error": ("relative error of the variable, along a path where it is largest", "1"),
-    "variable": ("what the error is about", "1"),
-    "seconds": ("processor time of one surface", "s"),
-    "transforms": ("Fourier transforms of one surface", "1"),
-    "failed": ("surfaces that did not end ok", "1"),
+COLUMNS = {
+    "study": "what is varied",
+    "curve": "what else differs within the study",
+    "setting": "value of what is varied",
+    "error": "relative error of the variable, along a path where it is largest",
+    "variable": "what the error is about",
+    "seconds": "processor time of one surface",
+    "transforms": "Fourier transforms of one surface",
+    "failed": "surfaces that did not end ok",
+    "hysteresis_error": "relative error of the hysteresis",
+    "pull_off_pressure_error": "relative error of the pull-off pressure",
+    "next_order": "what the next order in the slope would add to a displacement, over L_x",
 }
-OF_SOME = {  # columns that not every contact has
-    "hysteresis_error": ("relative error of the hysteresis", "1"),
-    "pull_off_pressure_error": ("relative error of the pull-off pressure", "1"),
-    "next_order": ("what the next order in the slope would add to a displacement, over L_x", "1"),
-}
+_OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # which not every contact has
 
 
 def dataset(points: Iterable[Point]) -> xr.Dataset:
     """Studies as a dataset over (point), for netCDF, without columns that no point has."""
     rows = list(points)
     found = xr.Dataset()
-    for name, (long_name, units) in (_NAMES | OF_SOME).items():
+    for name, long_name in COLUMNS.items():
         values = [getattr(point, name) for point in rows]
-        if name not in OF_SOME or not all(map(isnan, values)):
-            found[name] = ("point", values, cf_attributes(long_name, units))
+        if name not in _OF_SOME or not all(map(isnan, values)):
+            found[name] = ("point", values, cf_attributes(long_name, "s" if name == "seconds" else "1"))
     return found
 
 
@@ -114,15 +125,6 @@ def sampling_error(values: Reals, number: int) -> float:
     return float(np.std(known, ddof=1) / np.sqrt(number) / abs(known.mean()))
 
 
-def errors_of_paths(values: Values, exact: Values, *, of_means: bool = False) -> dict[str, float]:
-    """Errors of what a path has as a whole, by the field of `Point`."""
-    return {
-        f"{name}_error": relative_error(values[name], exact[name], of_means=of_means)
-        for name in OF_PATHS
-        if name in exact
-    }
-
-
 def _known_steps(values: Reals) -> list[int]:
     known = np.isfinite(values).sum(axis=0)
     return [] if known.max() == 0 else np.flatnonzero(known == known.max()).tolist()
@@ -149,23 +151,6 @@ def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
         for before, after in pairwise(steps)
         for share in (np.arange(1, number + 1) / number).tolist()
     )
-
-
-_RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
-_TIGHT = 1e-10
-_PATIENCE = 50_000  # iterations
-_TIME_STEPS = (0.25, 0.5, 0.95)
-_DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
-_OF_EACH_PRECISION = ("active_set_newton", "verlet")
-_FINER = 4  # times as fine as the reference, the level that others are compared with
-_SLABS = (1.0, 0.5, 0.2, 0.1)
-_DIVISIONS, _FINEST_DIVISION = (1, 2, 4), 8  # of each step of a path
-_ORDERS, _HIGHEST_ORDER = (0, 1, 2), 3  # in the slope of rough bodies
-_MOST_NODES = {1: 2**17, 2: 2**20}  # of a level, by dimension
-_SURFACES = (4, 16)  # of a study: the most unless they have more nodes than these, which take seconds,
-_NODES = 2**19
-_SAMPLED = 16  # times as many of the study of their number, unless they have more nodes than these
-_SAMPLED_NODES = 2**23
 
 
 def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
@@ -240,13 +225,8 @@ class Study:
             return
         for damping in _DAMPINGS:
             for step in _TIME_STEPS:
-                settings: dict[str, Any] = {
-                    "solver": "verlet",
-                    "time_step": step,
-                    "damping": damping,
-                    "max_iterations": _PATIENCE,
-                }
-                values = self.run(self.problem, **settings)
+                settings: dict[str, Any] = {"time_step": step, "damping": damping, "max_iterations": _PATIENCE}
+                values = self.run(self.problem, solver="verlet", **settings)
                 yield self.point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
 
     def _able(self) -> tuple[str, ...]:
@@ -259,17 +239,13 @@ class Study:
         numerics = self.planned.campaign.numerics.model_copy(update=own | residual | changed)
         return not any(refusals(self.case.scene, numerics, self.planned.campaign.path, {}))
 
-    def _precision(self, exact: dict[str, Reals], solvers: list[str]) -> Iterator[Point]:
+    def _precision(self, exact: Measures, solvers: list[str]) -> Iterator[Point]:
         """Single precision compared with double, as far down as its certificate goes."""
         for solver in solvers:
             for precision in ("double", "single"):
                 for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
-                    settings: dict[str, Any] = {
-                        "residual": residual,
-                        "precision": precision,
-                        "max_iterations": _PATIENCE,
-                    }
-                    values = self.run(self.problem, solver=solver, **settings)
+                    settings: dict[str, Any] = {"residual": residual, "max_iterations": _PATIENCE}
+                    values = self.run(self.problem, solver=solver, precision=precision, **settings)
                     yield self.point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
 
     def discretisation(self, axis: str) -> Iterator[Point]:
@@ -298,9 +274,8 @@ class Study:
 
     def _at(self, level: Discretisation) -> Problem:
         """The problem of the case at another discretisation, as a campaign has it there."""
-        changed = {"scene": self.case.scene, "reference": level, "grid": Grid(), "limits": Limits()}
-        campaign = self.planned.campaign.model_copy(update=changed)
-        return expand(campaign, document=self.planned.document)[0].problem
+        at = self.planned.changed(scene=self.case.scene, reference=level, grid=Grid(), limits=Limits())
+        return at.cases[0].problem
 
     def sampling(self) -> Iterator[Point]:
         """Number of surfaces against the standard error of their mean."""
@@ -331,7 +306,7 @@ class Study:
         for number in _DIVISIONS:
             yield self.point("load steps", "each step divided", number, self._divided(number), exact, of_means=True)
 
-    def _divided(self, number: int) -> dict[str, Reals]:
+    def _divided(self, number: int) -> Measures:
         """Measures at the steps of the path, each of which is walked in so many equal ones."""
         values = self.run(replace(self.problem, path=divided(self.problem, number)))
         return {name: each[:, ::number] if each.ndim == 2 else each for name, each in values.items()}
@@ -362,7 +337,7 @@ class Study:
             slab = self.run(replace(problem, body=ElasticBody(nu, aspect_ratio)))
             yield self.point(*study, aspect_ratio, half_space, slab, of_means=True)
 
-    def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> dict[str, Reals]:
+    def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> Measures:
         """Measures of so many surfaces, and the seconds that one takes."""
         number = self.realisations if realisations is None else realisations
         if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
@@ -378,8 +353,8 @@ class Study:
         study: str,
         curve: str,
         setting: float,
-        values: dict[str, Reals],
-        exact: dict[str, Reals],
+        values: Measures,
+        exact: Measures,
         *,
         estimator: tuple[str, str] | None = None,
         of_means: bool = False,
@@ -387,7 +362,7 @@ class Study:
         """Error against the exact values, of an estimator against the best one, and what the setting costs."""
         variable = _variable(exact)
         name, best = estimator or (variable, variable)
-        known = {name: exact[name] for name in self.of_path if values is not exact}
+        known = self.of_path if values is not exact else ()
         return Point(
             study=study,
             curve=curve,
@@ -398,10 +373,10 @@ class Study:
             failed=int((values["status"] != 0).sum()),
             variable=variable,
             next_order=self._next_order(values),
-            **errors_of_paths(values, known, of_means=of_means),
+            **{f"{name}_error": relative_error(values[name], exact[name], of_means=of_means) for name in known},
         )
 
-    def _next_order(self, values: dict[str, Reals]) -> float:
+    def _next_order(self, values: Measures) -> float:
         """Mean over the surfaces of what the next order would add to a displacement (L_x), the largest of a path."""
         surface = self.problem.surface
         if not isinstance(surface, SummedSurface):
@@ -411,6 +386,6 @@ class Study:
         return float(surface.rms_gradient * max(means)) if means else nan
 
 
-def _variable(values: dict[str, Reals]) -> str:
+def _variable(values: Measures) -> str:
     """What errors are about: kappa, or the contact area where no mean pressure is above 0."""
     return KAPPA if np.isfinite(values[KAPPA]).any() else AREA

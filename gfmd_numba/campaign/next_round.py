@@ -237,7 +237,7 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     if state.goal.budget is not None and price * (state.seconds_per_price or 0.0) > state.goal.budget:
         return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
     another = another.model_copy(update={"realisations": tuple(counts), "price": price})
-    return state.model_copy(update={"rounds": (*state.rounds, another)})
+    return state.followed_by(another)
 
 
 def _alike(now: Round, identities: Sequence[str]) -> list[int]:
@@ -273,7 +273,7 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
         price=decision.price,
         target_price=decision.target_price,
     )
-    return state.model_copy(update={"rounds": (*state.rounds, another)})
+    return state.followed_by(another)
 
 
 def _widest(fitted: xr.Dataset) -> str:

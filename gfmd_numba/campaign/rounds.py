@@ -107,9 +107,17 @@ class Rounds(BaseModel):
             len(each.cases) == len(each.realisations) and len(each.levels) in (0, len(members)) for each in self.rounds
         )
 
+    def followed_by(self, another: Round) -> "Rounds":
+        """The same, and another round."""
+        return self.model_copy(update={"rounds": (*self.rounds, another)})
+
+    def without_last(self) -> "Rounds":
+        """The same, without the last round."""
+        return self.model_copy(update={"rounds": self.rounds[:-1]})
+
     def with_now(self, **found: Any) -> "Rounds":
         """The same, with what is known of the last round."""
-        return self.model_copy(update={"rounds": (*self.rounds[:-1], self.now.model_copy(update=found))})
+        return self.without_last().followed_by(self.now.model_copy(update=found))
 
     def ending(self, how: str) -> "Rounds":
         """The same, ended."""

@@ -43,13 +43,13 @@ class Choice:
     fail_fast: bool = False
 
 
-_TWO_WORKERS, ALL = Workers(), Choice()
+TWO_WORKERS, ALL = Workers(), Choice()
 
 
 def run(
     source: Source | Campaign,
     output: str | Path | None = None,
-    workers: Workers = _TWO_WORKERS,
+    workers: Workers = TWO_WORKERS,
     watch: Watch | None = None,
     choice: Choice = ALL,
 ) -> tuple[Path, Failures]:

@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
@@ -24,6 +25,7 @@ from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
 from gfmd_numba.campaign.run import (
     ALL,
+    TWO_WORKERS,
     Choice,
     Watch,
     check_room,
@@ -78,7 +80,7 @@ def run_until(
     source: Source | Campaign,
     goal: Goal,
     output: str | Path | None = None,
-    workers: Workers | None = None,
+    workers: Workers = TWO_WORKERS,
     watch: Watch | None = None,
     choice: Choice = ALL,
     told: Told | None = None,
@@ -88,21 +90,19 @@ def run_until(
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
     InterruptedRunError for Ctrl-C after the pilot.
     """
-    workers = workers or Workers()
-    run = _prepared(source, goal, output, workers, watch, choice, told)
+    run = _prepared(source, goal, output, workers, watch=watch, choice=choice, told=told)
     with stopped_by_errors_of_the_system(), run.claimed():
-        return run.all_rounds(workers)
+        return run.all_rounds()
 
 
 def each_round(
-    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers | None = None
+    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers = TWO_WORKERS
 ) -> Generator[Outcome, None, None]:
     """Run a campaign as `run_until` does, and yield what there is after each round, before the next one begins.
 
     If you take no more rounds, the run stops there, and a later one goes on from it. Raises as `run_until` does.
     """
-    workers = workers or Workers()
-    return _prepared(source, goal, output, workers, None, ALL, None).each_round(workers)
+    return _prepared(source, goal, output, workers).each_round()
 
 
 def first_decision(
@@ -113,26 +113,20 @@ def first_decision(
     Raises as `run_until` does.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
-        run = _prepared(source, goal, folder, workers, watch, ALL, told)
+        run = _prepared(source, goal, folder, workers, watch=watch, told=told)
         with run.claimed():
-            return run.first_round(workers)
+            return run.first_round()
 
 
 def _prepared(
-    source: Source | Campaign,
-    goal: Goal,
-    output: str | Path | None,
-    workers: Workers,
-    watch: Watch | None,
-    choice: Choice,
-    told: Told | None,
+    source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
 ) -> "_Run":
-    """Run that can be: raises InputError for a goal or workers that cannot."""
+    """Run that can be, with `others` of its fields: raises InputError for a goal or workers that cannot."""
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
     check(workers, directory)
-    return _Run(planned, goal, directory, watch, choice, told)
+    return _Run(planned, goal, directory, workers, **others)
 
 
 @dataclass(frozen=True)
@@ -142,9 +136,10 @@ class _Run:
     planned: Plan
     goal: Goal
     directory: Path
-    watch: Watch | None
-    choice: Choice
-    told: Told | None
+    workers: Workers
+    watch: Watch | None = None
+    choice: Choice = ALL
+    told: Told | None = None
 
     def of(self, now: Round) -> Plan:
         """Plan of a round."""
@@ -155,17 +150,17 @@ class _Run:
         document = self.planned.document
         return claimed(self.directory, self.planned.campaign.name, document.text, document.folder)
 
-    def first_round(self, workers: Workers) -> FirstDecision:
+    def first_round(self) -> FirstDecision:
         """Run the pilot alone, and give what it decides."""
-        with closing(self.states(workers)) as states:
+        with closing(self.states()) as states:
             next(states)
             state = next(states)
         failures = failed(self.planned.blocks_in(self.directory), self.directory)
         return FirstDecision(state, self.of(state.now), failures)
 
-    def all_rounds(self, workers: Workers) -> Outcome:
+    def all_rounds(self) -> Outcome:
         """Run rounds until they end."""
-        states = self.states(workers)
+        states = self.states()
         state = next(states)
         try:
             for following in states:
@@ -180,27 +175,27 @@ class _Run:
             counts = finished(now, self.directory, fewest)
             partial = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
-                state = state.model_copy(update={"rounds": state.rounds[:-1]})
+                state = state.without_last()
                 partial = self.of(state.now)
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
             raise InterruptedRunError(self.collected(interrupted, partial)) from None
 
-    def each_round(self, workers: Workers) -> Generator[Outcome, None, None]:
+    def each_round(self) -> Generator[Outcome, None, None]:
         """Run rounds until they end, or are no longer asked for."""
-        with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states(workers)) as states:
+        with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states()) as states:
             next(states)
             for state in states:
                 if not state.ended:  # its last round has not run
-                    done = state.model_copy(update={"rounds": state.rounds[:-1]})
+                    done = state.without_last()
                     state = done.ending(f"not {REACHED}: the run stopped before its next round")
                 yield self.collected(state, self.of(state.now))
 
-    def states(self, workers: Workers) -> Generator[Rounds, None, None]:
+    def states(self) -> Generator[Rounds, None, None]:
         """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
 
         Raises InputError for a pilot that does not fit the memory.
         """
-        state, choice = _begun(self.planned, self.goal, self.directory), self.choice
+        state, choice, workers = _begun(self.planned, self.goal, self.directory), self.choice, self.workers
         with ExitStack() as stack:
             while not state.ended:
                 todo, done = self._blocks(state, choice)
@@ -286,6 +281,6 @@ def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds
     except InputError as error:
         if len(state.rounds) == 1:
             raise
-        affordable = state.model_copy(update={"rounds": state.rounds[:-1]})
+        affordable = state.without_last()
         return affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
     return state

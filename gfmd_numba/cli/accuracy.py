@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.tables import duration
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
 @main.command()
 @file_argument
-@click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write [NAME-accuracy.nc]"
-)
+@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
 @click.option(
     "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,24 @@ import click
 
 Fixed = tuple[str, float | tuple[float, float]]
 
+NEW_FILE = click.Path(dir_okay=False, path_type=Path)
 file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-output_option = click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="netCDF file to write",
-)
+output_option = click.option("-o", "--output", required=True, type=NEW_FILE, help="netCDF file to write")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
+
+
+def workers_option(what: str) -> Callable[[Any], Any]:
+    """Return the option that gives a number of local workers, and says what they do."""
+    return click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help=what)
+
+
+def is_given(option: str) -> bool:
+    """Whether the command line has an option, by the name of its argument."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source is click.core.ParameterSource.COMMANDLINE
+
+
 OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, budget_option, conditions_option, file_argument, until_option
+from gfmd_numba.cli.arguments import (
+    LIMITS,
+    NEW_FILE,
+    OF_PATHS,
+    budget_option,
+    conditions_option,
+    file_argument,
+    is_given,
+    until_option,
+    workers_option,
+)
 from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import draw, draw_second, second_picture, told
 from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
 from gfmd_numba.cli.tables import endings, show_fit, show_goal, show_means, show_paths
 from gfmd_numba.cli.terminal import say, warn, warn_of_doubts
+from gfmd_numba.cli.until import check_options, run_rounds
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -25,52 +35,17 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.block_work import Failures
     from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.run import Choice
-
-
-def _who_and_what(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options that say who works, and those that say which blocks to run, as one record each."""
-
-    @wraps(command)
-    def with_records(
-        workers: int,
-        scheduler: str | None,
-        insecure: bool,
-        cluster: Path | None,
-        only: tuple[tuple[str, str], ...],
-        limit: int | None,
-        retry_failed: bool,
-        fail_fast: bool,
-        **others: Any,
-    ) -> None:
-        from gfmd_numba.campaign.cluster_file import load_cluster
-        from gfmd_numba.campaign.execution import Workers
-        from gfmd_numba.campaign.run import Choice
-
-        _check_workers_options()
-        jobs = None if cluster is None else load_cluster(cluster)
-        who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
-        choice = Choice(dict(only), limit, retry_failed, fail_fast)
-        command(who=who, choice=choice, **others)
-
-    return with_records
 
 
 @main.command()
 @file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
-@click.option(
-    "--workers",
-    default=2,
-    show_default=True,
-    type=click.IntRange(0),
-    help="Number of local worker processes; 0 works in this process",
-)
+@workers_option("Number of local worker processes; 0 works in this process")
 @click.option("--scheduler", metavar="ADDRESS", help="Use the dask scheduler at this address")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @click.option(
     "--cluster",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     metavar="CLUSTER.yaml",
     help="Have jobs of a queueing system do the work, as this file describes them",
 )
@@ -80,15 +55,7 @@ def _who_and_what(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
 @budget_option
-@_who_and_what
-def run(
-    file: Path,
-    output: Path | None,
-    who: Workers,
-    choice: Choice,
-    until: dict[str, float],
-    budget: float | None,
-) -> None:
+def run(file: Path, output: Path | None, until: dict[str, float], budget: float | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
 
     If a run was interrupted, the same command resumes it and repeats no finished work.
@@ -98,10 +65,11 @@ def run(
     says that the limit has the error you want.
     """
     from gfmd_numba.campaign.file import target_of_run
-    from gfmd_numba.campaign.run import StoppedError
+    from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
-    from gfmd_numba.cli.until import check_options, run_rounds
 
+    who = _workers(options)
+    choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     check_options(until, budget, choice)
     try:
@@ -113,27 +81,28 @@ def run(
             reached = show_results(results, failures, of_some=bool(choice.only))
     except StoppedError as error:
         warn(str(error))
-        sys.exit(SOME_FAILED)
+        reached = False
     if not reached:
         sys.exit(SOME_FAILED)
 
 
-def _check_workers_options() -> None:
-    """Raise a usage error for options that name workers of two kinds."""
-    context = click.get_current_context()
-    given = [
-        name
-        for name in ("workers", "scheduler", "cluster")
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
-    ]
+def _workers(options: dict[str, Any]) -> Workers:
+    """Return the workers that the options name; raises a usage error for workers of two kinds."""
+    from gfmd_numba.campaign.cluster_file import load_cluster
+    from gfmd_numba.campaign.execution import Workers
+
+    given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
     if len(given) > 1:
         raise click.UsageError(
             f"--{given[1]}: you gave --{given[0]} as well; gfmd allows one of them, as it says who works"
         )
-    if context.params["insecure"] and "scheduler" not in given:
+    if options["insecure"] and "scheduler" not in given:
         raise click.UsageError(
             "--insecure: you gave no --scheduler, and --insecure is about its address; give both, or none"
         )
+    jobs = None if options["cluster"] is None else load_cluster(options["cluster"])
+    local, address, insecure = (options[name] for name in ("workers", "scheduler", "insecure"))
+    return Workers(local, address, insecure, cluster=jobs, queue_told=show_queue)
 
 
 def show_results(results: Path, failures: Failures, *, of_some: bool = False) -> bool:
@@ -154,7 +123,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     elif "step" in dataset.dims:
         show_paths(dataset)
     else:
-        show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
+        show_means(dataset, fit_options(dataset).get("variable", "kappa"))
     for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
     _show_endings(dataset)
@@ -185,7 +154,7 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
     """Fit the results to their limit, print and draw it; False if the disk refuses the picture."""
     import gfmd_numba
 
-    options = fit_options(dataset, (), None, None)
+    options = fit_options(dataset)
     with waiting("fitting"):
         fitted = gfmd_numba.fit_tfc(dataset, **options)
     if "step" in dataset.dims:

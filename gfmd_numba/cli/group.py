@@ -6,11 +6,13 @@ import io
 import os
 import re
 import sys
+import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -39,10 +41,6 @@ class _Gfmd(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
-        import warnings
-
-        from gfmd_numba.text.input_error import InputError
-
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = _show_warning
@@ -78,7 +76,6 @@ def _allow_files() -> None:
         import resource
     except ImportError:  # a system without such limits
         return
-    from gfmd_numba.text.input_error import InputError
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = _MANY_FILES if hard == resource.RLIM_INFINITY else min(hard, _MANY_FILES)

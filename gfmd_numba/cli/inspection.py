@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Set
+from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import dimensions
 from gfmd_numba.cli.terminal import say, warn
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -97,8 +101,6 @@ def _has_few_levels(campaign: Campaign) -> bool:
 
 
 def _check_cluster(document: Document) -> tuple[str, str]:
-    from importlib.util import find_spec
-
     from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, load_cluster
 
     cluster = load_cluster(document)
@@ -160,8 +162,6 @@ def schema(kind: str) -> None:
     Editors use it to complete and check YAML. The kind "combinations" prints what goes together in a scene, as
     Markdown.
     """
-    import json
-
     if kind == "combinations":
         from gfmd_numba.contact.combinations_page import combinations_page
 
@@ -195,13 +195,10 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 
 @main.command()
-@click.argument("file", type=click.Path(dir_okay=False, path_type=Path), default="campaign.yaml")
+@click.argument("file", type=NEW_FILE, default="campaign.yaml")
 def init(file: Path) -> None:
     """Write an example campaign with comments to FILE."""
-    from importlib.resources import files
-
     from gfmd_numba.storage.atomic_file import create
-    from gfmd_numba.text.input_error import InputError
 
     try:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import sys
+import time
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -25,10 +28,6 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
 
     If blocks have failed, the command prints the reason of each, and the command that runs it again.
     """
-    import json
-    import time
-    from dataclasses import asdict
-
     from gfmd_numba.campaign.status import progress
 
     while True:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.progress import waiting
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -20,10 +22,7 @@ _NETCDF = (".nc", ".nc4")
 
 def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF) -> None:
     """Raise InputError unless a file of this kind can be written that is none of the inputs and nobody else's."""
-    import os
-
     from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
@@ -52,7 +51,6 @@ def picture_path(output: Path) -> Path:
 def companion(output: Path, kind: str, suffix: str) -> Path:
     """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
     from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
 
     if not output.name:
         raise click.BadParameter("you gave no name; gfmd allows a file, like steel.nc", param_hint="--output")

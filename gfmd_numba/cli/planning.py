@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, target_option
+from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, is_given, target_option, workers_option
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import dimensions
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration, said_of_error
 from gfmd_numba.cli.terminal import print_table, say, warn
+from gfmd_numba.cli.until import goal_in, levels_of, options_named, rounds_shown
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
@@ -25,13 +26,7 @@ if TYPE_CHECKING:
 
 @main.command()
 @file_argument
-@click.option(
-    "--workers",
-    default=2,
-    show_default=True,
-    type=click.IntRange(0),
-    help="Number of local worker processes to plan for, which solve the pilot of a target",
-)
+@workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
 @click.option(
     "--pilot",
     default=10.0,
@@ -53,7 +48,6 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.plan import plan as plan_campaign
-    from gfmd_numba.cli.until import goal_in, options_named
 
     _check_options(target, budget)
     with options_named("target"):
@@ -108,30 +102,26 @@ def _show_size(planned: Plan, workers: int) -> None:
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    with waiting("measuring what the problems cost"):
-        predicted = planned.predicted_cost(pilot)
-    contacts = predicted.quantile(0.5), predicted.quantile(0.9)
-    walls = [planned.wall_time(predicted, seconds, workers) for seconds in contacts]
-    _show_times(planned, workers, contacts, (walls[0], walls[1]))
-    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
-    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
-
-
-def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tuple[float, float]) -> None:
     """Print what a run takes: likely times and those not exceeded, of the contacts and of all else."""
     from gfmd_numba.campaign.overhead import UNSURE, overhead
 
+    with waiting("measuring what the problems cost"):
+        predicted = planned.predicted_cost(pilot)
+    cpu = [predicted.quantile(probability) for probability in (0.5, 0.9)]
+    wall = [planned.wall_time(predicted, seconds, workers) for seconds in cpu]
     extra = overhead(planned)
-    for name, contacts, others in (
+    for name, (likely, most), others in (
         ("CPU time", cpu, extra.cpu_seconds(workers)),
         ("wall time", wall, extra.wall_seconds(workers)),
     ):
-        at_most = duration(contacts[1] + UNSURE * others)
-        click.echo(f"{name:13} {duration(contacts[0] + others)}, with 90 % probability below {at_most}")
+        at_most = duration(most + UNSURE * others)
+        click.echo(f"{name:13} {duration(likely + others)}, with 90 % probability below {at_most}")
     parts = {"contacts": cpu[0], "start": extra.start, "workers": workers * extra.worker}
     parts |= {"results": extra.results, "fit and picture": extra.fit}
     shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
     say("of CPU time", shown, width=14)
+    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
+    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 
 
 def _check_options(target: object, budget: float | None) -> None:
@@ -141,15 +131,13 @@ def _check_options(target: object, budget: float | None) -> None:
             "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
             "bounds a run)"
         )
-    given = click.get_current_context().get_parameter_source("pilot")
-    if target and given is click.core.ParameterSource.COMMANDLINE:
+    if target and is_given("pilot"):
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
 def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.until import first_decision
-    from gfmd_numba.cli.until import options_named, rounds_shown
 
     try:
         with options_named("target"), rounds_shown() as (watch, told):
@@ -185,8 +173,6 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
 
 def _show_next_round(state: Rounds, planned: Plan) -> None:
     """Print what was decided for the round after the pilot, and of what follows only what is known."""
-    from gfmd_numba.cli.until import levels_of
-
     pilot, now = state.rounds
     refined = now.levels != pilot.levels
     say("round 1", f"finer levels, {levels_of(now)}" if refined else "more realisations of the same levels", width=14)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument, json_option, output_option
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, output_option
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, draw, picture_path, write, write_picture
@@ -46,7 +46,7 @@ _SHOWN = {  # words, and the unit of a contact without units
 _files_option = click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     help="netCDF file to write, with a picture (.png) of the same name",
 )
 

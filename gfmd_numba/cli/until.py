@@ -13,6 +13,7 @@ import click
 from gfmd_numba.cli.progress import progress_bar
 from gfmd_numba.cli.tables import duration
 from gfmd_numba.cli.terminal import say
+from gfmd_numba.text.input_error import InputError
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.block_work import Failures
@@ -73,8 +74,6 @@ def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
 @contextmanager
 def options_named(target: str) -> Iterator[None]:
     """Name the options of the command in errors that name the arguments of the Python function."""
-    from gfmd_numba.text.input_error import InputError
-
     named = {"until": f"--{target}:", "budget": "--budget:"}
     try:
         yield

@@ -41,6 +41,11 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.scene.surfaces import PositiveHurst
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
+_COORDINATES = {
+    "pressure": "prescribed_pressure",
+    "displacement": "punch_displacement",
+    "rms_gradient": "rms_gradient_target",
+}
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,6 @@ class Axis:
     `record` is a dotted path in the scene, and `key` the name of the field there if it is another. A discretisation
     stands next to the scene and has no record; `limit` then names the limit in which it goes to 0. `symbol` heads a
     column on the terminal, and `label` is its TeX. `unit` is a kind of unit, as the units of a scene are named.
-    `coordinate_name` is the name in the dataset if it is another.
     """
 
     name: str
@@ -60,7 +64,6 @@ class Axis:
     label: str
     long_name: str
     unit: str = "1"
-    coordinate_name: str = ""
     limit: str = ""
     key: str = ""
 
@@ -76,8 +79,8 @@ class Axis:
 
     @property
     def coordinate(self) -> str:
-        """Name of its coordinate in the dataset."""
-        return self.coordinate_name or self.name
+        """Name of its coordinate in the dataset, where what is asked for is not what is measured."""
+        return _COORDINATES.get(self.name, self.name)
 
     @property
     def has_names(self) -> bool:
@@ -124,27 +127,10 @@ AXES = (
     Axis("poissons_ratio", PoissonsRatio, "body", "nu", r"$\nu$", "Poisson's ratio of the body"),
     Axis("aspect_ratio", AspectRatio, "body", "a", "$a$", "thickness of the body over the period"),
     Axis("reduced_pressure", ReducedPressure, "loading", "p*", r"$\bar{p}^*$", REDUCED_PRESSURE),
-    Axis(
-        "pressure",
-        Pressure,
-        "loading",
-        "p",
-        r"$\bar{p}$",
-        MEAN_PRESSURE,
-        "pressure",
-        coordinate_name="prescribed_pressure",
-    ),
+    Axis("pressure", Pressure, "loading", "p", r"$\bar{p}$", MEAN_PRESSURE, "pressure"),
     Axis("line_load", LineLoad, "loading", "F/l", r"$F/\ell$", LINE_LOAD, "force per length"),
     Axis("force", Force, "loading", "F", "$F$", FORCE_ON_A_MAP, "force"),
-    Axis(
-        "rms_gradient",
-        RmsGradient,
-        "roughness",
-        "g",
-        r"$\bar{g}$",
-        RMS_GRADIENT_TARGET,
-        coordinate_name="rms_gradient_target",
-    ),
+    Axis("rms_gradient", RmsGradient, "roughness", "g", r"$\bar{g}$", RMS_GRADIENT_TARGET),
     Axis("anisotropy", Anisotropy, "roughness", "gamma", r"$\gamma$", "correlation length of a map, y over x"),
     Axis("hurst_x", PositiveHurst, "roughness", "H_x", "$H_x$", "Hurst exponent along x"),
     Axis("hurst_y", PositiveHurst, "roughness", "H_y", "$H_y$", "Hurst exponent along y"),
@@ -157,16 +143,7 @@ AXES = (
     Axis("correlation_length_x", Length, "roughness", "xi_x", r"$\xi_x$", "correlation length along x", "height"),
     Axis("correlation_length_y", Length, "roughness", "xi_y", r"$\xi_y$", "correlation length along y", "height"),
     Axis("mound_separation", Length, "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds", "height"),
-    Axis(
-        "displacement",
-        SignedLength,
-        "loading",
-        "d",
-        "$d$",
-        PUNCH_DISPLACEMENT,
-        "height",
-        coordinate_name="punch_displacement",
-    ),
+    Axis("displacement", SignedLength, "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
     Axis(
         "friction_coefficient",
         FrictionCoefficient,

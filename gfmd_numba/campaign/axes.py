@@ -219,12 +219,12 @@ DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.record)
 
 
 def present(scene: Scene, discretisation: Discretisation | None) -> tuple[Axis, ...]:
-    """Axes that a case has a value on, as have all cases of its campaign."""
+    """Return the axes on which a case has a value; all cases of a campaign have values on the same ones."""
     return tuple(axis for axis in AXES if axis.value(scene, discretisation) is not None)
 
 
 def with_values(scene: Scene, values: Mapping[Place, Any]) -> Scene:
-    """Scene with other values in some places, whose records it has."""
+    """Return the scene with other values in some places, whose records it has."""
     return scene.model_copy(update=_updates(scene, values))
 
 
@@ -241,5 +241,5 @@ def _updates(record: BaseModel, values: Mapping[Place, Any]) -> dict[str, Any]:
 
 @lru_cache(maxsize=4096)
 def _part(part: BaseModel, values: tuple[tuple[Place, Any], ...]) -> BaseModel:
-    """Part of a scene with other values; equal parts of many cases are one record."""
+    """Return a part of a scene with other values; equal parts of many cases are one record."""
     return part.model_copy(update=_updates(part, dict(values)))

@@ -56,9 +56,9 @@ class TooLongError(Exception):
 def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
     """Stop what runs inside after `timeout` seconds.
 
-    In the main thread by TooLongError. In that of a dask worker nothing short of the process's end stops compiled
-    code: where it was is then written to `trace`. A process that is not to be ended has no trace, and no time-out
-    outside its main thread.
+    In the main thread, TooLongError is raised. In the thread of a dask worker, compiled code stops only with the whole
+    process: the process ends itself and writes to `trace` where it was. Without a `trace` it goes on, and there is no
+    time-out outside the main thread.
     """
     if timeout is None:
         yield
@@ -84,7 +84,7 @@ def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
 
 
 def expired(trace: Path) -> bool:
-    """Whether a process was ended here; forgets it."""
+    """Return whether a process ended itself and left this trace, and remove the trace."""
     try:
         return trace.stat().st_size > 0
     except FileNotFoundError:
@@ -107,10 +107,10 @@ _installed = cache(versions)
 
 
 def perform(task: Task, directory: Path, timeout: float | None, together: int = 1, mortal: bool = True) -> Failures:
-    """Solve blocks one after another and store their measures, so many `together`; returns what failed.
+    """Solve blocks one after another, store their measures, so many blocks `together`, and return what failed.
 
     Blocks that are stored and sound are left alone. A `mortal` process ends itself if nothing else stops a block after
-    `timeout` seconds. An OSError is raised: a disk that fails one block fails them all.
+    `timeout` seconds. Raises OSError, because a disk that fails one block fails them all.
     """
     if mortal:
         keep_freed_memory()
@@ -132,9 +132,9 @@ def perform(task: Task, directory: Path, timeout: float | None, together: int = 
 def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
     """Solve blocks one after another and return their measures and what failed, without the output directory.
 
-    Traces of blocks that took longer than `timeout` seconds lie in this machine's folder of temporary files, under
-    the name of the `run`: the process that finds one does not try the block again. Raises InputError on a worker whose
-    packages have other versions than `expected`.
+    A block that takes longer than `timeout` seconds leaves a trace in this machine's folder of temporary files, under
+    the name of the `run`. A process that finds the trace does not try the block again. Raises InputError on a worker
+    whose packages have other versions than `expected`.
     """
     if wrong := difference(_installed(), expected):
         raise InputError(f"cluster: you gave a worker with {wrong}")
@@ -148,12 +148,12 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
 
 
 def expired_here(run: str, names: Iterable[str]) -> list[str]:
-    """Blocks that ended a process of this machine in `compute`, as they took too long; forgets them."""
+    """Return the blocks that took too long and so ended a process of this machine in `compute`, and forget them."""
     return [name for name in names if expired(_own_trace(run, name))]
 
 
 def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
-    """Blocks that are not stored, or not as they were written."""
+    """Return the blocks that are not stored, or not as they were written."""
     finished = shards.Finished(directory)
     return [block for block in blocks if not finished.is_sound(block.name)]
 
@@ -166,7 +166,7 @@ def trace(directory: Path, name: str) -> Path:
 
 
 def too_long(timeout: float | None) -> Failure:
-    """Failure of a block that took longer than `timeout` seconds."""
+    """Return the failure of a block that took longer than `timeout` seconds."""
     return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
 
 
@@ -175,7 +175,7 @@ def _own_trace(run: str, name: str) -> Path:
 
 
 def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.Arrays | Failure:
-    """Measures of a block, or why there are none."""
+    """Return the measures of a block, or why there are none."""
     try:
         with watched(timeout, late):
             begun = time.thread_time()

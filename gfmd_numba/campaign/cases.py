@@ -32,9 +32,10 @@ Range = tuple[int, int]  # first realisation, and the one after the last
 
 @dataclass(frozen=True, slots=True)
 class GridPoint:
-    """Values at one point of a campaign's grid, with the scene that is `common` to all, and what was `measured`.
+    """Values at one point of a campaign's grid, the scene that is `common` to all points, and what was `measured`.
 
-    A scene takes more memory than all the rest of a case, and there may be a million: it is made when asked for.
+    A scene takes more memory than the rest of a case, and there may be a million cases, so the scene of a point is made
+    only when it is asked for.
     """
 
     common: Scene
@@ -89,7 +90,7 @@ class Block:
 def expand(
     campaign: Campaign, measured: Measurements = MappingProxyType({}), document: Document | None = None
 ) -> list[Case]:
-    """All cases of a campaign: the grid's full product, each at the reference and along the limits.
+    """Return all cases of a campaign: the full product of the grid, each at the reference and along the limits.
 
     `measured` are its measured surfaces, if it has any. Raises InputError, at a place of the document if there is one,
     for a surface that cannot be used.
@@ -135,7 +136,7 @@ def expand(
 def _surface(
     campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
 ) -> tuple[RandomSurface, float]:
-    """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
+    """Return the ensemble of a surface and its rms gradient; raises InputError if none can be drawn."""
     assert campaign.seed is not None  # the campaign's promise
     try:
         scene = campaign.scene.model_copy(update={"roughness": roughness})
@@ -148,7 +149,7 @@ def _surface(
 
 
 class _RoughBodies:
-    """Rough bodies of a campaign's scenes, the first realisation of each sum of surfaces checked once."""
+    """The rough bodies of a campaign's scenes. The first realisation of each sum of surfaces is checked once."""
 
     def __init__(self, campaign: Campaign, document: Document):
         self._campaign, self._document = campaign, document
@@ -157,7 +158,7 @@ class _RoughBodies:
     def __call__(
         self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
     ) -> tuple[SummedSurface, RoughBodies]:
-        """All surfaces of a scene, the measured ones `given`, and its bodies; raises InputError for unusable ones."""
+        """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
         measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
         order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
         summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
@@ -178,7 +179,7 @@ class _PrescribedTractions:
         self._found: dict[str, Tractions] = {}
 
     def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
-        """Tractions on a surface of that shape; raises InputError for files that do not fit it, or no balance."""
+        """Return the tractions on a surface; raises InputError for files of another shape or without balance."""
         if self._boundary is None:
             return None
         if shape not in self._arrays:
@@ -198,38 +199,38 @@ def _reduced(
     try:
         problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
     except ValueError as error:
-        raise _beyond_measure("scene.loading", scene, error) from None
+        raise _irreducible("scene.loading", scene, error) from None
     if not campaign.path:
         return problem, effects
     return replace(problem, path=tuple(_path(scene, rms_gradient, campaign))), effects
 
 
 def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
-    """Steps of the path after the first loading; raises InputError for a load that is beyond all measure."""
+    """Yield the steps of the path after the first loading; raises InputError for a load that cannot be reduced."""
     modulus = contact_modulus(scene)
     steps = islice(steps_of(scene, campaign.path), 1, None)
     for i, (changed, sliding) in enumerate(steps):
         try:
             load = reduced_load(changed, rms_gradient, modulus)
         except ValueError as error:
-            raise _beyond_measure(f"path[{i}]", changed, error) from None
+            raise _irreducible(f"path[{i}]", changed, error) from None
         yield LoadStep(load, reduced_sliding(sliding, scene, rms_gradient))
 
 
-def _beyond_measure(place: str, scene: Scene, error: ValueError) -> InputError:
-    """What is said of a load that stands at some place."""
+def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:
+    """Return the error of a load that cannot be reduced."""
     control = scene.loading.control
     return InputError(f"{place}.{control}: you gave {getattr(scene.loading, control)}; gfmd allows {error}")
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:
-    """Distinct problems among the cases, the largest grids first."""
+    """Return the distinct problems among the cases, the largest grids first."""
     problems = {case.problem.identity: case.problem for case in cases}
     return sorted(problems.values(), key=lambda problem: -problem.surface.nodes)
 
 
 def demand(cases: Iterable[Case]) -> dict[str, int]:
-    """Realisations that the cases together want of each problem, by its identity."""
+    """Return how many realisations the cases together want of each problem, by its identity."""
     wanted: dict[str, int] = {}
     for case in cases:
         identity = case.problem.identity
@@ -238,9 +239,9 @@ def demand(cases: Iterable[Case]) -> dict[str, int]:
 
 
 def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) -> Iterator[Block]:
-    """Blocks that together hold the realisations of one problem, those of the `held` ranges as they are.
+    """Yield blocks that together hold the realisations of one problem. The `held` ranges stay blocks as they are.
 
-    The last one may hold more than is wanted. A block that becomes held changes no other.
+    The last block may hold more realisations than are wanted. A block that becomes held changes no other.
     """
     size = max(1, _BLOCK_SAMPLES // (problem.surface.nodes * problem.n_loads))
     if not held:
@@ -261,7 +262,7 @@ def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) ->
 
 
 def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Iterator[Block]:
-    """All blocks of work of some cases, the largest grids first; `held` ranges by identity of their problem."""
+    """Yield all blocks of work of some cases, the largest grids first; `held` has ranges by identity of the problem."""
     cases = list(cases)
     wanted = demand(cases)
     for problem in distinct(cases):
@@ -269,7 +270,7 @@ def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Itera
 
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
-    """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
+    """Return groups of cases that differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
     physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
     found: dict[tuple[float | str | None, ...], list[Case]] = {}
@@ -281,7 +282,7 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
 def block_bytes(problem: Problem, realisations: int) -> int:
     """Return the largest memory that solving a block takes.
 
-    Along a path, and of rough bodies, its realisations come one after another.
+    The realisations of a path, and those of rough bodies, are solved one after another.
     """
     surface = problem.surface
     together = 1 if problem.path or problem.rough is not None else realisations

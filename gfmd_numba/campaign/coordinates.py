@@ -1,4 +1,4 @@
-"""What tells one case of a campaign from another: its coordinates in the dataset, and what each of them is."""
+"""The coordinates of cases in the dataset, their attributes, and the cases that meet conditions on them."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -36,9 +36,9 @@ _OTHERS = {
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
-    """Values by name and case; an axis that they have no value on is left out.
+    """Return the values by name and case, without axes on which the cases have no value.
 
-    Where several surfaces are pressed together, g is that of all.
+    Where several surfaces are pressed together, the rms gradient is that of their sum.
     """
     axes = present(cases[0].scene, cases[0].discretisation)
     reduced = _follows(cases[0].scene)
@@ -70,7 +70,7 @@ def _follows(scene: Scene) -> bool:
 
 
 def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
-    """What each step of a path prescribes, in units of the file: `step_load`, and `step_sliding` if anything drags."""
+    """Return what each step of a path prescribes, in file units: `step_load`, and `step_sliding` with friction."""
     if not path:
         return {}
     scene = cases[0].scene
@@ -87,9 +87,9 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
-    """Coordinates with CF attributes; of an axis also its symbols, its kind and its rank.
+    """Return the coordinates with CF attributes; those of an axis also have its symbols, its kind and its rank.
 
-    An axis of names has these, and numbers that stand for them: an index whose attribute `names` is a list in JSON.
+    An axis of names also has an index of numbers, whose attribute `names` is a JSON list of the names.
     """
     unit = units(scene)
     attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
@@ -121,7 +121,7 @@ _MOST_VALUES = 10
 
 
 def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
-    """Cases that meet all conditions, name -> value; raises InputError.
+    """Return the cases that meet all conditions, name -> value; raises InputError.
 
     A name is a key of the grid or a coordinate of the results. A number may have a unit where the scene has units.
     """
@@ -153,7 +153,7 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
 
 
 def _number(name: str, given: str, key: str, unit: str) -> Any:
-    """Number of a text, in the unit of the results; any other value, or the text itself, if it is none."""
+    """Return the number in a text, in the unit of the results; if there is none, the value or the text itself."""
     quantity = quantities(Grid).get(key)
     value: Any = plain_scalar(given.strip())
     try:
@@ -171,7 +171,7 @@ def _number(name: str, given: str, key: str, unit: str) -> Any:
 
 
 def _readable(values: list[Any], unit: str) -> list[str]:
-    """Values as a condition may give them."""
+    """Return values as a condition may give them."""
     if unit == "1":
         return [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
     factor, named = si_prefix(max(map(abs, values)), unit)

@@ -69,7 +69,7 @@ def price_of_transform(nodes: npt.ArrayLike) -> npt.NDArray[np.float64]:
 class Cost:
     """Predicted processor time: seconds a realisation by identity of the problem, and draws of the total in s.
 
-    `pilot` is the number of problems that were measured, `smaller` that of smaller ones in place of others.
+    `pilot` counts the problems that were measured, and `smaller` those measured on a smaller grid instead.
     """
 
     seconds: dict[str, float]
@@ -99,12 +99,12 @@ def predict(
     timeout: float | None = None,
     told: Told | None = None,
 ) -> Cost:
-    """Predicted cost of the realisations of each problem, from a pilot of at most `budget` seconds.
+    """Predict the cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
-    The pilot takes no more than a tenth of the work itself unless that tells nothing. Where a problem takes too long
-    for it, the same physics is measured on a smaller grid. `warm` is called before anything is timed. Earlier pilots
-    on this machine are remembered, and count into the budget. A problem that fails, or takes longer than `timeout`
-    seconds, is predicted as the others.
+    The pilot takes no more than a tenth of the work itself unless that is too little to learn anything. If a problem
+    takes too long for the pilot, the same physics is measured on a smaller grid. `warm` is called before anything is
+    timed. Earlier pilots on this machine are remembered and count towards the budget. A problem that fails, or takes
+    longer than `timeout` seconds, is predicted like those that were not measured.
     """
     kinds = _kinds_of(problems)
     x, weight = _features(problems, kinds), np.array(realisations, dtype=float)
@@ -183,9 +183,9 @@ class _Known:
 def _affordable(
     problems: list[Problem], kinds: list[str], found: _Regression, known: _Known, left: float
 ) -> Problem | None:
-    """First problem that the seconds `left` allow for, or the same on the largest smaller grid they allow for.
+    """Return the first problem that can be solved in the seconds `left`, on its own grid or the largest smaller one.
 
-    The first of all is small, as nothing is known of how long it takes.
+    The very first problem is a small one, because nothing is known yet of how long it takes.
     """
     for problem in problems:
         choice = [problem, *_smaller(problem)]
@@ -201,7 +201,7 @@ def _affordable(
 
 
 def _smaller(problem: Problem) -> Iterator[Problem]:
-    """The physics of a problem on grids of half its nx, a quarter, and so on: its shortest waves are left out."""
+    """Yield a problem on grids of half its nx, a quarter, and so on, without its shortest waves."""
     surface = problem.surface
     if problem.tractions is not None:
         return  # which are prescribed node by node
@@ -216,7 +216,7 @@ def _smaller(problem: Problem) -> Iterator[Problem]:
 
 
 def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:
-    """Seconds of the processor a realisation, whatever else the machine does; None where it fails or takes too long."""
+    """Return the processor time in s of a realisation; None if the problem fails or takes too long."""
     begun = time.thread_time()
     try:
         with watched(timeout):
@@ -227,7 +227,7 @@ def _measured(problem: Problem, count: int, timeout: float | None) -> float | No
 
 
 def _most_telling(x: Reals, likely: Reals, found: _Regression, count: int) -> npt.NDArray[np.intp]:
-    """Indices of so many problems whose run time narrows the total of the `likely` seconds most, the most first."""
+    """Return the indices of the problems whose run time would narrow the total of the `likely` seconds most."""
     share = likely / likely.sum()
     spread = x @ found.covariance
     together = spread @ (share @ x)
@@ -278,7 +278,7 @@ def _kinds_of(problems: Sequence[Problem]) -> list[str]:
 
 
 def _features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
-    """Return logarithms of what decides the run time [problem, feature], zero at the thesis's reference system."""
+    """Return the logarithms of what decides the run time [problem, feature], 0 for the thesis's reference system."""
     found = np.empty((len(problems), len(_PRIOR) + len(kinds)))
     stiffening: dict[ElasticBody, float] = {}
     for row, problem in zip(found, problems, strict=True):
@@ -309,9 +309,9 @@ def _features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
 
 
 def _spectrum(surface: Surface) -> tuple[float, float, float, float]:
-    """Wave indices between which the spectrum falls, Hurst exponent and anisotropy; those of a guess if unknown.
+    """Return the wave indices between which the spectrum falls, the Hurst exponent and the anisotropy, or a guess.
 
-    Of a sum those of the steepest surface.
+    Of a sum of surfaces they are those of the steepest one.
     """
     if isinstance(surface, SummedSurface):
         surface = max(surface.parts, key=lambda part: part.rms_gradient).surface
@@ -331,7 +331,7 @@ def _kind(problem: Problem) -> str:
 
 
 def remembered() -> dict[str, float]:
-    """Return seconds by what took them, none if they cannot be read."""
+    """Return the run times in s that were kept, by what took them; none if they cannot be read."""
     try:
         return {identity: float(seconds) for identity, seconds in json_file.read(_memory()).items()}
     except (OSError, ValueError, TypeError):
@@ -339,7 +339,7 @@ def remembered() -> dict[str, float]:
 
 
 def remember(seconds: dict[str, float]) -> None:
-    """Keep seconds for later plans, where the disk lets us."""
+    """Keep run times for later plans, if the disk allows."""
     try:
         path = _memory()
         path.parent.mkdir(mode=0o700, exist_ok=True)
@@ -349,6 +349,6 @@ def remember(seconds: dict[str, float]) -> None:
 
 
 def _memory() -> Path:
-    """File of what this version took on this machine."""
+    """Return the file of the run times of this version on this machine."""
     name = f"{version('gfmd-numba')}-{version('numba')}-{platform.node()}-{platform.machine()}"
     return cache.directory() / "times" / f"{name}.json"

@@ -40,7 +40,7 @@ def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
 
 
 def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
-    """Warning about the film whose thickness changes most, by the first realisation of each surface."""
+    """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
     films = []
     for surface, rough in bodies:
         if rough.order == 0 and any(_is_film(body) for body in rough.bodies):
@@ -50,7 +50,7 @@ def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
 
 
 def _is_film(body: DeformableBody) -> bool:
-    """Whether it is a film to the longest waves."""
+    """Return whether the body is thin compared with the longest waves."""
     thickness = body.elastic.top.aspect_ratio
     return thickness is not None and 2.0 * pi * thickness <= 1.0
 
@@ -72,7 +72,7 @@ def is_resolved(cases: Sequence[Case]) -> bool:
 
 
 def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]) -> None:
-    """Raise InputError, at the value of the grid that is to blame, for a case that does not resolve its law at all."""
+    """Raise InputError, at the value of the grid that causes it, for a case that does not resolve its law at all."""
     if not campaign.scene.interface.reaches_across:
         return
     worst = _worst(cases)
@@ -91,7 +91,7 @@ def _worst(cases: Sequence[Case]) -> Case:
 
 
 def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:
-    """Return a sentence for each reason for which the fit is going to refuse the limit; none without limits."""
+    """Return a sentence for each reason why the fit will refuse the limit; none for a campaign without limits."""
     import xarray as xr
 
     from gfmd_numba.analysis.tfc import refusals

@@ -1,4 +1,4 @@
-"""Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
+"""Blocks of a campaign solved in this process or on dask workers. Only a finished shard counts as done."""
 
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
@@ -63,9 +63,9 @@ class Submission:
     run: str = field(default_factory=lambda: uuid4().hex)
 
     def ended(self, tasks: Iterable[Task]) -> Ended:
-        """Perform tasks, a few in flight; the blocks of those that lost their worker then once more, alone.
+        """Perform tasks, a few at a time, and then once more, alone, each block of tasks that lost their worker.
 
-        A lost worker takes innocent blocks with it: to blame is only a block that was late, or that loses its worker
+        A lost worker takes innocent blocks with it. A block has failed only if it was late, or if it loses its worker
         again when it runs alone.
         """
         for alone in (False, True):
@@ -86,7 +86,7 @@ class Submission:
             tasks = suspects
 
     def _late(self, blocks: list[Block]) -> set[str]:
-        """Names of those blocks that took longer than the timeout."""
+        """Return the names of those blocks that took longer than the timeout."""
         names = [block.name for block in blocks]
         if self.workers_store:
             return {name for name in names if expired(trace(self.directory, name))}
@@ -96,13 +96,13 @@ class Submission:
         return {name for found in told.values() for name in found}
 
     def _submitted(self, task: Task) -> Any:
-        """Future of a task; its key is nobody else's, also on a scheduler that others use."""
+        """Return the future of a task. Its key is unique, also on a scheduler that others use."""
         if self.workers_store:
             return self.client.submit(perform, task, self.directory, self.timeout, self.together, pure=False)
         return self.client.submit(compute, task, self.run, versions(), self.timeout, pure=False)
 
     def _stored(self, result: Any) -> Failures:
-        """What failed of a task that ended; what it handed back is then on disk."""
+        """Return what failed of a task that ended, after storing what it handed back."""
         if self.workers_store:
             failures: Failures = result
             return failures
@@ -113,7 +113,7 @@ class Submission:
         return failures
 
     def _outcomes(self, tasks: Iterator[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
-        """Each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
+        """Yield each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
         from distributed import KilledWorker, as_completed
         from distributed.client import FutureCancelledError
 
@@ -121,7 +121,7 @@ class Submission:
         wanted, counted = 1, -inf
 
         def submitted() -> list[Any]:
-            """Futures of the next tasks, as many as workers have room for."""
+            """Return futures of the next tasks, as many as the workers have room for."""
             nonlocal wanted, counted
             if not alone and monotonic() - counted > _SECONDS_BETWEEN_COUNTS:
                 try:
@@ -150,9 +150,9 @@ class Submission:
 class Workers:
     """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
 
-    The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
-    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them, with whose state in the
-    queue `queue_told` is called. Workers `at_home` were started here, and store their blocks in the output directory
+    The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
+    A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
+    state of the jobs in the queue. Workers `at_home` were started here and store their blocks in the output directory
     themselves; others hand them back.
     """
 
@@ -181,7 +181,7 @@ class Workers:
 
 
 def workers_of(given: object) -> Workers:
-    """Workers of a number of processes, a dask client, or a cluster file or its content; raises InputError."""
+    """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
         return Workers(int(given))
     if is_client(given):
@@ -209,7 +209,7 @@ def check(workers: Workers, directory: Path) -> None:
 
 @contextmanager
 def started(workers: Workers, directory: Path) -> Iterator[Workers]:
-    """Workers with a client, for as long as they are needed: local ones and jobs are started, a cluster connected."""
+    """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
     if workers.client is not None or workers.in_this_process:
         yield workers
     elif workers.cluster is not None:
@@ -226,7 +226,7 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
 
 
 def held(finished: shards.Finished) -> dict[str, list[Range]]:
-    """Ranges of realisations that finished blocks are named after, by identity of the problem."""
+    """Return the ranges of realisations in the names of finished blocks, by identity of the problem."""
     ranges: dict[str, list[Range]] = {}
     for name in finished:
         identity, *numbers = name.rsplit("-", 2)
@@ -236,10 +236,10 @@ def held(finished: shards.Finished) -> dict[str, list[Range]]:
 
 
 def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:
-    """Perform tasks, and give the number of blocks that ended, with what failed, each time that some have.
+    """Perform tasks, and yield how many blocks ended and which of them failed, each time that some have.
 
     Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
-    then is kept. So it is if the generator is closed before its end.
+    then is kept, as it is if the generator is closed early.
     """
     make_folder(directory / shards.FOLDER)
     shards.remove_unreadable(directory)  # their blocks are among the tasks

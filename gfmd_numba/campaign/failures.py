@@ -62,7 +62,7 @@ def forget(directory: Path, name: str) -> None:
 
 
 def of(directory: Path, name: str) -> Failure | None:
-    """Failure of a block, None if there is none that can be read."""
+    """Return the failure of a block, None if there is none that can be read."""
     found = json_file.read(path_of(directory, name))
     status, reason = found.get("status"), found.get("reason")
     return (
@@ -71,5 +71,5 @@ def of(directory: Path, name: str) -> Failure | None:
 
 
 def path_of(directory: Path, name: str) -> Path:
-    """File in which the failure of a block is kept."""
+    """Return the file in which the failure of a block is kept."""
     return directory / shards.FOLDER / f"{name}{_SUFFIX}"

@@ -1,4 +1,4 @@
-"""What a run is to reach: relative errors of variables in the limit, and the processor time it may take."""
+"""What a campaign is to find: the variable that is fitted, errors of variables in the limit, and a budget of time."""
 
 from collections.abc import Collection, Iterable, Mapping
 from math import inf
@@ -71,7 +71,7 @@ class Goal(BaseModel):
 
 
 def goal_of(until: object, budget: object = None) -> Goal:
-    """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
+    """Return the goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
     targets = until if isinstance(until, Mapping) else {}
     if unknown := [name for name in targets if name not in LIMITED]:
         hint = nearest(unknown[0], LIMITED)
@@ -93,7 +93,7 @@ def goal_of(until: object, budget: object = None) -> Goal:
 
 
 def seconds_of(given: object) -> float | None:
-    """Seconds of a number or of a text like `20min` or `90 s`; None if it is no time above 0."""
+    """Return the seconds in a number or in a text like `20min` or `90 s`; None if that is no time above 0."""
     try:
         seconds = float(cast(Any, given)) if not isinstance(given, bool) else None
     except (TypeError, ValueError):
@@ -129,19 +129,19 @@ class Fit(BaseModel):
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the fit itself is told."""
+        """Arguments of the fit itself."""
         return self.model_dump(mode="json", exclude_none=True)
 
     def with_target(self, target: Mapping[str, float] | None) -> "Fit":
-        """The same, of the first variable of a target if the file names none to be fitted."""
+        """Return the same for the first variable of a target, if the file does not say what is fitted."""
         if target is None or "variable" in self.model_fields_set:
             return self
         return self.model_copy(update={"variable": next(iter(target))})
 
     def check(self, n_steps: int, place: Location) -> None:
-        """Raise a located error if what is fitted is not there along a path of so many steps after the first one.
+        """Raise a located error if the variable or step does not exist on a path of `n_steps` after the first loading.
 
-        The variable stands at a place in the file.
+        `place` is where the variable stands in the file.
         """
         if self.variable in PATH_OBSERVABLES and n_steps == 0:
             raise broken_rule(place, "what a single contact has, as this campaign has no path")
@@ -156,15 +156,15 @@ class Fit(BaseModel):
 
 
 def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: Fit, place: Location) -> None:
-    """Raise InputError for a target, at a place in the file, that has no limit where these discretisations vary."""
+    """Raise InputError for a target, at a place in the file, without a limit in the discretisations that vary."""
     if why := unheld(LIMITED[fit.variable], scene, varied):
         raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
 
 
 def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
-    """Raise InputError if none of some scenes, followed to an order in the slope, has what a path is fitted for.
+    """Raise InputError unless one of the scenes, each with its order in the slope, records what is fitted.
 
-    The variable stands at a place in the file.
+    `place` is where the variable stands in the file.
     """
     scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
     if LIMITED[fit.variable].needs_hardness and all(scene.interface.hardness is None for scene, _ in scenes):

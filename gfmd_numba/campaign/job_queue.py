@@ -66,7 +66,7 @@ class QueueState:
 
 
 def columns_of(printed: str) -> list[list[str]]:
-    """Columns of every job that squeue has printed."""
+    """Return the columns of every job that squeue has printed."""
     return [line.split(maxsplit=2) for line in printed.strip().splitlines()]
 
 
@@ -112,12 +112,11 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
 
 @contextmanager
 def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> Iterator[Any]:
-    """Client of the workers in jobs of a cluster, which print into an output directory.
+    """Yield a client of the workers in jobs of a cluster, which print into an output directory.
 
-    `told` is called with the numbers of jobs that wait and run, whenever they change.
-
-    Scheduler and workers speak TLS, and accept only who has the key of this run. Raises ConnectionError where jobs end
-    again and again before their workers come.
+    `told` is called with the numbers of jobs that wait and run, whenever they change. Scheduler and workers speak TLS
+    and accept only a process that has the key of this run. Raises ConnectionError if jobs end again and again before
+    their workers come.
     """
     folder = directory / FOLDER
     atomic_file.make_folder(folder)
@@ -155,7 +154,7 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
 
 @contextmanager
 def _security(folder: Path) -> Iterator[Any]:
-    """Key and certificate of a run, in files that nobody else can read and that do not outlive it."""
+    """Yield the key and certificate of a run, in files that nobody else can read and that do not outlive the run."""
     from distributed.security import Security
 
     for left in folder.iterdir():
@@ -198,7 +197,7 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
 
 
 class ClosingJob(SLURMJob):
-    """A job that says that it is closed: dask-jobqueue leaves it running, and a cluster does not close before it is."""
+    """A job that says when it is closed. In dask-jobqueue it stays `running`, and the cluster would wait for it."""
 
     async def close(self) -> None:
         """Cancel the job."""
@@ -227,7 +226,7 @@ class _Arrivals(SchedulerPlugin):
 class JobSupply(Adaptive):
     """Dask's adaptive scaling with demand counted in blocks, which ends idle jobs only and forgets jobs that ended.
 
-    Where jobs end again and again before a worker of theirs comes, it sets `fault` and cancels the tasks of its client.
+    If jobs end again and again before any of their workers comes, `fault` says so and the client's tasks are cancelled.
     `told` is called with the numbers of jobs that wait and run, whenever they change.
     """
 
@@ -251,7 +250,7 @@ class JobSupply(Adaptive):
         return -(-tasks // self._cores) * self._cores
 
     async def workers_to_close(self, target: int) -> list[str]:
-        """Names of the workers of jobs that are idle as a whole, so many as are too many."""
+        """Names of the workers of those surplus jobs that are idle as a whole."""
         workers = defaultdict(list)
         for worker in self._queue.scheduler.workers.values():
             workers[self._job_of(str(worker.name))].append(worker)

@@ -1,4 +1,4 @@
-"""Measured surfaces of a campaign: each file is read once, and tells the dimension and the period of its cases."""
+"""Measured surfaces of a campaign. Each file is read once, and gives the dimension and the period of its cases."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,11 +25,11 @@ _UNITS = {"m": "m", "1": "L_x"}
 
 @dataclass(frozen=True)
 class MeasuredScene:
-    """What the files of a scene tell: its dimension, its period L_x in m (None: lengths are in L_x), and its surfaces.
+    """What the files of a scene give: its dimension, its period L_x in m (None: lengths are in L_x), and its surfaces.
 
-    A rigid punch is `punch`, in g L_x, with its rms gradient g. Where topographies are followed, `surfaces` has all
-    that were measured, by their places, and their faults stand at places of the `document`. Sentences say what was
-    `done` to the heights, and which `doubts` make them implausible.
+    A rigid `punch` is in g L_x and stands with its rms gradient g. For rough bodies, `surfaces` has all that were
+    measured, by their places, and errors about them name places of the `document`. Sentences say what was `done` to the
+    heights, and which `doubts` there are about them.
     """
 
     dimension: int
@@ -49,7 +49,7 @@ Measurements = Mapping[Surface | None, MeasuredScene]
 
 
 def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | None, MeasuredScene]:
-    """Measured surfaces by the record of the measured punch, by None where no punch is measured; nothing without any.
+    """Return measured surfaces by the record of the measured punch; by None if only bodies were measured.
 
     Raises InputError for files that cannot be used or do not fit each other.
     """
@@ -81,12 +81,12 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
 
 
 def said_of(measured: Measurements, what: str) -> list[str]:
-    """What was `done` to measured surfaces, or the `doubts` about them, each sentence once."""
+    """Return what was `done` to measured surfaces, or the `doubts` about them, each sentence once."""
     return list(dict.fromkeys(sentence for each in measured.values() for sentence in getattr(each, what)))
 
 
 def _measured(scene: Scene, surfaces: MeasuredSurfaces, document: Document, name: str) -> MeasuredScene:
-    """What files tell of a scene, whose punch has a `name` if a grid varies it."""
+    """Return what the files of a scene give; its punch has a `name` if a grid varies it."""
     punch = None if scene.follows_topography else _punch(surfaces[PUNCH], scene.roughness, document)
     of_punch = f" ({name})" if name else ""
 
@@ -125,9 +125,9 @@ def _check_unit(
 
 
 def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurfaces]:
-    """Scene of the dimension and period that a record of the punch tells, and its measured surfaces.
+    """Return the scene with the dimension and period of the file of its punch, and its measured surfaces.
 
-    An InputError names the value that is to blame: one of the grid rather than the file, if all is well without it.
+    An InputError names a value of the grid rather than the file, if the file can be used without that value.
     """
     file = ("scene", *FILE)
     assert record.file is not None  # the campaign's promise

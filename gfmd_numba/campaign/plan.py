@@ -1,4 +1,4 @@
-"""What a campaign comes to: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
+"""The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -41,7 +41,7 @@ class Plan:
     measured: Measurements = field(default_factory=dict)
 
     def changed(self, **update: Any) -> "Plan":
-        """Plan of the campaign with other values of its keys."""
+        """Return the plan of the campaign with other values of its keys."""
         campaign = self.campaign.model_copy(update=update)
         return replace(self, campaign=campaign, cases=expand(campaign, self.measured, self.document))
 
@@ -52,11 +52,11 @@ class Plan:
 
     @property
     def blocks(self) -> Iterator[Block]:
-        """All blocks of work, as long as nothing is finished."""
+        """All blocks of work of a run that begins anew."""
         return (block for problem in self.problems for block in blocks(problem, self.demand[problem.identity]))
 
     def blocks_in(self, directory: Path) -> list[Block]:
-        """All blocks of work in an output directory, whose finished shards are taken as they are."""
+        """Return all blocks of work in an output directory; those of finished shards stay as they are."""
         return list(split(self.cases, held(Finished(directory))))
 
     @cached_property
@@ -76,7 +76,7 @@ class Plan:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """What became of the effects of all scenes, each sentence once."""
+        """What became of the effects of all scenes, each once."""
         return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
 
     @property
@@ -94,19 +94,19 @@ class Plan:
 
     @property
     def file_bytes(self) -> int:
-        """Size of the results, before compression."""
+        """Size of the results in bytes, before compression."""
         n_loads = self.problems[0].n_loads
         rows = len(OBSERVABLES) + (len(PATH_OBSERVABLES) if n_loads > 1 else 0)
         return 8 * rows * n_loads * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:
-        """Largest memory a block asks of its worker."""
+        """Largest memory in bytes that a block takes of its worker."""
         return _largest(self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:
-        """How many cases have the problem of another one, by the parameters in which the two differ."""
+        """How many cases share the problem of another case, by the parameters in which the two differ."""
         if len(self.problems) == len(self.cases):
             return {}
         columns = coordinates(self.cases)
@@ -122,22 +122,22 @@ class Plan:
         return dict(reasons)
 
     def only(self, conditions: Mapping[str, str]) -> list[Case]:
-        """Cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
+        """Return the cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
         return meeting(self.cases, conditions)
 
     def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
-        """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""
+        """Return the cost of the contacts on this machine, from a pilot of at most `budget` s; tell its progress."""
         wanted = [self.demand[problem.identity] for problem in self.problems]
         return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout, told)
 
     def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
-        """Time in s that workers need for some processor time: at least that of the longest block."""
+        """Return the time in s that workers need for some processor time, at least that of the longest block."""
         longest = max(cost.seconds[block.problem.identity] * (block.stop - block.first) for block in self.blocks)
         return max(cpu_seconds / max(1, workers), longest)
 
 
 def plan(source: Source | Campaign, target: Mapping[str, float] | None = None) -> Plan:
-    """Plan of a campaign file or mapping, with another target if one is given; raises InputError."""
+    """Return the plan of a campaign file or mapping, with another target if one is given; raises InputError."""
     campaign, document = load_campaign(source, target)
     measured = measured_scenes(campaign, document)
     scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in measured.values()}

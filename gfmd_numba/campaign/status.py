@@ -1,4 +1,4 @@
-"""How far a campaign is, from what lies in its output directory."""
+"""How far a campaign is, and whether its files are sound, from what lies in its output directory."""
 
 import time
 from collections.abc import Sequence
@@ -22,9 +22,9 @@ from gfmd_numba.text.shell import word
 
 @dataclass(frozen=True)
 class Progress:
-    """Blocks of a campaign: in all, done and failed; `seconds_left` is None where nothing tells.
+    """Blocks of a campaign: in all, done and failed; `seconds_left` is None if it cannot be estimated.
 
-    `retry` is the command that runs the failed ones again, in one process.
+    `retry` has the command that runs each failed block again, in one process.
     """
 
     campaign: str
@@ -38,9 +38,9 @@ class Progress:
 
 @dataclass(frozen=True)
 class Verdict:
-    """How many blocks are sound or missing, and the names of those damaged, or none of this campaign's.
+    """How many blocks are sound or missing, and the names of `damaged` ones and of `foreign` ones of other campaigns.
 
-    `altered` are other files that are not as a run left them, with what they are and what to do.
+    `altered` has other files that are not as a run left them, with what they are and what to do.
     """
 
     sound: int
@@ -51,16 +51,13 @@ class Verdict:
 
 
 def campaign_in(directory: Path) -> Plan:
-    """Plan of the campaign whose output directory this is, with the realisations of its last round if it has rounds.
-
-    Raises InputError.
-    """
+    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
     check_label(directory)
     return rounds.as_decided(directory)
 
 
 def progress(directory: Path) -> Progress:
-    """Progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
+    """Return the progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
     planned = campaign_in(directory)
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
@@ -100,7 +97,7 @@ def progress(directory: Path) -> Progress:
 def verify(directory: Path) -> Verdict:
     """Compare the files of the campaign in a directory with their digests.
 
-    Raises InputError, AlteredError where it is not sure which campaign they are of.
+    Raises InputError, and AlteredError if it is not sure to which campaign they belong.
     """
     planned = campaign_in(directory)
     expected = {block.name for block in planned.blocks_in(directory)}
@@ -124,7 +121,7 @@ _OTHERS = "a file that gfmd did not write, or that was changed since"
 
 
 def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
-    """Notes and results that are not as a run left them, with what they are and what to do."""
+    """Return the notes and results that are not as a run left them, with what they are and what to do."""
     found = {}
     notes = (directory / NOTES, directory / rounds.FILE, *(failures.path_of(directory, b.name) for b in planned.blocks))
     for note in notes:
@@ -150,7 +147,7 @@ def _retry(directory: Path, block: Block) -> str:
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
-    """Realisations (case) from the first one up to which all have ended, but no less than the fewest (case)."""
+    """Return how many realisations (case) have ended, without a gap after the first, but at least the fewest (case)."""
     reach: dict[str, int] = {}
     stopped: set[str] = set()
     stored = Finished(directory)
@@ -166,7 +163,7 @@ def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]
 
 
 def seconds_per_price(planned: Plan, directory: Path) -> float | None:
-    """Processor time in s over the price, of all shards of a plan; None where none tells."""
+    """Return processor time in s over price of all shards of a plan; None without shards."""
     seconds = price = 0.0
     stored = Finished(directory)
     for block in planned.blocks_in(directory):
@@ -178,6 +175,6 @@ def seconds_per_price(planned: Plan, directory: Path) -> float | None:
 
 
 def unused(planned: Plan, directory: Path) -> int:
-    """Number of simulations in a directory that are of a plan's problems, and more than it asks for."""
+    """Return the number of simulations in a directory that are of a plan's problems, but more than it asks for."""
     reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
     return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())

@@ -1,4 +1,4 @@
-"""A campaign that runs until its limit is known to a relative error: a pilot, and rounds that results decide."""
+"""A campaign that runs until its limit is known to a relative error: a pilot, then rounds decided by the results."""
 
 from collections.abc import Callable, Generator
 from contextlib import AbstractContextManager, ExitStack, closing
@@ -46,7 +46,7 @@ Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run has left: its file, what failed, the rounds, and how many solved realisations were not asked for."""
+    """The outcome of a run: its file, what failed, the rounds, and how many solved realisations were not asked for."""
 
     results: Path
     failures: Failures
@@ -61,7 +61,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class FirstDecision:
-    """What a pilot has led to: its rounds, the last of which has not run unless they ended, and that one's plan."""
+    """The outcome of a pilot: its rounds, the last of which has not run unless they ended, and the plan of that one."""
 
     rounds: Rounds
     planned: Plan
@@ -85,7 +85,7 @@ def run_until(
     choice: Choice = ALL,
     told: Told | None = None,
 ) -> Outcome:
-    """Run a campaign round after round until its limit has a relative error, with as many realisations as it takes.
+    """Run a campaign round after round until its limit has a relative error, with as many realisations as needed.
 
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
     InterruptedRunError for Ctrl-C after the pilot.
@@ -98,7 +98,7 @@ def run_until(
 def each_round(
     source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers = TWO_WORKERS
 ) -> Generator[Outcome, None, None]:
-    """Run a campaign as `run_until` does, and yield what there is after each round, before the next one begins.
+    """Run a campaign as `run_until` does, and yield the outcome after each round, before the next one begins.
 
     If you take no more rounds, the run stops there, and a later one goes on from it. Raises as `run_until` does.
     """
@@ -121,7 +121,7 @@ def first_decision(
 def _prepared(
     source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
 ) -> "_Run":
-    """Run that can be, with `others` of its fields: raises InputError for a goal or workers that cannot."""
+    """Return a run with `others` of its fields; raises InputError for a goal or workers that cannot be."""
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
@@ -142,16 +142,16 @@ class _Run:
     told: Told | None = None
 
     def of(self, now: Round) -> Plan:
-        """Plan of a round."""
+        """Return the plan of a round."""
         return in_round(self.planned, now)
 
     def claimed(self) -> AbstractContextManager[None]:
-        """Hold the directory for the run; raises InputError if it is not to be had."""
+        """Hold the directory for the run; raises InputError if that cannot be done."""
         document = self.planned.document
         return claimed(self.directory, self.planned.campaign.name, document.text, document.folder)
 
     def first_round(self) -> FirstDecision:
-        """Run the pilot alone, and give what it decides."""
+        """Run the pilot alone, and return what it decides."""
         with closing(self.states()) as states:
             next(states)
             state = next(states)
@@ -181,7 +181,7 @@ class _Run:
             raise InterruptedRunError(self.collected(interrupted, partial)) from None
 
     def each_round(self) -> Generator[Outcome, None, None]:
-        """Run rounds until they end, or are no longer asked for."""
+        """Run rounds until they end, and yield the outcome of each."""
         with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states()) as states:
             next(states)
             for state in states:
@@ -218,14 +218,14 @@ class _Run:
         yield state
 
     def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
-        """Blocks of a round that are to be done, and the number of others."""
+        """Return the blocks of a round that are to be done, and the number of others."""
         planned = self.of(state.now)
         blocks = planned.blocks_in(self.directory)
         todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
         return todo, len(blocks) - len(todo)
 
     def _judged(self, state: Rounds, planned: Plan) -> Rounds:
-        """Rounds with what the last one has found, and with one more or ended."""
+        """Return the rounds with what the last one has found, and with one more or ended."""
         if state.seconds_per_price is None:
             state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
         results = read_results(collect(planned, self.directory))
@@ -262,7 +262,7 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
 
 
 def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
-    """Rounds of an earlier run with the same goal, to be gone on with; else those of a new one, its pilot."""
+    """Return the rounds of an earlier run with the same goal, which go on; else those of a new run, its pilot."""
     campaign = described(planned)["campaign_sha256"]
     found = rounds.read(directory)
     same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
@@ -274,7 +274,7 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
 
 
 def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds:
-    """Rounds that end before the last one if its levels, which are ours, do not fit the memory."""
+    """Return the rounds, ended before the last one if the levels that gfmd chose for it do not fit the memory."""
     try:
         if todo:
             check_room(todo, workers)

@@ -86,7 +86,7 @@ _OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # whic
 
 
 def dataset(points: Iterable[Point]) -> xr.Dataset:
-    """Studies as a dataset over (point), for netCDF, without columns that no point has."""
+    """Return studies as a dataset over (point), for netCDF, without columns that no point has."""
     rows = list(points)
     found = xr.Dataset()
     for name, long_name in COLUMNS.items():
@@ -97,7 +97,7 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
 
 
 def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> float:
-    """Rms error of the surfaces that ended ok or, where it is a bias that counts, of their mean; nan if unknown.
+    """Return the rms error of the surfaces that ended ok, or of their mean if it is a bias that counts; nan if unknown.
 
     Of values [realisation, step] it is the largest over the steps at which most surfaces are known.
     """
@@ -116,7 +116,7 @@ def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> fl
 
 
 def sampling_error(values: Reals, number: int) -> float:
-    """Relative standard error of the mean of a number of surfaces, along a path the largest; nan if unknown."""
+    """Return the relative standard error of the mean of a number of surfaces, the largest of a path; nan if unknown."""
     if values.ndim == 2:
         return _largest(sampling_error(values[:, i], number) for i in _known_steps(values))
     known = values[np.isfinite(values)]
@@ -135,13 +135,13 @@ def _largest(errors: Iterable[float]) -> float:
 
 
 def measured(problem: Problem, realisations: int) -> Measures:
-    """Measures [realisation], solved in blocks as a run does it: their memory is bounded."""
+    """Return measures [realisation], solved in blocks as in a run, so that their memory is bounded."""
     parts = [path_measures.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
-    """Return the path of a problem, each step of which is walked in so many equal ones."""
+    """Return the path of a problem with each step divided into equal ones."""
     steps = [LoadStep(problem.load, (0.0,) * len(problem.surface.shape)), *problem.path]
     return tuple(
         LoadStep(
@@ -154,7 +154,7 @@ def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
 
 
 def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
-    """Work-precision studies of the first reference case of a campaign, one thread, in this process.
+    """Yield the work-precision studies of the first reference case of a campaign, with one thread, in this process.
 
     Without `realisations` a study has 16, fewer on a large grid or along a path, but 4 at least. Raises InputError for
     a campaign of measured surfaces, or with tractions from a file.
@@ -170,7 +170,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
 
 
 def study_of(planned: Plan, realisations: int | None = None) -> "Study":
-    """Study of the first reference case of a campaign; raises as `studies` does."""
+    """Return the study of the first reference case of a campaign; raises as `studies` does."""
     check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.numerics)
     case = next(case for case in planned.cases if case.limit == "reference")
     if realisations is None:
@@ -307,7 +307,7 @@ class Study:
             yield self.point("load steps", "each step divided", number, self._divided(number), exact, of_means=True)
 
     def _divided(self, number: int) -> Measures:
-        """Measures at the steps of the path, each of which is walked in so many equal ones."""
+        """Return measures at the steps of the path, each of which is divided into equal ones."""
         values = self.run(replace(self.problem, path=divided(self.problem, number)))
         return {name: each[:, ::number] if each.ndim == 2 else each for name, each in values.items()}
 
@@ -338,7 +338,7 @@ class Study:
             yield self.point(*study, aspect_ratio, half_space, slab, of_means=True)
 
     def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> Measures:
-        """Measures of so many surfaces, and the seconds that one takes."""
+        """Return the measures of surfaces, and the seconds that one takes."""
         number = self.realisations if realisations is None else realisations
         if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
             settings = {"time_step": None, "damping": None} | settings  # the other solver's own
@@ -359,7 +359,7 @@ class Study:
         estimator: tuple[str, str] | None = None,
         of_means: bool = False,
     ) -> Point:
-        """Error against the exact values, of an estimator against the best one, and what the setting costs."""
+        """Return the error against the exact values, or of an estimator against the best one, and the cost."""
         variable = _variable(exact)
         name, best = estimator or (variable, variable)
         known = self.of_path if values is not exact else ()
@@ -377,7 +377,7 @@ class Study:
         )
 
     def _next_order(self, values: Measures) -> float:
-        """Mean over the surfaces of what the next order would add to a displacement (L_x), the largest of a path."""
+        """Return the mean of what the next order would add to a displacement (L_x), the largest of a path."""
         surface = self.problem.surface
         if not isinstance(surface, SummedSurface):
             return nan

@@ -2,7 +2,6 @@
 
 import ctypes
 import faulthandler
-import hashlib
 import signal
 import threading
 import time
@@ -106,14 +105,11 @@ Measured = dict[str, shards.Arrays]  # by name of the block
 _installed = cache(versions)
 
 
-def perform(task: Task, directory: Path, timeout: float | None, together: int = 1, mortal: bool = True) -> Failures:
-    """Solve blocks one after another, store their measures, so many blocks `together`, and return what failed.
+def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
+    """Solve blocks in this process, store their measures, so many blocks `together`, and return what failed.
 
-    Blocks that are stored and sound are left alone. A `mortal` process ends itself if nothing else stops a block after
-    `timeout` seconds. Raises OSError, because a disk that fails one block fails them all.
+    Blocks that are stored and sound are left alone. Raises OSError, because a disk that fails one block fails them all.
     """
-    if mortal:
-        keep_freed_memory()
     failures: Failures = {}
     for first in range(0, len(task), together):
         some = task[first : first + together]
@@ -122,19 +118,18 @@ def perform(task: Task, directory: Path, timeout: float | None, together: int = 
         finished: Measured = {}
         try:
             for block in some:
-                late = trace(directory, block.name) if mortal else None
-                _sort(block, _outcome(block, timeout, late), finished, failures)
+                _sort(block, _outcome(block, timeout), finished, failures)
         finally:  # also what an interrupt leaves
             shards.store(directory, finished)
     return failures
 
 
 def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
-    """Solve blocks one after another and return their measures and what failed, without the output directory.
+    """Solve blocks on a worker and return their measures and what failed, without the output directory.
 
-    A block that takes longer than `timeout` seconds leaves a trace in this machine's folder of temporary files, under
-    the name of the `run`. A process that finds the trace does not try the block again. Raises InputError on a worker
-    whose packages have other versions than `expected`.
+    A block that takes longer than `timeout` seconds ends the process, which leaves a trace in this machine's folder of
+    temporary files, under the name of the `run`. A process that finds the trace does not try the block again. Raises
+    InputError on a worker whose packages have other versions than `expected`.
     """
     if wrong := difference(_installed(), expected):
         raise InputError(f"cluster: you gave a worker with {wrong}")
@@ -142,14 +137,14 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     finished: Measured = {}
     failures: Failures = {}
     for block in task:
-        late = _own_trace(run, block.name)
+        late = _trace(run, block.name)
         _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), finished, failures)
     return finished, failures
 
 
 def expired_here(run: str, names: Iterable[str]) -> list[str]:
     """Return the blocks that took too long and so ended a process of this machine in `compute`, and forget them."""
-    return [name for name in names if expired(_own_trace(run, name))]
+    return [name for name in names if expired(_trace(run, name))]
 
 
 def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
@@ -158,29 +153,22 @@ def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
     return [block for block in blocks if not finished.is_sound(block.name)]
 
 
-def trace(directory: Path, name: str) -> Path:
-    """Return the file in an output directory in which a process that ends itself names the block it was working on."""
-    return atomic_file.temporary(
-        directory / shards.FOLDER / f"{name}.late", hashlib.sha256(name.encode()).hexdigest()[:16]
-    )
-
-
 def too_long(timeout: float | None) -> Failure:
     """Return the failure of a block that took longer than `timeout` seconds."""
     return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
 
 
-def _own_trace(run: str, name: str) -> Path:
+def _trace(run: str, name: str) -> Path:
     return Path(gettempdir()) / f"gfmd-{run}-{name}.late.tmp"
 
 
-def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.Arrays | Failure:
+def _outcome(block: Block, timeout: float | None, late: Path | None = None) -> shards.Arrays | Failure:
     """Return the measures of a block, or why there are none."""
     try:
         with watched(timeout, late):
             begun = time.thread_time()
             measures = measured(block.problem, range(block.first, block.stop))
-            count = block.stop - block.first
+            count = block.size
             return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
     except TooLongError:
         return too_long(timeout)

@@ -82,6 +82,11 @@ class Block:
     stop: int
 
     @property
+    def size(self) -> int:
+        """Number of its realisations."""
+        return self.stop - self.first
+
+    @property
     def name(self) -> str:
         """File name of its shard, without suffix."""
         return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"

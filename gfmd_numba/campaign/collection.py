@@ -14,7 +14,7 @@ from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
-from gfmd_numba.campaign.failures import SENTENCES, Outcome
+from gfmd_numba.campaign.failures import SENTENCES, Ending
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
@@ -165,17 +165,17 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         part = stored.read(block.name)
         if part is None:
             failure = failures.of(directory, block.name)
-            status = Outcome.unfinished if failure is None else Outcome[failure.status]
-            part = _nothing(problem, block.stop - block.first, status)
-        asked, solved = realisations - block.first, block.stop - block.first  # the shard may hold more
+            status = Ending.unfinished if failure is None else Ending[failure.status]
+            part = _nothing(problem, block.size, status)
+        asked, solved = realisations - block.first, block.size  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
         parts[-1][SECONDS] = part[SECONDS] * min(1.0, asked / solved)
     if longest > realisations:
-        parts.append(_nothing(problem, longest - realisations, Outcome.not_asked))
+        parts.append(_nothing(problem, longest - realisations, Ending.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def _nothing(problem: Problem, count: int, status: Outcome) -> Measures:
+def _nothing(problem: Problem, count: int, status: Ending) -> Measures:
     nothing: Measures = {
         name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
         for name, row in (OBSERVABLES | ROUGH_BODY_OBSERVABLES | PATH_OBSERVABLES).items()

@@ -30,8 +30,6 @@ from gfmd_numba.text.input_error import InputError
 
 UNITS = "operations: n log2 n of the grid, and 2^15 for the call, for every transform of a realisation"
 _CALL = 2.0**15  # profiles of 512 to 131072 points take the same time per unit within a quarter
-Told = Callable[[float], None]  # of the share of something long that is done
-
 _SAMPLES, _MOST_REALISATIONS = 2**17, 16  # nodes solved at a time in the pilot, as far as they are contacts
 _LEAST_PILOTS, _MOST_PILOTS = 4, 32
 _LEAST_NODES = 2**12  # of a smaller problem in place of one that takes too long: below, calls take the time
@@ -97,7 +95,6 @@ def predict(
     budget: float,
     warm: Callable[[list[Problem]], None],
     timeout: float | None = None,
-    told: Told | None = None,
 ) -> Cost:
     """Predict the cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
@@ -129,8 +126,6 @@ def predict(
                 warm(problems)
                 warmed = True
             known.learn(chosen, row, timeout)
-        if told is not None:
-            told(min(1.0, known.spent / (known.spent + left)))
     if warmed:
         remember(known.memory)
     return _cost(problems, x, weight, found, known)

@@ -222,8 +222,7 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
     if 2.0 * further.interactions**2 > least.error**2:
         return UnusableDataError(
             f"{left}, as no cross level tells whether corrections add up; gfmd allows a larger target, or a cross "
-            "level "
-            "for every pair of limits under `limits: {cross: ...}`"
+            "level for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(

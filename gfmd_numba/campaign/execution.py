@@ -14,13 +14,12 @@ from uuid import uuid4
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.block_work import (
     Failures,
+    Measured,
     Task,
     compute,
-    expired,
     expired_here,
     perform,
     too_long,
-    trace,
     unfinished,
 )
 from gfmd_numba.campaign.cases import Block, Range
@@ -49,7 +48,7 @@ _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many 
 
 @dataclass(frozen=True)
 class Submission:
-    """Tasks on the workers of a dask client, which store their blocks themselves or hand them back.
+    """Tasks on the workers of a dask client, which hand their blocks back, so that they need no output directory.
 
     Up to `most` workers are kept busy, or more if there are more.
     """
@@ -58,7 +57,6 @@ class Submission:
     directory: Path
     timeout: float | None
     together: int
-    workers_store: bool
     most: int
     run: str = field(default_factory=lambda: uuid4().hex)
 
@@ -88,25 +86,13 @@ class Submission:
     def _late(self, blocks: list[Block]) -> set[str]:
         """Return the names of those blocks that took longer than the timeout."""
         names = [block.name for block in blocks]
-        if self.workers_store:
-            return {name for name in names if expired(trace(self.directory, name))}
         if not names or self.timeout is None:
             return set()
         told = self.client.run(expired_here, self.run, names, on_error="ignore")
-        return {name for found in told.values() for name in found}
+        return {name for found in (expired_here(self.run, names), *told.values()) for name in found}
 
-    def _submitted(self, task: Task) -> Any:
-        """Return the future of a task. Its key is unique, also on a scheduler that others use."""
-        if self.workers_store:
-            return self.client.submit(perform, task, self.directory, self.timeout, self.together, pure=False)
-        return self.client.submit(compute, task, self.run, versions(), self.timeout, pure=False)
-
-    def _stored(self, result: Any) -> Failures:
-        """Return what failed of a task that ended, after storing what it handed back."""
-        if self.workers_store:
-            failures: Failures = result
-            return failures
-        measured, failures = result
+    def _stored(self, measured: Measured, failures: Failures) -> Failures:
+        """Store what a task handed back, and return what failed of it."""
         names = list(measured)
         for first in range(0, len(names), self.together):
             shards.store(self.directory, {name: measured[name] for name in names[first : first + self.together]})
@@ -129,7 +115,8 @@ class Submission:
                 except OSError:
                     raise ConnectionError(_NO_SCHEDULER) from None
             some = list(islice(tasks, max(0, wanted - len(at_work))))
-            new = [self._submitted(task) for task in some]
+            of_all = self.run, versions(), self.timeout
+            new = [self.client.submit(compute, task, *of_all, pure=False) for task in some]  # keys are nobody else's
             at_work.update((future.key, task) for future, task in zip(new, some, strict=True))
             return new
 
@@ -137,7 +124,7 @@ class Submission:
         for future in futures:
             failures: Failures | None
             try:
-                failures = self._stored(future.result())
+                failures = self._stored(*future.result())
             except KilledWorker:
                 failures = None
             except FutureCancelledError:
@@ -152,8 +139,7 @@ class Workers:
 
     The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
     A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
-    state of the jobs in the queue. Workers `at_home` were started here and store their blocks in the output directory
-    themselves; others hand them back.
+    state of the jobs in the queue.
     """
 
     count: int = 2
@@ -162,7 +148,6 @@ class Workers:
     client: Any = None
     cluster: Cluster | None = None
     queue_told: "QueueTold | None" = None
-    at_home: bool = False
 
     @property
     def in_this_process(self) -> bool:
@@ -172,7 +157,7 @@ class Workers:
     @property
     def elsewhere(self) -> bool:
         """Whether the work is done by a dask cluster that this run did not start on this machine."""
-        return not ((self.address is None and self.client is None and self.cluster is None) or self.at_home)
+        return not (self.address is None and self.client is None and self.cluster is None)
 
     @property
     def most(self) -> int:
@@ -222,7 +207,7 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
             yield replace(workers, client=client)
     else:
         with local(workers.count) as client:
-            yield replace(workers, client=client, at_home=True)
+            yield replace(workers, client=client)
 
 
 def held(finished: shards.Finished) -> dict[str, list[Range]]:
@@ -248,10 +233,10 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
     together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
     if workers.in_this_process:
         for task in tasks:
-            yield len(task), perform(task, directory, timeout, together, mortal=False)
+            yield len(task), perform(task, directory, timeout, together)
         return
     with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
-        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.at_home, begun.most)
+        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
         with closing(submission.ended(tasks)) as ended:
             yield from ended
 

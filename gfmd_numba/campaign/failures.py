@@ -10,7 +10,7 @@ from gfmd_numba.solvers.status import Status
 from gfmd_numba.storage import json_file
 
 
-class Outcome(IntEnum):
+class Ending(IntEnum):
     """How a simulation ended; only `ok` results are used."""
 
     ok = Status.ok.value
@@ -27,20 +27,20 @@ class Outcome(IntEnum):
 
 
 SENTENCES: dict[IntEnum, str] = {
-    **{Outcome(ended): sentence for ended, sentence in status.SENTENCES.items()},
-    Outcome.timeout: (
+    **{Ending(ended): sentence for ended, sentence in status.SENTENCES.items()},
+    Ending.timeout: (
         "The block took longer than case_timeout: raise it, and run the block again with `gfmd run --retry-failed`."
     ),
-    Outcome.crashed: (
+    Ending.crashed: (
         "The program or its worker broke down: `gfmd status` gives the reason and the command that runs it again."
     ),
-    Outcome.unfinished: "The simulation has not run yet: `gfmd run` resumes.",
-    Outcome.not_asked: "The case has fewer realisations than others: nothing is missing.",
+    Ending.unfinished: "The simulation has not run yet: `gfmd run` resumes.",
+    Ending.not_asked: "The case has fewer realisations than others: nothing is missing.",
 }
 
 
 _SUFFIX = ".failed"
-_OUTCOMES = (Outcome.crashed.name, Outcome.timeout.name)
+_OF_BLOCKS = (Ending.crashed.name, Ending.timeout.name)
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,7 @@ def of(directory: Path, name: str) -> Failure | None:
     """Return the failure of a block, None if there is none that can be read."""
     found = json_file.read(path_of(directory, name))
     status, reason = found.get("status"), found.get("reason")
-    return (
-        Failure(status, reason) if isinstance(status, str) and status in _OUTCOMES and isinstance(reason, str) else None
-    )
+    return Failure(status, reason) if status in _OF_BLOCKS and isinstance(reason, str) else None
 
 
 def path_of(directory: Path, name: str) -> Path:

@@ -84,8 +84,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
     if not _PLAIN.fullmatch(str(directory.resolve())):
         raise InputError(
             f"--output: you gave {brief(str(directory.resolve()))} with --cluster; gfmd allows a path of letters, "
-            "digits and "
-            "._/@+,:~- alone, as scripts of jobs name it"
+            "digits and ._/@+,:~- alone, as scripts of jobs name it"
         )
     if cluster.interface not in (None, *(here := psutil.net_if_addrs())):
         raise InputError(f"--cluster: you gave the interface {cluster.interface}; gfmd allows one of {', '.join(here)}")
@@ -105,8 +104,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
         raise InputError(
             f"--cluster: you gave jobs that SLURM refuses ({said}); gfmd allows cores, memory, walltime, partition, "
-            "account "
-            "and directives that `sinfo` and your site's rules permit"
+            "account and directives that `sinfo` and your site's rules permit"
         )
 
 

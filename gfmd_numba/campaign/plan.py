@@ -13,7 +13,7 @@ from gfmd_numba.campaign.block_work import Task
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
 from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, meeting
-from gfmd_numba.campaign.cost import Cost, Told, predict
+from gfmd_numba.campaign.cost import Cost, predict
 from gfmd_numba.campaign.doubts import check_resolved, doubt_of_bodies, unresolved
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
@@ -125,14 +125,14 @@ class Plan:
         """Return the cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
         return meeting(self.cases, conditions)
 
-    def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
-        """Return the cost of the contacts on this machine, from a pilot of at most `budget` s; tell its progress."""
+    def predicted_cost(self, budget: float) -> Cost:
+        """Return the cost of the contacts on this machine, from a pilot of at most `budget` seconds."""
         wanted = [self.demand[problem.identity] for problem in self.problems]
-        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout, told)
+        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout)
 
     def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
         """Return the time in s that workers need for some processor time, at least that of the longest block."""
-        longest = max(cost.seconds[block.problem.identity] * (block.stop - block.first) for block in self.blocks)
+        longest = max(cost.seconds[block.problem.identity] * block.size for block in self.blocks)
         return max(cpu_seconds / max(1, workers), longest)
 
 
@@ -165,8 +165,7 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
         remedy = f"a machine with {(block + PROGRAM_BYTES) / 1e9:.1f} GB free"
     raise InputError(
         f"--workers: you gave {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} "
-        "GB in "
-        f"all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
+        f"GB in all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
     )
 
 
@@ -176,18 +175,17 @@ def check_memory_of_jobs(todo: Iterable[Block], cluster: Cluster) -> None:
     if needed > cluster.memory:
         raise InputError(
             f"--cluster: you gave jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; gfmd allows a "
-            "memory of "
-            f"at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
+            f"memory of at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
         )
 
 
 def _largest(todo: Iterable[Block]) -> int:
-    return max((block_bytes(block.problem, block.stop - block.first) for block in todo), default=0)
+    return max((block_bytes(block.problem, block.size) for block in todo), default=0)
 
 
 def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
     """Group blocks into tasks of about equal predicted time, the longest blocks first."""
-    seconds = {block.name: cost.seconds[block.problem.identity] * (block.stop - block.first) for block in todo}
+    seconds = {block.name: cost.seconds[block.problem.identity] * block.size for block in todo}
     target = min(_TASK_SECONDS, sum(seconds.values()) / (_TASKS_PER_WORKER * max(1, workers)))
     grouped: list[list[Block]] = []
     filled = target

@@ -136,7 +136,7 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
 
 
 def _work(block: Block) -> float:
-    return (block.stop - block.first) * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
+    return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
 
 
 def _retry(directory: Path, block: Block) -> str:

@@ -199,7 +199,7 @@ class _Run:
         with ExitStack() as stack:
             while not state.ended:
                 todo, done = self._blocks(state, choice)
-                state = _within_memory(state, todo, workers)
+                state = _within_memory(state, todo, self.workers)
                 if state.ended:
                     break
                 yield state
@@ -208,7 +208,7 @@ class _Run:
                     workers = stack.enter_context(started(workers, self.directory))
                 planned = self.of(state.now)
                 if self.told is not None:
-                    self.told(state, planned, sum(block.stop - block.first for block in todo))
+                    self.told(state, planned, sum(block.size for block in todo))
                 progress = self.watch(len(todo) + done, done) if self.watch else None
                 if finish(planned, todo, self.directory, workers, progress, choice):
                     state = self._judged(state, planned)

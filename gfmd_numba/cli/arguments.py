@@ -24,7 +24,7 @@ def workers_option(what: str) -> Callable[[Any], Any]:
 
 
 def is_given(option: str) -> bool:
-    """Whether the command line has an option, by the name of its argument."""
+    """Return whether the command line has an option, by the name of its argument."""
     source = click.get_current_context().get_parameter_source(option)
     return source is click.core.ParameterSource.COMMANDLINE
 
@@ -109,7 +109,7 @@ conditions_option = click.option(
 
 
 def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> dict[str, float]:
-    """Return relative errors by variable, given as `kappa=2%`; one without a name is of what the campaign fits."""
+    """Return relative errors by variable, given as `kappa=2%`; an error without a name is of what the campaign fits."""
     targets: dict[str, float] = {}
     for option in options:
         name, _, number = option.rpartition("=")

@@ -106,7 +106,7 @@ def _workers(options: dict[str, Any]) -> Workers:
 
 
 def show_results(results: Path, failures: Failures, *, of_some: bool = False) -> bool:
-    """Print and draw the results of a run, `of_some` cases alone; False if some are not ok, or undrawn."""
+    """Print and draw the results of a run, `of_some` cases alone; return False if some are not ok, or undrawn."""
     import gfmd_numba
 
     told("results", results)
@@ -136,7 +136,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
 
 
 class _Numbers(NamedTuple):
-    """Simulations of a campaign by how far they are."""
+    """Numbers of simulations of a campaign: all, those to do, and those that are not ok."""
 
     asked: int
     to_do: int
@@ -151,7 +151,7 @@ class _Numbers(NamedTuple):
 
 
 def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
-    """Fit the results to their limit, print and draw it; False if the disk refuses the picture."""
+    """Fit the results to their limit, print and draw it; return False if the disk refuses the picture."""
     import gfmd_numba
 
     options = fit_options(dataset)
@@ -183,7 +183,7 @@ def _show_endings(dataset: xr.Dataset) -> None:
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
-    """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
+    """Draw the fit of a finished run, but not over somebody else's file; return False if the disk refuses it."""
     from gfmd_numba.storage.atomic_file import foreign
 
     pictures = {picture: partial(draw, dataset, fitted)}

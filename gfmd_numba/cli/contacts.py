@@ -101,7 +101,7 @@ def _show_steps(dataset: xr.Dataset) -> None:
 
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset with the stiffness since the step before, where the hard wall alone acts and the load has changed."""
+    """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
     interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
     if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
         return dataset
@@ -111,7 +111,7 @@ def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _ending(step: xr.Dataset) -> str:
-    """How a run that is not ok ended, when, and by which wave."""
+    """Return how a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
     if meaning in ("steps_used_up", "stagnated"):

@@ -1,4 +1,4 @@
-"""The command that takes a scene through loads."""
+"""The command that solves a scene at one load after another, and its table."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:
-    """Say which loads are not to be used, or that there would be more; exits with 3 or 130 then."""
+    """Say which loads are not to be used, or that the curve was interrupted; exit with 3 or 130 then."""
     failed = dataset["status"].values != 0
     if failed.any():
         loads = ", ".join(f"{load:.4g}" for load in dataset["prescribed_load"].values[failed])
@@ -146,7 +146,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
-    """Columns of the table as in the netCDF file, by name and unit."""
+    """Return the columns of the table as in the netCDF file, by name and unit."""
     view = _named(dataset)
     names = [str(name) for name in ("prescribed_load", *dataset.data_vars)]
     units = {
@@ -157,13 +157,13 @@ def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
 
 
 def _prescribed(dataset: xr.Dataset) -> str:
-    """Name of the variable that the loading prescribes."""
+    """Return the name of the variable that the loading prescribes."""
     given = str(dataset.attrs["prescribed"])
     return {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}.get(given, given)
 
 
 def _named(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset whose load has the name of what is prescribed."""
+    """Return the dataset whose load has the name of what is prescribed."""
     return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})
 
 

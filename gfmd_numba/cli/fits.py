@@ -149,7 +149,7 @@ def plot(results: Path, output: Path | None, **asked: Any) -> None:
 
 @contextmanager
 def naming(file: Path) -> Iterator[None]:
-    """Put the name of the file into what its data lack."""
+    """Name the file in errors about its data."""
     from gfmd_numba.analysis import UnusableDataError
 
     try:
@@ -168,7 +168,7 @@ def _fit(dataset: xr.Dataset, **asked: Any) -> xr.Dataset:
 def fit_options(
     dataset: xr.Dataset, fixed: tuple[Fixed, ...] = (), variable: str | None = None, exponents: str | None = None
 ) -> dict[str, Any]:
-    """Options of the fit: the campaign's own of the variable, overridden by those of the command line."""
+    """Return the options of the fit: those of the campaign, overridden by those of the command line."""
     options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
     if variable is not None:
         options["variable"] = variable

@@ -25,7 +25,7 @@ _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about
 
 
 class _Gfmd(click.Group):
-    """Turns what the user can mend into one message and an exit code."""
+    """The group of commands. It turns what the user can mend into one message and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command line, whatever standard streams are open."""
@@ -71,7 +71,7 @@ def _tell(sentence: str) -> None:
 
 
 def _allow_files() -> None:
-    """Raise the limit of open files to what workers need; raises InputError where it may not be raised so far."""
+    """Raise the limit of open files to what workers need; raises InputError if it may not be raised so far."""
     try:
         import resource
     except ImportError:  # a system without such limits
@@ -122,7 +122,7 @@ _AS_SENTENCES = (  # what click says of a value, and what gfmd says
 
 
 class RefusedCommandError(click.UsageError):
-    """A command line that is refused; it is shown as one sentence, as bad input is."""
+    """A command line that is refused, which is shown as one sentence."""
 
     def show(self, file: object = None) -> None:
         """Print the sentence to standard error."""
@@ -149,10 +149,10 @@ class UntoldError(Exception):
 
 
 class _Output(io.FileIO):
-    """Standard output whose failures cannot be taken for those of another file."""
+    """Standard output whose failures cannot be mistaken for those of another file."""
 
     def write(self, data: ReadableBuffer, /) -> int:
-        """Write, or raise UntoldError; a reader who has seen enough is none."""
+        """Write, or raise UntoldError; BrokenPipeError still says that the reader has seen enough."""
         try:
             return super().write(data)
         except BrokenPipeError:
@@ -162,7 +162,7 @@ class _Output(io.FileIO):
 
 
 def open_streams() -> None:
-    """Let closed standard streams lead nowhere: else the next file opened would take their place, and their text."""
+    """Let closed standard streams lead nowhere, or the next file opened would take their place and their text."""
     for descriptor in range(3):
         try:
             os.fstat(descriptor)
@@ -176,7 +176,7 @@ def open_streams() -> None:
 
 
 def drop_output() -> None:
-    """Let what is still to be written to a full standard output lead nowhere."""
+    """Discard what is still to be written to a full standard output."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import sys
 import time
 from collections.abc import Set
 from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,7 +53,7 @@ def check(file: Path) -> None:
 
 
 def _describes_jobs(keys: Set[object]) -> bool:
-    """Whether the keys of a file are those of a cluster, of which one may be `interface`, as in a scene."""
+    """Return whether the keys of a file are those of a cluster. A key `interface` may also be that of a scene."""
     from gfmd_numba.campaign.cluster_file import Cluster
     from gfmd_numba.scene import Scene, SceneFile
 
@@ -90,7 +90,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
 
 
 def _has_few_levels(campaign: Campaign) -> bool:
-    """Whether the fit has to be asked if it takes the levels: it is, without its imports, sure of three of each."""
+    """Return whether the fit itself must check the levels. Three of each are always enough, and need not import it."""
     known = {name for name, exponent in campaign.fit.fixed if exponent is not None}
     placed = [each.discretisation for each in campaign.discretisations() if each.discretisation is not None]
     for axis in campaign.limits.varied:
@@ -104,7 +104,7 @@ def _check_cluster(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, load_cluster
 
     cluster = load_cluster(document)
-    lacking = "" if find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
+    lacking = "" if importlib.util.find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
     return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", lacking
 
 
@@ -235,7 +235,7 @@ def doctor() -> None:
 
 
 def _examine_contact() -> str:
-    """Press a wave and compare with Westergaard: kernels compile and transforms are scaled as they should be."""
+    """Press a wave and compare with Westergaard, which shows that kernels compile and transforms are scaled rightly."""
     import numpy as np
 
     from gfmd_numba.elasticity import stiffness

@@ -1,4 +1,4 @@
-"""Commands on the output directory of a campaign: how far it is, what it holds, and whether that is sound."""
+"""Commands on the output directory of a campaign: how far it is, what it has found, and whether files are sound."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that a command writes: whether it may, and what it says of them."""
+"""Files that a command writes: whether it may write them, and how it says so."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
 
 
 def picture_path(output: Path) -> Path:
-    """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
+    """Return the name of the picture that goes with a netCDF file; raises InputError if somebody else's file has it."""
     return companion(output, "picture", ".png")
 
 
 def companion(output: Path, kind: str, suffix: str) -> Path:
-    """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
+    """Return the name of a file that goes with a netCDF file; raises InputError if somebody else's file has it."""
     from gfmd_numba.storage.atomic_file import foreign
 
     if not output.name:
@@ -112,7 +112,7 @@ def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool =
 
 
 def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
-    """Name of the second picture of a dataset, after that of the first; None where there is but one."""
+    """Return the name of the second picture of a dataset, made from that of the first; None if there is only one."""
     from gfmd_numba.analysis.plots.kinds import second_picture_of
 
     second = second_picture_of(dataset)

@@ -102,7 +102,7 @@ def _show_size(planned: Plan, workers: int) -> None:
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    """Print what a run takes: likely times and those not exceeded, of the contacts and of all else."""
+    """Print how long a run takes, likely and at most, with its contacts and everything else."""
     from gfmd_numba.campaign.overhead import UNSURE, overhead
 
     with waiting("measuring what the problems cost"):
@@ -148,7 +148,7 @@ def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
 
 
 def _show_decision(decided: FirstDecision, workers: int) -> bool:
-    """Print what a pilot has found and what follows; False if the target cannot be reached, or some blocks failed."""
+    """Print what a pilot found and what follows; return False if the target is out of reach, or some blocks failed."""
     from gfmd_numba.campaign.next_round import REACHED
 
     state, pilot = decided.rounds, decided.rounds.rounds[0]
@@ -172,7 +172,7 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
 
 
 def _show_next_round(state: Rounds, planned: Plan) -> None:
-    """Print what was decided for the round after the pilot, and of what follows only what is known."""
+    """Print what was decided for the round after the pilot, and what is known of later ones."""
     pilot, now = state.rounds
     refined = now.levels != pilot.levels
     say("round 1", f"finer levels, {levels_of(now)}" if refined else "more realisations of the same levels", width=14)

@@ -1,4 +1,4 @@
-"""How a command that takes its time shows that it is at work."""
+"""How a slow command shows that it is at work."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ _WRITING = ", writing the results"
 def waiting(what: str, total: int | None = None) -> Iterator[Callable[[], None]]:
     """Say what a command does once it has taken a second: a spinner or a bar on a terminal, a line otherwise.
 
-    Of a `total`, call what it gives after each one that is done; without a terminal every tenth has a line.
+    With a `total`, call the function that it yields after each one that is done. Without a terminal, a line is printed
+    for every tenth.
     """
     shown: list[Progress] = []
     begun, done, told = time.monotonic(), 0, 0
@@ -67,7 +68,7 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[], None]]
 def progress_bar(
     caption: Callable[[], str] = lambda: "blocks",
 ) -> Iterator[Callable[[int, int], Callable[[int], None]]]:
-    """Progress bar with a caption on a terminal, a line for every tenth of the blocks otherwise."""
+    """Show a progress bar with a caption on a terminal, or a line for every tenth of the blocks otherwise."""
     with _bars(0, disable=not sys.stderr.isatty()) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
@@ -97,7 +98,7 @@ def show_queue(state: QueueState) -> None:
 
 
 def _bars(total: int | None, **options: Any) -> Progress:
-    """Progress on standard error: a spinner without a total."""
+    """Return a progress bar on standard error, or a spinner if there is no total."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,

@@ -66,7 +66,7 @@ def unit(dataset: xr.Dataset, name: str) -> str:
 
 
 def _units(dataset: xr.Dataset, name: str, free: str) -> str:
-    """Units of a variable, that of x where it has none of its own; what stands for 1."""
+    """Return the unit of a variable; `free` stands for 1."""
     found = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
     return free if found == "1" else str(found)
 
@@ -94,7 +94,7 @@ def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
 
 
 def readable(value: float, unit: str) -> tuple[str, str]:
-    """Number and unit of a value, with a prefix where the unit may have one and the number is far from 1."""
+    """Return number and unit of a value, with a prefix if the unit may have one and the number is far from 1."""
     if not isfinite(value):
         return f"{value:.6g}", unit
     factor, name = si_prefix(abs(float(f"{value:.5e}")), unit)
@@ -102,7 +102,7 @@ def readable(value: float, unit: str) -> tuple[str, str]:
 
 
 def dimensions(scene: Scene, varied: Grid | None = None) -> str:
-    """What a scene is in metres, pascals and newtons, but for what a grid varies; nothing of one in L_x and E*."""
+    """Return the lengths, moduli and loads of a scene with units, except those that a grid varies."""
     from gfmd_numba.scene.reduced_units import quantities
 
     told = []

@@ -1,4 +1,4 @@
-"""The commands that say more of a solved contact: its distributions, what leaks through it, and what it conducts."""
+"""Commands on a solved contact: the fields in its body, its distributions, what leaks and what it conducts."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def conductance(file: Path, output: Path | None, as_json: bool) -> None:
 def _measure(
     file: Path, output: Path | None, compute: Callable[[xr.Dataset], xr.Dataset], doing: str, as_json: bool = False
 ) -> None:
-    """Compute something of the contact in a file, write and draw it where an output is given, and print its numbers."""
+    """Compute something of the contact in a file, write and draw it if an output is given, and print its numbers."""
     from gfmd_numba.campaign.results import read_results
 
     picture = None if output is None else picture_path(output)
@@ -157,7 +157,7 @@ def _measure(
 
 
 def _for_programs(value: Any) -> Any:
-    """Value of a dictionary as JSON takes it, which knows no numbers but finite ones: others become null."""
+    """Return a value of a dictionary as JSON takes it; numbers that are not finite become null."""
     if isinstance(value, dict):
         return {str(key): _for_programs(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -166,7 +166,7 @@ def _for_programs(value: Any) -> Any:
 
 
 def _show(dataset: xr.Dataset) -> None:
-    """Print what is one number a contact, or one for each step of a path."""
+    """Print the numbers of the whole contact, or those of each step of a path."""
     cells = {words: values for name in _SHOWN if name in dataset for words, values in _cells(dataset, name)}
     if "step" in dataset.dims:
         print_table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
@@ -176,7 +176,7 @@ def _show(dataset: xr.Dataset) -> None:
 
 
 def _cells(dataset: xr.Dataset, name: str) -> list[tuple[str, list[str]]]:
-    """Words and cells of a variable, by direction where it has one."""
+    """Return words and cells of a variable, for each direction if it has them."""
     words, free = _SHOWN[name]
     variable = dataset[name]
     unit = variable.attrs["units"].replace("m-1", "1/m") if variable.attrs["units"] != "1" else free
@@ -195,7 +195,7 @@ def _cell(name: str, value: float, unit: str) -> str:
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
-    """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for what is none."""
+    """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for anything else."""
     from pydantic_core import PydanticCustomError
 
     from gfmd_numba.scene.document import plain_scalar
@@ -224,7 +224,7 @@ def in_words_of_options(file: Path) -> Iterator[None]:
 
 
 def largest_stress(dataset: xr.Dataset) -> str:
-    """Return the largest von Mises stress below a map and its place, of a path that of the last step."""
+    """Return the largest von Mises stress below a map and its place, in the last step of a path."""
     last, when = (dataset.isel(step=-1), ", in the last step,") if "step" in dataset.dims else (dataset, "")
     peaks = last["peak_von_mises"].values
     if not all(map(isfinite, peaks.ravel().tolist())):

@@ -1,4 +1,4 @@
-"""Fits and means as tables on the terminal."""
+"""Fits, means and targets as tables on the terminal."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 
 def _values(parameter: xr.DataArray) -> list[str]:
-    """Return values of a parameter as cells, long names by their ends as long as these differ."""
+    """Return the values of a parameter as cells; of long names only the ends, if these differ."""
     from gfmd_numba.analysis.names import has_names, shown
 
     if not has_names(parameter):
@@ -157,7 +157,7 @@ def _parameters(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
-    """Return heading and name of each parameter; the roughness's scale only if it varies, as kappa does not know it."""
+    """Return heading and name of each parameter; the scale of roughness, on which kappa does not depend, if varied."""
     return {
         heading: name
         for heading, name in _parameters(dataset).items()
@@ -175,7 +175,7 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
 
 
 def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
-    """Return the parts of the errors of the limit, the largest of each source, and the contacts' processor time."""
+    """Return the largest part of each source in the errors of the limit, and the processor time of the contacts."""
     most = factor * fitted["error_budget"].max("group")
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
@@ -184,7 +184,7 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
-    """Return the exponent of a limit, or if they differ one for each group in their order, or their range."""
+    """Return the exponent of a limit. If groups have different ones, return them in order, or the range of many."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
     found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
@@ -202,7 +202,7 @@ def _with_errors(values: Any, errors: Any) -> list[str]:
 
 
 def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
-    """Print what a campaign has reached of its target, round by round if it ran until then; nothing without one."""
+    """Print how near a campaign came to its target, round by round if it ran in rounds; nothing without a target."""
     from gfmd_numba.analysis.arguments import targets_of
 
     targets = targets_of(dataset)
@@ -243,7 +243,7 @@ def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, flo
 
 
 def said_of_error(error: float, factor: float) -> str:
-    """Return the error after a round, and what it does not exceed with 90 % probability; nan: none is known."""
+    """Return the error after a round and its bound with 90 % probability; an error of nan is unknown."""
     if isnan(error):
         return "without an error"
     return f"error {error:.2%} (with 90 % probability below {error * factor:.2%})"
@@ -264,9 +264,9 @@ _SHOWN = (
 
 
 def show_paths(dataset: xr.Dataset) -> None:
-    """Print the means of every case: what its path lost and pulled, and what of the contact its last step left.
+    """Print the means of every case: hysteresis and pull-off of its path, and the contact after the last step.
 
-    Of a campaign with limits only the references are shown.
+    For a campaign with limits only the references are shown.
     """
     from gfmd_numba.analysis import ensemble_mean
 

@@ -1,4 +1,4 @@
-"""What stands on the terminal, within 80 columns: a label with text next to it, and tables."""
+"""Text and tables on the terminal, within 80 columns."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SPACE = "\0"  # within a command, where no line may end: printable text has non
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
-    """Print a text next to its label, made harmless; only what cannot be folded, a path or command, goes beyond."""
+    """Print a text next to its label, made harmless. Only paths and commands, which are not folded, may be longer."""
     whole = re.sub(r"`[^`]*`", lambda command: command[0].replace(" ", _SPACE), printable(text))
     folded = wrap(whole, COLUMNS - width, break_long_words=False, break_on_hyphens=False)
     lines = [line.replace(_SPACE, " ") for line in folded] or [""]
@@ -29,7 +29,7 @@ def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
 
 
 def warn(text: str) -> None:
-    """Print a sentence to standard error as one of gfmd."""
+    """Print a sentence of gfmd to standard error."""
     say("gfmd:", text, width=6, err=True)
 
 
@@ -77,14 +77,14 @@ def print_table(title: str, parameters: Mapping[str, list[str]], values: Mapping
 
 
 def _column(heading: str, cells: list[str]) -> Column:
-    """Lines of a heading and cells, all of one width and aligned to the right."""
+    """Return the lines of a heading and cells, all of one width and aligned to the right."""
     lines = [*wrap(heading, _WIDEST_HEADING, break_long_words=False), *cells]
     width = max(map(len, lines))
     return [f"{line:>{width}}" for line in lines]
 
 
 def _blocks(keys: list[Column], columns: list[Column]) -> Iterator[list[Column]]:
-    """Columns that fit side by side, each time after the keys."""
+    """Yield blocks of columns that fit side by side, each after the keys."""
     block = list(keys)
     for column in columns:
         if len(block) > len(keys) and _length([*block, column]) > COLUMNS:

@@ -23,7 +23,6 @@ from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.si_prefix import si_prefix
 
 Described = tuple[str | tuple[str, ...], list[Any], dict[str, Any]]  # dims, values, attributes
-
 _REDUCED, _GRADIENT = "reduced_pressure", "rms_gradient_target"
 _OTHERS = {
     "case_id": "identity of the dimensionless problem, which equal cases share",
@@ -33,6 +32,8 @@ _OTHERS = {
     "nx": "grid points over the period",
     "dimension": "1: profiles, 2: maps",
 }
+_ROUNDING = 5e-6  # relative, of a number that was read off a table
+_MOST_VALUES = 10
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
@@ -62,28 +63,6 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "nx": [case.problem.surface.nx for case in cases],
         "dimension": dimensions,
     }
-
-
-def _follows(scene: Scene) -> bool:
-    """Whether the load p/(g E*) follows from one in Pa or N."""
-    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
-
-
-def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
-    """Return what each step of a path prescribes, in file units: `step_load`, and `step_sliding` with friction."""
-    if not path:
-        return {}
-    scene = cases[0].scene
-    name, dims = scene.loading.control, ("case", "step")
-    steps = [list(steps_of(case.scene, path)) for case in cases]
-    attributes = load_attributes(scene)
-    loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
-    found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
-    if scene.interface.couples:
-        for i, way in enumerate(SLIDING[: scene.dimension]):
-            slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
-            found[f"step_{way}"] = dims, slid, attributes[way]
-    return found
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
@@ -116,8 +95,26 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
     return described
 
 
-_ROUNDING = 5e-6  # relative, of a number that was read off a table
-_MOST_VALUES = 10
+def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
+    """Return what each step of a path prescribes, in file units: `step_load`, and `step_sliding` with friction."""
+    if not path:
+        return {}
+    scene = cases[0].scene
+    name, dims = scene.loading.control, ("case", "step")
+    steps = [list(steps_of(case.scene, path)) for case in cases]
+    attributes = load_attributes(scene)
+    loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
+    found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
+    if scene.interface.couples:
+        for i, way in enumerate(SLIDING[: scene.dimension]):
+            slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
+            found[f"step_{way}"] = dims, slid, attributes[way]
+    return found
+
+
+def _follows(scene: Scene) -> bool:
+    """Whether the load p/(g E*) follows from one in Pa or N."""
+    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
 
 
 def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:

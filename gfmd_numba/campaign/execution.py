@@ -39,11 +39,108 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.job_queue import QueueTold
 
 Ended = Generator[tuple[int, Failures]]  # numbers of blocks that ended, with those that failed
-
 _LOST = "its worker died or froze, even when nothing else was running"
 _SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
 _NO_SCHEDULER = "the dask scheduler is lost"
 _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
+
+    The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
+    A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
+    state of the jobs in the queue.
+    """
+
+    count: int = 2
+    address: str | None = None
+    insecure: bool = False
+    client: Any = None
+    cluster: Cluster | None = None
+    queue_told: "QueueTold | None" = None
+
+    @property
+    def in_this_process(self) -> bool:
+        """Whether this process does all the work."""
+        return self.count == 0 and not self.elsewhere
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the work is done by a dask cluster that this run did not start on this machine."""
+        return not (self.address is None and self.client is None and self.cluster is None)
+
+    @property
+    def most(self) -> int:
+        """Number of workers to divide the work for."""
+        return self.count if self.cluster is None else self.cluster.most_workers
+
+
+def workers_of(given: object) -> Workers:
+    """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
+    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
+        return Workers(int(given))
+    if is_client(given):
+        return Workers(client=given)
+    if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
+        return Workers(cluster=load_cluster(given))
+    raise InputError(
+        f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
+        "cluster file"
+    )
+
+
+def check(workers: Workers, directory: Path) -> None:
+    """Raise InputError unless workers can do their work for an output directory, which need not exist yet."""
+    if workers.cluster is not None:
+        try:
+            from gfmd_numba.campaign.job_queue import check_queue
+        except ImportError:
+            raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
+        check_queue(workers.cluster, directory)
+    elif workers.elsewhere:
+        with connected(workers.address, workers.client, workers.insecure) as client:
+            check_workers(client, "workers" if workers.address is None else "--scheduler")
+
+
+@contextmanager
+def started(workers: Workers, directory: Path) -> Iterator[Workers]:
+    """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
+    if workers.client is not None or workers.in_this_process:
+        yield workers
+    elif workers.cluster is not None:
+        from gfmd_numba.campaign.job_queue import jobs
+
+        with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
+            yield replace(workers, client=client)
+    elif workers.address is not None:
+        with connected(workers.address, None, workers.insecure) as client:
+            yield replace(workers, client=client)
+    else:
+        with local(workers.count) as client:
+            yield replace(workers, client=client)
+
+
+def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:
+    """Perform tasks, and yield how many blocks ended and which of them failed, each time that some have.
+
+    Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
+    then is kept, as it is if the generator is closed early.
+    """
+    make_folder(directory / shards.FOLDER)
+    shards.remove_unreadable(directory)  # their blocks are among the tasks
+    if not tasks:
+        return
+    together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
+    if workers.in_this_process:
+        for task in tasks:
+            yield len(task), perform(task, directory, timeout, together)
+        return
+    with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
+        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
+        with closing(submission.ended(tasks)) as ended:
+            yield from ended
 
 
 @dataclass(frozen=True)
@@ -133,83 +230,6 @@ class Submission:
             futures.update(submitted())
 
 
-@dataclass(frozen=True)
-class Workers:
-    """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
-
-    The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
-    A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
-    state of the jobs in the queue.
-    """
-
-    count: int = 2
-    address: str | None = None
-    insecure: bool = False
-    client: Any = None
-    cluster: Cluster | None = None
-    queue_told: "QueueTold | None" = None
-
-    @property
-    def in_this_process(self) -> bool:
-        """Whether this process does all the work."""
-        return self.count == 0 and not self.elsewhere
-
-    @property
-    def elsewhere(self) -> bool:
-        """Whether the work is done by a dask cluster that this run did not start on this machine."""
-        return not (self.address is None and self.client is None and self.cluster is None)
-
-    @property
-    def most(self) -> int:
-        """Number of workers to divide the work for."""
-        return self.count if self.cluster is None else self.cluster.most_workers
-
-
-def workers_of(given: object) -> Workers:
-    """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
-    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
-        return Workers(int(given))
-    if is_client(given):
-        return Workers(client=given)
-    if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
-        return Workers(cluster=load_cluster(given))
-    raise InputError(
-        f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
-        "cluster file"
-    )
-
-
-def check(workers: Workers, directory: Path) -> None:
-    """Raise InputError unless workers can do their work for an output directory, which need not exist yet."""
-    if workers.cluster is not None:
-        try:
-            from gfmd_numba.campaign.job_queue import check_queue
-        except ImportError:
-            raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
-        check_queue(workers.cluster, directory)
-    elif workers.elsewhere:
-        with connected(workers.address, workers.client, workers.insecure) as client:
-            check_workers(client, "workers" if workers.address is None else "--scheduler")
-
-
-@contextmanager
-def started(workers: Workers, directory: Path) -> Iterator[Workers]:
-    """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
-    if workers.client is not None or workers.in_this_process:
-        yield workers
-    elif workers.cluster is not None:
-        from gfmd_numba.campaign.job_queue import jobs
-
-        with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
-            yield replace(workers, client=client)
-    elif workers.address is not None:
-        with connected(workers.address, None, workers.insecure) as client:
-            yield replace(workers, client=client)
-    else:
-        with local(workers.count) as client:
-            yield replace(workers, client=client)
-
-
 def held(finished: shards.Finished) -> dict[str, list[Range]]:
     """Return the ranges of realisations in the names of finished blocks, by identity of the problem."""
     ranges: dict[str, list[Range]] = {}
@@ -218,27 +238,6 @@ def held(finished: shards.Finished) -> dict[str, list[Range]]:
         if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
             ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
     return ranges
-
-
-def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:
-    """Perform tasks, and yield how many blocks ended and which of them failed, each time that some have.
-
-    Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
-    then is kept, as it is if the generator is closed early.
-    """
-    make_folder(directory / shards.FOLDER)
-    shards.remove_unreadable(directory)  # their blocks are among the tasks
-    if not tasks:
-        return
-    together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
-    if workers.in_this_process:
-        for task in tasks:
-            yield len(task), perform(task, directory, timeout, together)
-        return
-    with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
-        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
-        with closing(submission.ended(tasks)) as ended:
-            yield from ended
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:

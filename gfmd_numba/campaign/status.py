@@ -19,6 +19,8 @@ from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
 from gfmd_numba.text.shell import word
 
+_OTHERS = "a file that gfmd did not write, or that was changed since"
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -117,9 +119,6 @@ def verify(directory: Path) -> Verdict:
     return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered | _altered(planned, directory))
 
 
-_OTHERS = "a file that gfmd did not write, or that was changed since"
-
-
 def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
     """Return the notes and results that are not as a run left them, with what they are and what to do."""
     found = {}
@@ -133,17 +132,6 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
     elif results.exists() and is_altered(results, planned):
         found[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
     return found
-
-
-def _work(block: Block) -> float:
-    return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
-
-
-def _retry(directory: Path, block: Block) -> str:
-    return (
-        f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={block.problem.identity} "
-        "--retry-failed --workers 0"
-    )
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
@@ -178,3 +166,14 @@ def unused(planned: Plan, directory: Path) -> int:
     """Return the number of simulations in a directory that are of a plan's problems, but more than it asks for."""
     reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
     return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())
+
+
+def _work(block: Block) -> float:
+    return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
+
+
+def _retry(directory: Path, block: Block) -> str:
+    return (
+        f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={block.problem.identity} "
+        "--retry-failed --workers 0"
+    )

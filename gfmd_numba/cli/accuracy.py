@@ -18,6 +18,13 @@ from gfmd_numba.cli.terminal import print_table
 if TYPE_CHECKING:
     from gfmd_numba.campaign.work_precision import Point
 
+_OF_SOME = {
+    "error of hysteresis": "hysteresis_error",
+    "error of pull-off": "pull_off_pressure_error",
+    "order error (L_x)": "next_order",
+}
+_ERRORS = {"relative error": "error"} | _OF_SOME
+
 
 @main.command()
 @file_argument
@@ -51,14 +58,6 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     write_picture(picture, lambda: plot_accuracy(dataset), dpi=120)
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
-
-
-_OF_SOME = {
-    "error of hysteresis": "hysteresis_error",
-    "error of pull-off": "pull_off_pressure_error",
-    "order error (L_x)": "next_order",
-}
-_ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 def _figure(value: float) -> str:

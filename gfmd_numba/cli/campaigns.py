@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -112,11 +112,14 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     told("results", results)
     dataset = gfmd_numba.open_campaign(results)
     warn_of_doubts(dataset)
-    numbers = _Numbers.of(dataset["status"])
+    status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
+    to_do = int((status == meanings.index("unfinished")).sum())
+    asked = int((status != meanings.index("not_asked")).sum())
+    not_ok = asked - to_do - int((status == 0).sum())
     drawn = True
-    if numbers.to_do:
+    if to_do:
         rest = "a run without --only takes the other cases" if of_some else "the same command resumes"
-        of_all = f"{numbers.to_do} of the {numbers.asked} simulations of the whole campaign"
+        of_all = f"{to_do} of the {asked} simulations of the whole campaign"
         say("note", f"{of_all} have not run yet: {rest}")
     elif LIMITS.keys() & set(dataset["limit"].values):
         drawn = _show_limit(dataset, results.with_suffix(".png"))
@@ -127,27 +130,12 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
     _show_endings(dataset)
-    if numbers.not_ok:
+    if not_ok:
         warn(
-            f"{numbers.not_ok} of {numbers.asked} simulations are not ok, see `status` in the file; "
+            f"{not_ok} of {asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
         )
-    return drawn and not numbers.not_ok
-
-
-class _Numbers(NamedTuple):
-    """Numbers of simulations of a campaign: all, those to do, and those that are not ok."""
-
-    asked: int
-    to_do: int
-    not_ok: int
-
-    @classmethod
-    def of(cls, status: xr.DataArray) -> Self:
-        meanings = status.attrs["flag_meanings"].split()
-        to_do = int((status == meanings.index("unfinished")).sum())
-        asked = int((status != meanings.index("not_asked")).sum())
-        return cls(asked, to_do, not_ok=asked - to_do - int((status == 0).sum()))
+    return drawn and not not_ok
 
 
 def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
@@ -156,17 +144,15 @@ def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
 
     options = fit_options(dataset)
     with waiting("fitting"):
-        fitted = gfmd_numba.fit_tfc(dataset, **options)
+        fitted = shown = gfmd_numba.fit_tfc(dataset, **options)
     if "step" in dataset.dims:
         show_paths(dataset)
         whole = {name: value for name, value in options.items() if name != "step"}
         for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
             show_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
         if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
-            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"}))
-            show_goal(dataset, fitted)
-            return _draw(dataset, fitted, picture)
-    show_fit(fitted)
+            shown = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
+    show_fit(shown)
     show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)
 

@@ -22,6 +22,27 @@ from gfmd_numba.cli.terminal import print_table, say, warn, warn_of_doubts
 if TYPE_CHECKING:
     import xarray as xr
 
+_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "mean_pressure",
+    "contact_area_fraction",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "kappa",
+    "kappa_r",
+    "plastic_area_fraction",
+    "mean_plastic_depth",
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+    "stick_fraction",
+    "energy_lost",
+)
+_PRESCRIBED = (
+    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
+    *("sliding", "sliding_y"),
+)
+
 
 @main.command()
 @file_argument
@@ -57,28 +78,6 @@ def solve(file: Path, output: Path) -> None:
         for _, sentence in endings(steps["status"]):
             warn(sentence)
         sys.exit(SOME_FAILED)
-
-
-_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
-    "mean_pressure",
-    "contact_area_fraction",
-    "mean_gap",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-    "kappa",
-    "kappa_r",
-    "plastic_area_fraction",
-    "mean_plastic_depth",
-    "mean_tangential_traction",
-    "mean_tangential_traction_y",
-    "stick_fraction",
-    "energy_lost",
-)
-_PRESCRIBED = (
-    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y"),
-)
 
 
 def _show_one(dataset: xr.Dataset) -> None:

@@ -21,25 +21,19 @@ from gfmd_numba.cli.terminal import print_table, warn, warn_of_doubts
 if TYPE_CHECKING:
     import xarray as xr
 
-
 _MOST = 10_000
-
-
-def _load(text: str) -> tuple[float, str]:
-    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
-    from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.loading import Loading, control_of, load_meant
-    from gfmd_numba.scene.reduced_units import quantities
-
-    control, number, si = control_of(text), plain_scalar(text.strip()), ""
-    if control is not None:
-        quantity = quantities(Loading)[control]
-        number, si = quantity.si_value(text), quantity.si
-    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
-        hint = load_meant(text)
-        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
-        raise click.BadParameter(f"{told}; {hint}" if hint else told)
-    return float(number), si  # type: ignore[arg-type]
+_SHOWN = (
+    "reduced_pressure",
+    "mean_pressure",
+    "contact_area_fraction",
+    "contact_area",
+    "contact_length",
+    "mean_gap",
+    "contact_stiffness",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+)
 
 
 def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
@@ -60,6 +54,23 @@ def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> lis
         raise click.BadParameter(f"you gave {option!r}; gfmd allows two different ends above 0, or a list a,b,c")
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
     return [_text(load, si) for load in (first, *inner, last)]
+
+
+def _load(text: str) -> tuple[float, str]:
+    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.loading import Loading, control_of, load_meant
+    from gfmd_numba.scene.reduced_units import quantities
+
+    control, number, si = control_of(text), plain_scalar(text.strip()), ""
+    if control is not None:
+        quantity = quantities(Loading)[control]
+        number, si = quantity.si_value(text), quantity.si
+    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
+        hint = load_meant(text)
+        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
+        raise click.BadParameter(f"{told}; {hint}" if hint else told)
+    return float(number), si  # type: ignore[arg-type]
 
 
 def _text(load: float, si: str) -> float | str:
@@ -145,6 +156,21 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
         sys.exit(SOME_FAILED)
 
 
+def show(dataset: xr.Dataset) -> None:
+    """Print the curve, one line a load."""
+    view, load = _named(dataset), _prescribed(dataset)
+    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
+    shown = [name for name in _SHOWN if name in view and name not in same]
+    values = dict(column(view, name) for name in shown)
+    states = dataset["status"].attrs["flag_meanings"].split()
+    if dataset["status"].any():
+        values["status"] = [states[int(status)] for status in dataset["status"]]
+    if int(dataset["n_realisations"].max()) > 1:
+        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
+    heading, loads = column(view, load)
+    print_table("load curve", {heading: loads}, values)
+
+
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
     view = _named(dataset)
@@ -165,32 +191,3 @@ def _prescribed(dataset: xr.Dataset) -> str:
 def _named(dataset: xr.Dataset) -> xr.Dataset:
     """Return the dataset whose load has the name of what is prescribed."""
     return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})
-
-
-def show(dataset: xr.Dataset) -> None:
-    """Print the curve, one line a load."""
-    view, load = _named(dataset), _prescribed(dataset)
-    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
-    shown = [name for name in _SHOWN if name in view and name not in same]
-    values = dict(column(view, name) for name in shown)
-    states = dataset["status"].attrs["flag_meanings"].split()
-    if dataset["status"].any():
-        values["status"] = [states[int(status)] for status in dataset["status"]]
-    if int(dataset["n_realisations"].max()) > 1:
-        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
-    heading, loads = column(view, load)
-    print_table("load curve", {heading: loads}, values)
-
-
-_SHOWN = (
-    "reduced_pressure",
-    "mean_pressure",
-    "contact_area_fraction",
-    "contact_area",
-    "contact_length",
-    "mean_gap",
-    "contact_stiffness",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-)

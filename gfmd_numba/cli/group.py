@@ -18,10 +18,19 @@ from gfmd_numba.text.printable import printable
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
-
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
-
 _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
+_AS_SENTENCES = (  # what click says of a value, and what gfmd says
+    (
+        r"(?:File|Path|Directory) '(.*)' does not exist\.",
+        r"you gave \1, which does not exist; gfmd needs a path that does",
+    ),
+    (r"(?:File|Path) '(.*)' is a directory\.", r"you gave \1, which is a directory; gfmd needs a file"),
+    (r"(?:File|Path|Directory) '(.*)' is not (read|writ)able\.", r"you may not \2e \1; gfmd needs a path that you may"),
+    (r"('.*') is not one of (.*)\.", r"you gave \1; gfmd allows one of \2"),
+    (r"('.*') is not a valid (?:integer|float|integer range|float range)\.", r"you gave \1; gfmd allows a number"),
+    (r"(\S+) is not in the range (.*)\.", r"you gave \1; gfmd allows \2"),
+)
 
 
 class _Gfmd(click.Group):
@@ -108,27 +117,6 @@ def main() -> None:
     """
 
 
-_AS_SENTENCES = (  # what click says of a value, and what gfmd says
-    (
-        r"(?:File|Path|Directory) '(.*)' does not exist\.",
-        r"you gave \1, which does not exist; gfmd needs a path that does",
-    ),
-    (r"(?:File|Path) '(.*)' is a directory\.", r"you gave \1, which is a directory; gfmd needs a file"),
-    (r"(?:File|Path|Directory) '(.*)' is not (read|writ)able\.", r"you may not \2e \1; gfmd needs a path that you may"),
-    (r"('.*') is not one of (.*)\.", r"you gave \1; gfmd allows one of \2"),
-    (r"('.*') is not a valid (?:integer|float|integer range|float range)\.", r"you gave \1; gfmd allows a number"),
-    (r"(\S+) is not in the range (.*)\.", r"you gave \1; gfmd allows \2"),
-)
-
-
-class RefusedCommandError(click.UsageError):
-    """A command line that is refused, which is shown as one sentence."""
-
-    def show(self, file: object = None) -> None:
-        """Print the sentence to standard error."""
-        click.echo(f"gfmd: {self.message}", err=True)
-
-
 def refused(error: click.UsageError) -> RefusedCommandError:
     """Return what click refuses as one sentence that says where, what was given and what is allowed."""
     command = error.ctx.command_path if error.ctx is not None else "gfmd"
@@ -142,6 +130,14 @@ def refused(error: click.UsageError) -> RefusedCommandError:
     elif type(error) is not click.UsageError or not said.startswith("--"):  # of click
         said = f"{said[0].lower()}{said[1:].rstrip('.')}; `{command} --help` says what it takes"
     return RefusedCommandError(printable(said), error.ctx)
+
+
+class RefusedCommandError(click.UsageError):
+    """A command line that is refused, which is shown as one sentence."""
+
+    def show(self, file: object = None) -> None:
+        """Print the sentence to standard error."""
+        click.echo(f"gfmd: {self.message}", err=True)
 
 
 class UntoldError(Exception):

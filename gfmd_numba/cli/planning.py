@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.until import FirstDecision
 
+_MOST_EFFECTS = 50
+
 
 @main.command()
 @file_argument
@@ -84,9 +86,6 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
         click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more effects of that kind")
     if not well:
         sys.exit(SOME_FAILED)
-
-
-_MOST_EFFECTS = 50
 
 
 def _show_size(planned: Plan, workers: int) -> None:

@@ -1,41 +1,43 @@
 """A task of a run, done by one process: its blocks solved one after another, and stored or handed back."""
 
-import hashlib
+import ctypes
+import faulthandler
+import signal
+import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
+from typing import Any
 
 import numpy as np
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.failures import Failure
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
 from gfmd_numba.campaign.provenance import difference, versions
-from gfmd_numba.campaign.watchdog import TooLongError, expired, watched
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 
+# glibc's parameters of mallopt, and their values in bytes
+_TRIM_THRESHOLD, _KEPT = -1, 2**30  # free memory that a process keeps
+_MMAP_THRESHOLD, _LARGEST = -3, 2**25  # an array above it comes from the system and goes back; the most glibc allows
+_AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
 SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
-
 Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]
 Measured = dict[str, shards.Arrays]  # by name of the block
-
 _installed = cache(versions)
 
 
-def perform(task: Task, directory: Path, timeout: float | None, together: int = 1, mortal: bool = True) -> Failures:
-    """Solve blocks one after another and store their measures, so many `together`; returns what failed.
+def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
+    """Solve blocks in this process, store their measures, so many blocks `together`, and return what failed.
 
-    Blocks that are stored and sound are left alone. A `mortal` process ends itself if nothing else stops a block after
-    `timeout` seconds. An OSError is raised: a disk that fails one block fails them all.
+    Blocks that are stored and sound are left alone. Raises OSError, because a disk that fails one block fails them all.
     """
-    if mortal:
-        keep_freed_memory()
     failures: Failures = {}
     for first in range(0, len(task), together):
         some = task[first : first + together]
@@ -44,19 +46,18 @@ def perform(task: Task, directory: Path, timeout: float | None, together: int = 
         finished: Measured = {}
         try:
             for block in some:
-                late = trace(directory, block.name) if mortal else None
-                _sort(block, _outcome(block, timeout, late), finished, failures)
+                _sort(block, _outcome(block, timeout), finished, failures)
         finally:  # also what an interrupt leaves
             shards.store(directory, finished)
     return failures
 
 
 def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
-    """Solve blocks one after another and return their measures and what failed, without the output directory.
+    """Solve blocks on a worker and return their measures and what failed, without the output directory.
 
-    Traces of blocks that took longer than `timeout` seconds lie in this machine's folder of temporary files, under
-    the name of the `run`: the process that finds one does not try the block again. Raises InputError on a worker whose
-    packages have other versions than `expected`.
+    A block that takes longer than `timeout` seconds ends the process, which leaves a trace in this machine's folder of
+    temporary files, under the name of the `run`. A process that finds the trace does not try the block again. Raises
+    InputError on a worker whose packages have other versions than `expected`.
     """
     if wrong := difference(_installed(), expected):
         raise InputError(f"cluster: you gave a worker with {wrong}")
@@ -64,45 +65,18 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     finished: Measured = {}
     failures: Failures = {}
     for block in task:
-        late = _own_trace(run, block.name)
+        late = _trace(run, block.name)
         _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), finished, failures)
     return finished, failures
 
 
-def expired_here(run: str, names: Iterable[str]) -> list[str]:
-    """Blocks that ended a process of this machine in `compute`, as they took too long; forgets them."""
-    return [name for name in names if expired(_own_trace(run, name))]
-
-
-def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
-    """Blocks that are not stored, or not as they were written."""
-    finished = shards.Finished(directory)
-    return [block for block in blocks if not finished.is_sound(block.name)]
-
-
-def trace(directory: Path, name: str) -> Path:
-    """Return the file in an output directory in which a process that ends itself names the block it was working on."""
-    return atomic_file.temporary(
-        directory / shards.FOLDER / f"{name}.late", hashlib.sha256(name.encode()).hexdigest()[:16]
-    )
-
-
-def too_long(timeout: float | None) -> Failure:
-    """Failure of a block that took longer than `timeout` seconds."""
-    return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
-
-
-def _own_trace(run: str, name: str) -> Path:
-    return Path(gettempdir()) / f"gfmd-{run}-{name}.late.tmp"
-
-
-def _outcome(block: Block, timeout: float | None, late: Path | None) -> shards.Arrays | Failure:
-    """Measures of a block, or why there are none."""
+def _outcome(block: Block, timeout: float | None, late: Path | None = None) -> shards.Arrays | Failure:
+    """Return the measures of a block, or why there are none."""
     try:
         with watched(timeout, late):
             begun = time.thread_time()
             measures = measured(block.problem, range(block.first, block.stop))
-            count = block.stop - block.first
+            count = block.size
             return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
     except TooLongError:
         return too_long(timeout)
@@ -115,3 +89,89 @@ def _sort(block: Block, outcome: shards.Arrays | Failure, finished: Measured, fa
         failures[block.name] = outcome
     else:
         finished[block.name] = outcome
+
+
+def too_long(timeout: float | None) -> Failure:
+    """Return the failure of a block that took longer than `timeout` seconds."""
+    return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
+
+
+def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
+    """Return the blocks that are not stored, or not as they were written."""
+    finished = shards.Finished(directory)
+    return [block for block in blocks if not finished.is_sound(block.name)]
+
+
+def expired_here(run: str, names: Iterable[str]) -> list[str]:
+    """Return the blocks that took too long and so ended a process of this machine in `compute`, and forget them."""
+    return [name for name in names if expired(_trace(run, name))]
+
+
+def _trace(run: str, name: str) -> Path:
+    return Path(gettempdir()) / f"gfmd-{run}-{name}.late.tmp"
+
+
+class TooLongError(Exception):
+    """A block took longer than the campaign's `case_timeout`."""
+
+
+@contextmanager
+def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
+    """Stop what runs inside after `timeout` seconds.
+
+    In the main thread, TooLongError is raised. In the thread of a dask worker, compiled code stops only with the whole
+    process: the process ends itself and writes to `trace` where it was. Without a `trace` it goes on, and there is no
+    time-out outside the main thread.
+    """
+    if timeout is None:
+        yield
+    elif threading.current_thread() is threading.main_thread() and hasattr(signal, "setitimer"):
+        before = signal.signal(signal.SIGALRM, _expire)
+        signal.setitimer(signal.ITIMER_REAL, timeout, _AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+    elif trace is None:
+        yield
+    else:
+        with atomic_file.open_own(trace) as file:
+            file.truncate()
+            faulthandler.dump_traceback_later(timeout, exit=True, file=file)
+            try:
+                yield
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+                trace.unlink(missing_ok=True)
+
+
+def _expire(*_: Any) -> None:
+    raise TooLongError
+
+
+def expired(trace: Path) -> bool:
+    """Return whether a process ended itself and left this trace, and remove the trace."""
+    try:
+        return trace.stat().st_size > 0
+    except FileNotFoundError:
+        return False
+    finally:
+        trace.unlink(missing_ok=True)
+
+
+@cache
+def keep_freed_memory() -> None:
+    """Keep up to 1 GiB of freed memory for the next arrays of this process, where the C library is glibc.
+
+    A dask nanny starts its workers with a threshold of 64 KiB, under which nearly every array is made of new pages:
+    a quarter of a worker's processor time is then the system's.
+    """
+    try:
+        library = ctypes.CDLL(None)
+        library.gnu_get_libc_version  # noqa: B018 - AttributeError in any other library
+        set_parameter = library.mallopt
+    except (AttributeError, OSError, TypeError):  # the last on Windows
+        return
+    set_parameter(_TRIM_THRESHOLD, _KEPT)
+    set_parameter(_MMAP_THRESHOLD, _LARGEST)

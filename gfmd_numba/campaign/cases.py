@@ -8,13 +8,11 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, present, with_values
-from gfmd_numba.campaign.axis import Place
+from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies
-from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches
-from gfmd_numba.campaign.prescribed_tractions import PrescribedTractions
+from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
 from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
@@ -22,10 +20,11 @@ from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
-from gfmd_numba.contact.tractions import Tractions
+from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
+from gfmd_numba.scene.scene_file import located_boundary
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
@@ -33,15 +32,16 @@ Range = tuple[int, int]  # first realisation, and the one after the last
 
 @dataclass(frozen=True, slots=True)
 class GridPoint:
-    """Values at one point of a campaign's grid, with the scene that is `common` to all, and what was `measured`.
+    """Values at one point of a campaign's grid, the scene that is `common` to all points, and what was `measured`.
 
-    A scene takes more memory than all the rest of a case, and there may be a million: it is made when asked for.
+    A scene takes more memory than the rest of a case, and there may be a million cases, so the scene of a point is made
+    only when it is asked for.
     """
 
     common: Scene
     places: tuple[Place, ...]
     values: tuple[Any, ...]
-    measured: MeasuredPunch | MeasuredBodies | None
+    measured: MeasuredScene | None
 
     @property
     def scene(self) -> Scene:
@@ -82,21 +82,23 @@ class Block:
     stop: int
 
     @property
+    def size(self) -> int:
+        """Number of its realisations."""
+        return self.stop - self.first
+
+    @property
     def name(self) -> str:
         """File name of its shard, without suffix."""
         return f"{self.problem.identity}-{self.first:06d}-{self.stop:06d}"
 
 
 def expand(
-    campaign: Campaign,
-    punches: Punches = MappingProxyType({}),
-    measured: Bodies = MappingProxyType({}),
-    document: Document | None = None,
+    campaign: Campaign, measured: Measurements = MappingProxyType({}), document: Document | None = None
 ) -> list[Case]:
-    """All cases of a campaign: the grid's full product, each at the reference and along the limits.
+    """Return all cases of a campaign: the full product of the grid, each at the reference and along the limits.
 
-    `punches` are its surfaces, if they were measured, or `measured` where topographies are followed; raises InputError,
-    at a place of the document if there is one, for a surface that cannot be used.
+    `measured` are its measured surfaces, if it has any. Raises InputError, at a place of the document if there is one,
+    for a surface that cannot be used.
     """
     given = [(axis.place, values_of(campaign.grid, axis.name)) for axis in OF_THE_SCENE]
     varied = [(place, values) for place, values in given if values is not None]
@@ -104,25 +106,23 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of, tractions_of = _RoughBodies(campaign, document), PrescribedTractions(document, campaign.scene)
+    bodies_of, tractions_of = _RoughBodies(campaign, document), _PrescribedTractions(document, campaign.scene)
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
-        punch = punches.get(scene.roughness)
-        bodies = measured.get(scene.roughness) or measured.get(None)
-        point = GridPoint(campaign.scene, places, values, punch or bodies)
-        if point.measured is not None:
-            scene = point.scene
+        found = measured.get(scene.roughness) or measured.get(None)
+        point = GridPoint(campaign.scene, places, values, found)
+        scene = scene if found is None else found.under(scene)
         for level in levels:
             surface: ProblemSurface
             rough = None
             if scene.follows_topography:
-                surface, rough = bodies_of(scene, level.discretisation, bodies)
+                surface, rough = bodies_of(scene, level.discretisation, found)
                 rms_gradient = surface.rms_gradient
-            elif punch is None:
-                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
+            elif found is not None and found.punch is not None:
+                surface, rms_gradient = found.punch
             else:
-                surface, rms_gradient = punch.surface, punch.rms_gradient
+                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
             tractions = tractions_of(scene, surface.shape, rms_gradient)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
@@ -141,7 +141,7 @@ def expand(
 def _surface(
     campaign: Campaign, roughness: Surface, discretisation: Discretisation | None
 ) -> tuple[RandomSurface, float]:
-    """Ensemble of a record in place of the scene's, and its rms gradient; raises InputError if none can be drawn."""
+    """Return the ensemble of a surface and its rms gradient; raises InputError if none can be drawn."""
     assert campaign.seed is not None  # the campaign's promise
     try:
         scene = campaign.scene.model_copy(update={"roughness": roughness})
@@ -154,16 +154,16 @@ def _surface(
 
 
 class _RoughBodies:
-    """Rough bodies of a campaign's scenes, the first realisation of each sum of surfaces checked once."""
+    """The rough bodies of a campaign's scenes. The first realisation of each sum of surfaces is checked once."""
 
     def __init__(self, campaign: Campaign, document: Document):
         self._campaign, self._document = campaign, document
         self._checked: set[tuple[SummedSurface, tuple[tuple[float, float, int], ...]]] = set()
 
     def __call__(
-        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredBodies | None
+        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
     ) -> tuple[SummedSurface, RoughBodies]:
-        """All surfaces of a scene, the measured ones `given`, and its bodies; raises InputError for unusable ones."""
+        """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
         measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
         order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
         summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
@@ -172,6 +172,25 @@ class _RoughBodies:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
         return summed, rough
+
+
+class _PrescribedTractions:
+    """The boundary of a campaign's scenes in units of each case; equal tractions are one object."""
+
+    def __init__(self, document: Document, scene: Scene):
+        self._document = document
+        self._boundary = None if scene.boundary is None else located_boundary(document, scene.boundary)
+        self._arrays: dict[tuple[int, ...], dict[str, Reals]] = {}
+        self._found: dict[str, Tractions] = {}
+
+    def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
+        """Return the tractions on a surface; raises InputError for files of another shape or without balance."""
+        if self._boundary is None:
+            return None
+        if shape not in self._arrays:
+            self._arrays[shape] = read_boundary(self._document, self._boundary, scene.dimension, shape)
+        found = tractions_on_the_body(self._document, scene, self._arrays[shape], shape, rms_gradient)
+        return self._found.setdefault(found.digest, found)
 
 
 def _reduced(
@@ -185,38 +204,38 @@ def _reduced(
     try:
         problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
     except ValueError as error:
-        raise _beyond_measure("scene.loading", scene, error) from None
+        raise _irreducible("scene.loading", scene, error) from None
     if not campaign.path:
         return problem, effects
     return replace(problem, path=tuple(_path(scene, rms_gradient, campaign))), effects
 
 
 def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
-    """Steps of the path after the first loading; raises InputError for a load that is beyond all measure."""
+    """Yield the steps of the path after the first loading; raises InputError for a load that cannot be reduced."""
     modulus = contact_modulus(scene)
     steps = islice(steps_of(scene, campaign.path), 1, None)
     for i, (changed, sliding) in enumerate(steps):
         try:
             load = reduced_load(changed, rms_gradient, modulus)
         except ValueError as error:
-            raise _beyond_measure(f"path[{i}]", changed, error) from None
+            raise _irreducible(f"path[{i}]", changed, error) from None
         yield LoadStep(load, reduced_sliding(sliding, scene, rms_gradient))
 
 
-def _beyond_measure(place: str, scene: Scene, error: ValueError) -> InputError:
-    """What is said of a load that stands at some place."""
+def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:
+    """Return the error of a load that cannot be reduced."""
     control = scene.loading.control
     return InputError(f"{place}.{control}: you gave {getattr(scene.loading, control)}; gfmd allows {error}")
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:
-    """Distinct problems among the cases, the largest grids first."""
+    """Return the distinct problems among the cases, the largest grids first."""
     problems = {case.problem.identity: case.problem for case in cases}
     return sorted(problems.values(), key=lambda problem: -problem.surface.nodes)
 
 
 def demand(cases: Iterable[Case]) -> dict[str, int]:
-    """Realisations that the cases together want of each problem, by its identity."""
+    """Return how many realisations the cases together want of each problem, by its identity."""
     wanted: dict[str, int] = {}
     for case in cases:
         identity = case.problem.identity
@@ -225,9 +244,9 @@ def demand(cases: Iterable[Case]) -> dict[str, int]:
 
 
 def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) -> Iterator[Block]:
-    """Blocks that together hold the realisations of one problem, those of the `held` ranges as they are.
+    """Yield blocks that together hold the realisations of one problem. The `held` ranges stay blocks as they are.
 
-    The last one may hold more than is wanted. A block that becomes held changes no other.
+    The last block may hold more realisations than are wanted. A block that becomes held changes no other.
     """
     size = max(1, _BLOCK_SAMPLES // (problem.surface.nodes * problem.n_loads))
     if not held:
@@ -248,7 +267,7 @@ def blocks(problem: Problem, realisations: int, held: Collection[Range] = ()) ->
 
 
 def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Iterator[Block]:
-    """All blocks of work of some cases, the largest grids first; `held` ranges by identity of their problem."""
+    """Yield all blocks of work of some cases, the largest grids first; `held` has ranges by identity of the problem."""
     cases = list(cases)
     wanted = demand(cases)
     for problem in distinct(cases):
@@ -256,7 +275,7 @@ def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Itera
 
 
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
-    """Cases of equal physics, which differ only in discretisation, in the order of the campaign."""
+    """Return groups of cases that differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
     physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
     found: dict[tuple[float | str | None, ...], list[Case]] = {}
@@ -268,7 +287,7 @@ def groups(cases: Iterable[Case]) -> list[list[Case]]:
 def block_bytes(problem: Problem, realisations: int) -> int:
     """Return the largest memory that solving a block takes.
 
-    Along a path, and of rough bodies, its realisations come one after another.
+    The realisations of a path, and those of rough bodies, are solved one after another.
     """
     surface = problem.surface
     together = 1 if problem.path or problem.rough is not None else realisations

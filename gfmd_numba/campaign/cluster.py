@@ -1,4 +1,4 @@
-"""The dask workers of a run: local processes that speak TLS, or an existing cluster that has to be fit for it."""
+"""The dask workers of a run: local processes that speak TLS, or an existing cluster, which is checked first."""
 
 import os
 import signal
@@ -26,10 +26,10 @@ OF_A_RUN = {
 
 @contextmanager
 def local(count: int) -> Iterator[Any]:
-    """Client of `count` local workers of one thread each.
+    """Yield a client of `count` local workers of one thread each.
 
-    Scheduler and workers listen on loopback, where every user of the machine can connect. They accept only who has
-    the TLS key of this run, which never leaves the memory of its processes.
+    Scheduler and workers listen on loopback, where every user of the machine can connect. They accept only a process
+    that has the TLS key of this run, and the key never leaves the memory of these processes.
     """
     import dask
     from distributed import Client, LocalCluster
@@ -62,7 +62,7 @@ def is_client(given: object) -> bool:
 
 @contextmanager
 def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]:
-    """Client of the scheduler at an address, or the given one where there is none; raises InputError."""
+    """Yield a client of the scheduler at an address, or without an address the given client; raises InputError."""
     if address is None:
         if client.asynchronous or client.status != "running":
             given = "asynchronous" if client.asynchronous else client.status
@@ -76,7 +76,7 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
 
 
 def _client_of(address: str, insecure: bool) -> Any:
-    """New client of the scheduler at an address; raises InputError."""
+    """Return a new client of the scheduler at an address; raises InputError."""
     from distributed import Client
     from distributed.comm.addressing import get_address_host, parse_address, resolve_address
 

@@ -81,7 +81,7 @@ class Cluster(BaseModel):
 
     @property
     def lifetime(self) -> int:
-        """Time in s after which a worker takes its leave, so that the end of its job surprises nobody."""
+        """Time in s after which a worker ends, so that it does so before the queueing system ends its job."""
         return int(self.walltime - min(_LONGEST_MARGIN, self.walltime / 4))
 
     @property
@@ -94,5 +94,5 @@ class Cluster(BaseModel):
 
 
 def load_cluster(source: Source) -> Cluster:
-    """Checked cluster of a YAML file or a mapping; raises InputError."""
+    """Return the checked cluster of a YAML file or a mapping; raises InputError."""
     return validate(document_of(source, "cluster"), Cluster)

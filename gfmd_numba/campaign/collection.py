@@ -1,4 +1,4 @@
-"""From finished shards to the campaign's one netCDF file, at any time."""
+"""The netCDF file of a campaign, collected at any time from the shards that are finished."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
-from gfmd_numba.campaign.outcome import SENTENCES, Outcome
+from gfmd_numba.campaign.failures import SENTENCES, Ending
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
@@ -63,7 +63,7 @@ def note(directory: Path, **values: float) -> None:
 
 
 def noted(directory: Path) -> dict[str, float]:
-    """What has been noted about the runs in a directory: numbers of `NOTED`, whatever else the file holds."""
+    """Return what was noted about the runs in a directory: the numbers of `NOTED`, whatever else the file holds."""
     facts = json_file.read(directory / NOTES)
     return {name: facts[name] for name in NOTED if type(facts.get(name)) in (int, float) and 0 <= facts[name] < 2**53}
 
@@ -81,7 +81,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
-        **({"processing": planned.processing} if planned.punches or planned.measured else {}),
+        **({"processing": planned.processing} if planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions() | made_with),
         "git_commit": git_commit(),
@@ -130,7 +130,7 @@ def described(planned: Plan) -> dict[str, Any]:
 
 
 def is_altered(file: Path, planned: Plan) -> bool:
-    """Whether the numbers of results differ from their digest, or what they say of the campaign from its file."""
+    """Return whether the numbers in a file differ from their digest, or its attributes from the campaign file."""
     try:
         results = read_results(file)
     except InputError:
@@ -142,7 +142,7 @@ def is_altered(file: Path, planned: Plan) -> bool:
 
 
 def recorded_of(cases: list[Case]) -> dict[str, Observable]:
-    """The observables of all cases, and those that any of them has of its path."""
+    """Return the observables of all cases, and those that any case has along its path."""
     rows = recorded_of_problem(cases[0].problem)
     for case in cases if cases[0].problem.path else ():
         rough = case.problem.rough
@@ -151,13 +151,13 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
 
 
 def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
-    """Measures of a case from those of its dimensionless problem."""
+    """Return the measures of a case in the units of the file, from those of its dimensionless problem."""
     scale = scales(case.scene, case.rms_gradient)
     return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:
-    """Measures of a problem `[longest]` from its blocks, dimensionless, and their seconds."""
+    """Return the dimensionless measures `[longest]` of a problem from its blocks, and their seconds."""
     parts = []
     problem = blocks[0].problem
     names = (*recorded_of_problem(problem), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
@@ -165,17 +165,17 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
         part = stored.read(block.name)
         if part is None:
             failure = failures.of(directory, block.name)
-            status = Outcome.unfinished if failure is None else Outcome[failure.status]
-            part = _nothing(problem, block.stop - block.first, status)
-        asked, solved = realisations - block.first, block.stop - block.first  # the shard may hold more
+            status = Ending.unfinished if failure is None else Ending[failure.status]
+            part = _nothing(problem, block.size, status)
+        asked, solved = realisations - block.first, block.size  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
         parts[-1][SECONDS] = part[SECONDS] * min(1.0, asked / solved)
     if longest > realisations:
-        parts.append(_nothing(problem, longest - realisations, Outcome.not_asked))
+        parts.append(_nothing(problem, longest - realisations, Ending.not_asked))
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def _nothing(problem: Problem, count: int, status: Outcome) -> Measures:
+def _nothing(problem: Problem, count: int, status: Ending) -> Measures:
     nothing: Measures = {
         name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
         for name, row in (OBSERVABLES | ROUGH_BODY_OBSERVABLES | PATH_OBSERVABLES).items()

@@ -1,20 +1,28 @@
-"""What tells one case of a campaign from another: its coordinates in the dataset, and what each of them is."""
+"""The coordinates of cases in the dataset, their attributes, and the cases that meet conditions on them."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import isclose
 from typing import Any
+
+from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
+from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
 from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
-from gfmd_numba.scene import Scene
+from gfmd_numba.scene import InputError, Scene
+from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
+from gfmd_numba.scene.reduced_units import quantities
+from gfmd_numba.scene.units import WithUnit
+from gfmd_numba.scene.validation import nearest
+from gfmd_numba.text.si_prefix import si_prefix
 
 Described = tuple[str | tuple[str, ...], list[Any], dict[str, Any]]  # dims, values, attributes
-
 _REDUCED, _GRADIENT = "reduced_pressure", "rms_gradient_target"
 _OTHERS = {
     "case_id": "identity of the dimensionless problem, which equal cases share",
@@ -24,12 +32,14 @@ _OTHERS = {
     "nx": "grid points over the period",
     "dimension": "1: profiles, 2: maps",
 }
+_ROUNDING = 5e-6  # relative, of a number that was read off a table
+_MOST_VALUES = 10
 
 
 def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
-    """Values by name and case; an axis that they have no value on is left out.
+    """Return the values by name and case, without axes on which the cases have no value.
 
-    Where several surfaces are pressed together, g is that of all.
+    Where several surfaces are pressed together, the rms gradient is that of their sum.
     """
     axes = present(cases[0].scene, cases[0].discretisation)
     reduced = _follows(cases[0].scene)
@@ -55,32 +65,10 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     }
 
 
-def _follows(scene: Scene) -> bool:
-    """Whether the load p/(g E*) follows from one in Pa or N."""
-    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
-
-
-def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
-    """What each step of a path prescribes, in units of the file: `step_load`, and `step_sliding` if anything drags."""
-    if not path:
-        return {}
-    scene = cases[0].scene
-    name, dims = scene.loading.control, ("case", "step")
-    steps = [list(steps_of(case.scene, path)) for case in cases]
-    attributes = load_attributes(scene)
-    loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
-    found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
-    if scene.interface.couples:
-        for i, way in enumerate(SLIDING[: scene.dimension]):
-            slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
-            found[f"step_{way}"] = dims, slid, attributes[way]
-    return found
-
-
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:
-    """Coordinates with CF attributes; of an axis also its symbols, its kind and its rank.
+    """Return the coordinates with CF attributes; those of an axis also have its symbols, its kind and its rank.
 
-    An axis of names has these, and numbers that stand for them: an index whose attribute `names` is a list in JSON.
+    An axis of names also has an index of numbers, whose attribute `names` is a JSON list of the names.
     """
     unit = units(scene)
     attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
@@ -105,3 +93,83 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
         described[f"{axis.coordinate}_index"] = "case", [numbers[name] for name in columns[axis.coordinate]], counted
         described[axis.coordinate] = "case", columns[axis.coordinate], cf_attributes(axis.long_name)
     return described
+
+
+def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
+    """Return what each step of a path prescribes, in file units: `step_load`, and `step_sliding` with friction."""
+    if not path:
+        return {}
+    scene = cases[0].scene
+    name, dims = scene.loading.control, ("case", "step")
+    steps = [list(steps_of(case.scene, path)) for case in cases]
+    attributes = load_attributes(scene)
+    loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
+    found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
+    if scene.interface.couples:
+        for i, way in enumerate(SLIDING[: scene.dimension]):
+            slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
+            found[f"step_{way}"] = dims, slid, attributes[way]
+    return found
+
+
+def _follows(scene: Scene) -> bool:
+    """Whether the load p/(g E*) follows from one in Pa or N."""
+    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
+
+
+def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
+    """Return the cases that meet all conditions, name -> value; raises InputError.
+
+    A name is a key of the grid or a coordinate of the results. A number may have a unit where the scene has units.
+    """
+    columns = coordinates(cases)
+    keys = {axis.name: axis for axis in AXES if axis.coordinate in columns}
+    chosen = list(range(len(cases)))
+    for name, given in conditions.items():
+        column = columns.get(keys[name].coordinate if name in keys else name)
+        if column is None:
+            named = {axis.coordinate: key for key, axis in keys.items()}
+            names = [named.get(coordinate, coordinate) for coordinate in columns]
+            hint = nearest(name, names)
+            raise InputError(f"--only: you gave {name}; gfmd allows {', '.join(names)}{f'; {hint}' if hint else ''}")
+        axis = next((axis for axis in keys.values() if name in (axis.name, axis.coordinate)), None)
+        unit = "1" if axis is None else units(cases[0].scene)[axis.unit]
+        value = given if isinstance(column[0], str) else _number(name, given, axis.name if axis else "", unit)
+        found = {i for i, held in enumerate(column) if held == value}
+        if not found and isinstance(value, float):
+            found = {i for i, held in enumerate(column) if isclose(held, value, rel_tol=_ROUNDING)}
+        if not found:
+            there = ", ".join(_readable(list(dict.fromkeys(column))[:_MOST_VALUES], unit))
+            raise InputError(f"--only: you gave {name}={given}; gfmd allows a value of the campaign, like {there}")
+        chosen = [i for i in chosen if i in found]
+    if not chosen:
+        given = " ".join(f"--only {name}={value}" for name, value in conditions.items())
+        allowed = "conditions that at least one case meets"
+        raise InputError(f"--only: you gave {given}, and no case meets all of these; gfmd allows {allowed}")
+    return [cases[i] for i in chosen]
+
+
+def _number(name: str, given: str, key: str, unit: str) -> Any:
+    """Return the number in a text, in the unit of the results; if there is none, the value or the text itself."""
+    quantity = quantities(Grid).get(key)
+    value: Any = plain_scalar(given.strip())
+    try:
+        value = value if quantity is None else quantity.read(value)
+    except PydanticCustomError as error:
+        said = {"allowed": "", "suggestion": "", **(error.context or {})}
+        hint = f"; {said['suggestion']}" if said["suggestion"] else ""
+        raise InputError(f"--only: you gave {name}={given}; gfmd allows {said['allowed']}{hint}") from None
+    if isinstance(value, WithUnit) and unit == "1":
+        raise InputError(f"--only: you gave {name}={given}; gfmd allows a number without a unit, as the scene has none")
+    try:
+        return value if isinstance(value, bool) or value is None else float(value)
+    except ValueError:
+        return value
+
+
+def _readable(values: list[Any], unit: str) -> list[str]:
+    """Return values as a condition may give them."""
+    if unit == "1":
+        return [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
+    factor, named = si_prefix(max(map(abs, values)), unit)
+    return [f"{factor * value:.6g} {named}" for value in values]

@@ -1,25 +1,35 @@
-"""What a campaign's contacts will cost on this machine: a pilot solves a few, a regression predicts the rest."""
+"""What contacts cost: in operations, which are the same on every machine, and in seconds on this one.
 
+Decisions follow from operations alone. Seconds are predicted: a pilot solves a few contacts, and a regression on what
+decides their run time tells the others.
+"""
+
+import math
+import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from importlib.metadata import version
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import psutil
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.block_work import watched
 from gfmd_numba.campaign.cases import block_bytes
-from gfmd_numba.campaign.regression import SCATTER, Regression, features, kinds_of, regression
-from gfmd_numba.campaign.run_times import remember, remembered
-from gfmd_numba.campaign.watchdog import watched
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.surfaces import without_shortest
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, without_shortest
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.storage import cache, json_file
+from gfmd_numba.text.input_error import InputError
 
-Told = Callable[[float], None]  # of the share of something long that is done
-
+UNITS = "operations: n log2 n of the grid, and 2^15 for the call, for every transform of a realisation"
+_CALL = 2.0**15  # profiles of 512 to 131072 points take the same time per unit within a quarter
 _SAMPLES, _MOST_REALISATIONS = 2**17, 16  # nodes solved at a time in the pilot, as far as they are contacts
 _LEAST_PILOTS, _MOST_PILOTS = 4, 32
 _LEAST_NODES = 2**12  # of a smaller problem in place of one that takes too long: below, calls take the time
@@ -27,13 +37,37 @@ _LOOKED_AT = 50  # problems, those that tell most, for one the pilot can afford
 _MACHINE = 0.25  # of the logarithm of all run times: a machine is not equally fast all day
 _DRAWS = 200
 _SCATTERED = 2**12  # problems, the costliest, whose scatter is drawn for each; that of more averages out
+_SCATTER = 0.15  # of the logarithm of a run time: what repeating it on a quiet machine gives
+_CACHED = 2**17  # nodes whose arrays stay near the processor
+_STATIC = ("active_set_newton", "conjugate_gradients")  # their iterations hardly rise with the number of nodes
+# logarithm of seconds = coefficients . features: expectation and standard deviation before anything is measured
+_PRIOR = (
+    ("one", -5.5, 3.0),  # 4 ms at nx = 8192
+    ("n log n", 1.05, 0.1),
+    ("n log n of time steps", 0.4, 0.3),
+    ("profile beyond the cache", 0.2, 0.1),
+    ("map beyond the cache", 0.05, 0.08),
+    ("nodes of the shortest wave", 0.0, 0.3),
+    ("waves", 0.0, 0.15),
+    ("hurst", 0.0, 1.0),
+    ("reduced pressure", 0.15, 0.3),
+    ("stiffening", 0.0, 0.3),
+    ("anisotropy", 0.0, 0.3),
+    ("loads of a path", 1.0, 0.2),
+)
+
+
+def price_of_transform(nodes: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return the price of one transform of a realisation on grids of some nodes."""
+    n = np.asarray(nodes, dtype=np.float64)
+    return n * np.log2(n) + _CALL
 
 
 @dataclass(frozen=True)
 class Cost:
     """Predicted processor time: seconds a realisation by identity of the problem, and draws of the total in s.
 
-    `pilot` is the number of problems that were measured, `smaller` that of smaller ones in place of others.
+    `pilot` counts the problems that were measured, and `smaller` those measured on a smaller grid instead.
     """
 
     seconds: dict[str, float]
@@ -46,29 +80,37 @@ class Cost:
         return float(np.quantile(self.total, probability))
 
 
+@dataclass(frozen=True)
+class _Regression:
+    """Mean and covariance of the coefficients, and the scatter of the logarithm of a run time around them."""
+
+    coefficients: Reals
+    covariance: Reals
+    scatter: float
+
+
 def predict(
     problems: list[Problem],
     realisations: list[int],
     budget: float,
     warm: Callable[[list[Problem]], None],
     timeout: float | None = None,
-    told: Told | None = None,
 ) -> Cost:
-    """Predicted cost of the realisations of each problem, from a pilot of at most `budget` seconds.
+    """Predict the cost of the realisations of each problem, from a pilot of at most `budget` seconds.
 
-    The pilot takes no more than a tenth of the work itself unless that tells nothing. Where a problem takes too long
-    for it, the same physics is measured on a smaller grid. `warm` is called before anything is timed. Earlier pilots
-    on this machine are remembered, and count into the budget. A problem that fails, or takes longer than `timeout`
-    seconds, is predicted as the others.
+    The pilot takes no more than a tenth of the work itself unless that is too little to learn anything. If a problem
+    takes too long for the pilot, the same physics is measured on a smaller grid. `warm` is called before anything is
+    timed. Earlier pilots on this machine are remembered and count towards the budget. A problem that fails, or takes
+    longer than `timeout` seconds, is predicted like those that were not measured.
     """
-    kinds = kinds_of(problems)
-    x, weight = features(problems, kinds), np.array(realisations, dtype=float)
+    kinds = _kinds_of(problems)
+    x, weight = _features(problems, kinds), np.array(realisations, dtype=float)
     known = _Known(remembered(), min(_MOST_REALISATIONS, max(realisations, default=1)))
     for problem, row in zip(problems, x, strict=True):
         known.recall(problem, row)
     warmed = False
     while True:
-        found = regression(*known.data(x.shape[1]))
+        found = _regression(*known.data(x.shape[1]))
         likely = weight * np.exp(x @ found.coefficients)
         left = (budget if len(known.rows) < _LEAST_PILOTS else min(budget, 0.1 * float(likely.sum()))) - known.spent
         chosen = None
@@ -78,14 +120,12 @@ def predict(
             chosen = _affordable(list(islice(untried, _LOOKED_AT)), kinds, found, known, left)
         if chosen is None:
             break
-        row = features([chosen], kinds)[0]
+        row = _features([chosen], kinds)[0]
         if not known.recall(chosen, row):
             if not warmed:
                 warm(problems)
                 warmed = True
             known.learn(chosen, row, timeout)
-        if told is not None:
-            told(min(1.0, known.spent / (known.spent + left)))
     if warmed:
         remember(known.memory)
     return _cost(problems, x, weight, found, known)
@@ -136,16 +176,16 @@ class _Known:
 
 
 def _affordable(
-    problems: list[Problem], kinds: list[str], found: Regression, known: _Known, left: float
+    problems: list[Problem], kinds: list[str], found: _Regression, known: _Known, left: float
 ) -> Problem | None:
-    """First problem that the seconds `left` allow for, or the same on the largest smaller grid they allow for.
+    """Return the first problem that can be solved in the seconds `left`, on its own grid or the largest smaller one.
 
-    The first of all is small, as nothing is known of how long it takes.
+    The very first problem is a small one, because nothing is known yet of how long it takes.
     """
     for problem in problems:
         choice = [problem, *_smaller(problem)]
         for candidate in choice if known.rows else choice[-1:]:
-            row = features([candidate], kinds)[0]
+            row = _features([candidate], kinds)[0]
             doubt = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
             count = known.realisations(candidate)
             expected = count * float(np.exp(row @ found.coefficients + doubt))
@@ -156,7 +196,7 @@ def _affordable(
 
 
 def _smaller(problem: Problem) -> Iterator[Problem]:
-    """The physics of a problem on grids of half its nx, a quarter, and so on: its shortest waves are left out."""
+    """Yield a problem on grids of half its nx, a quarter, and so on, without its shortest waves."""
     surface = problem.surface
     if problem.tractions is not None:
         return  # which are prescribed node by node
@@ -171,7 +211,7 @@ def _smaller(problem: Problem) -> Iterator[Problem]:
 
 
 def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:
-    """Seconds of the processor a realisation, whatever else the machine does; None where it fails or takes too long."""
+    """Return the processor time in s of a realisation; None if the problem fails or takes too long."""
     begun = time.thread_time()
     try:
         with watched(timeout):
@@ -181,8 +221,8 @@ def _measured(problem: Problem, count: int, timeout: float | None) -> float | No
     return (time.thread_time() - begun) / count
 
 
-def _most_telling(x: Reals, likely: Reals, found: Regression, count: int) -> npt.NDArray[np.intp]:
-    """Indices of so many problems whose run time narrows the total of the `likely` seconds most, the most first."""
+def _most_telling(x: Reals, likely: Reals, found: _Regression, count: int) -> npt.NDArray[np.intp]:
+    """Return the indices of the problems whose run time would narrow the total of the `likely` seconds most."""
     share = likely / likely.sum()
     spread = x @ found.covariance
     together = spread @ (share @ x)
@@ -193,12 +233,12 @@ def _most_telling(x: Reals, likely: Reals, found: Regression, count: int) -> npt
     return candidates[np.argsort(-gain[candidates], kind="stable")][:count]
 
 
-def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, known: _Known) -> Cost:
+def _cost(problems: list[Problem], x: Reals, weight: Reals, found: _Regression, known: _Known) -> Cost:
     seconds = np.array([known.memory.get(problem.identity, np.nan) for problem in problems])
     measured = ~np.isnan(seconds)
     rng = np.random.default_rng(0)
     logarithm = np.where(measured, np.log(np.where(measured, seconds, 1.0)), x @ found.coefficients)
-    own = np.where(measured, SCATTER, found.scatter)
+    own = np.where(measured, _SCATTER, found.scatter)
     costliest = np.argsort(-weight * np.exp(logarithm), kind="stable")
     shifts = rng.multivariate_normal(np.zeros(x.shape[1]), found.covariance, _DRAWS)
     total = np.zeros(_DRAWS)
@@ -210,3 +250,100 @@ def _cost(problems: list[Problem], x: Reals, weight: Reals, found: Regression, k
     total *= np.exp(_MACHINE * rng.standard_normal(_DRAWS))
     each = dict(zip((problem.identity for problem in problems), np.exp(logarithm).tolist(), strict=True))
     return Cost(each, total, int(measured.sum()), len(known.rows) - int(measured.sum()))
+
+
+def _regression(x: Reals, seconds: Reals) -> _Regression:
+    """Fit the `seconds` [problem] of problems with features `x` [problem, feature] (Bayesian, conjugate)."""
+    kinds = x.shape[1] - len(_PRIOR)
+    expected = np.array([mean for _, mean, _ in _PRIOR] + [0.0] * kinds)
+    precision = np.diag([deviation**-2 for _, _, deviation in _PRIOR] + [1.0] * kinds)
+    excess = np.log(seconds) - x @ expected
+    scatter = 2.0 * _SCATTER
+    for _ in range(3):  # the scatter and what it scatters around, in turn
+        covariance = np.linalg.inv(precision + x.T @ x / scatter**2)
+        coefficients = covariance @ (x.T @ excess) / scatter**2
+        left = excess - x @ coefficients
+        scatter = float(np.sqrt((4 * (2 * _SCATTER) ** 2 + left @ left) / (4 + len(left))))
+    return _Regression(np.asarray(expected + coefficients), np.asarray(covariance, dtype=float), scatter)
+
+
+def _kinds_of(problems: Sequence[Problem]) -> list[str]:
+    """Return the kinds among problems: each has an iteration of its own, hence a run time of its own."""
+    return sorted({_kind(problem) for problem in problems})
+
+
+def _features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
+    """Return the logarithms of what decides the run time [problem, feature], 0 for the thesis's reference system."""
+    found = np.empty((len(problems), len(_PRIOR) + len(kinds)))
+    stiffening: dict[ElasticBody, float] = {}
+    for row, problem in zip(found, problems, strict=True):
+        surface, body = problem.surface, problem.body
+        if body not in stiffening:
+            longest = np.array([2.0 * np.pi])
+            stiffening[body] = float(np.log(body.condensed_stiffness(longest) / stiffness.half_space(longest))[0])
+        cut_on, cut_off, hurst, anisotropy = _spectrum(surface)
+        size = math.log(price_of_transform(surface.nodes) / price_of_transform(8192))
+        beyond = max(0.0, math.log(surface.nodes / _CACHED))
+        row[: len(_PRIOR)] = (
+            1.0,
+            size,
+            0.0 if problem.numerics.solver in _STATIC else size,
+            beyond if len(surface.shape) == 1 else 0.0,
+            beyond if len(surface.shape) == 2 else 0.0,
+            math.log(surface.nx / cut_off / 4),
+            math.log(cut_off / cut_on / 1024),
+            hurst - 0.5,
+            0.0 if problem.mean_pressure is None else math.log(problem.mean_pressure / 0.007),
+            stiffening[body],
+            math.log(anisotropy),
+            math.log(problem.n_loads),
+        )
+        own = _kind(problem)
+        row[len(_PRIOR) :] = [own == kind for kind in kinds]
+    return found
+
+
+def _spectrum(surface: Surface) -> tuple[float, float, float, float]:
+    """Return the wave indices between which the spectrum falls, the Hurst exponent and the anisotropy, or a guess.
+
+    Of a sum of surfaces they are those of the steepest one.
+    """
+    if isinstance(surface, SummedSurface):
+        surface = max(surface.parts, key=lambda part: part.rms_gradient).surface
+    if isinstance(surface, GivenSurface):
+        return 1.0, surface.nx / 8, 0.5, 1.0
+    generator = surface.generator
+    return *generator.band, generator.hurst, getattr(generator, "anisotropy", 1.0)
+
+
+def _kind(problem: Problem) -> str:
+    surface, laws = problem.surface, "+".join(problem.interface.laws)
+    if problem.interface.hardness is not None:
+        laws += "+hardness"
+    path = " path" if problem.path else ""
+    rough = f" rough {problem.rough.order}" if problem.rough is not None else ""
+    return f"{problem.numerics.solver} {len(surface.shape)} {laws} {problem.mean_pressure is None}{path}{rough}"
+
+
+def remembered() -> dict[str, float]:
+    """Return the run times in s that were kept, by what took them; none if they cannot be read."""
+    try:
+        return {identity: float(seconds) for identity, seconds in json_file.read(_memory()).items()}
+    except (OSError, ValueError, TypeError):
+        return {}  # none, or a damaged one: it is measured again
+
+
+def remember(seconds: dict[str, float]) -> None:
+    """Keep run times for later plans, if the disk allows."""
+    try:
+        path = _memory()
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        json_file.write(path, seconds)
+    except (OSError, InputError):
+        pass  # the next plan measures again
+
+
+def _memory() -> Path:
+    """Return the file of the run times of this version on this machine."""
+    name = f"{version('gfmd-numba')}-{version('numba')}-{platform.node()}-{platform.machine()}"
+    return cache.directory() / "times" / f"{name}.json"

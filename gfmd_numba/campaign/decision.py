@@ -1,9 +1,9 @@
 """How many realisations the next round of a run has, from the results so far.
 
-Nothing measured in seconds enters, so that a run that was killed and resumes decides as it would have done: work is
-counted in a price, which follows from transforms and grids. Decisions come from the predicted error, which follows from
-the covariance of all results, and only rounds few and far between are looked at: stopping then hardly biases a mean
-(Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 let their tolerance fall in the same way).
+A run that was killed and resumes must decide as it would have done, so nothing that is measured in seconds enters.
+Instead work has a price, which follows from transforms and grids. Decisions follow from the predicted error, hence from
+the covariance of all results. The rounds are few and each is much larger than the one before, so that stopping hardly
+biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 lower their tolerance in the same way).
 """
 
 from collections.abc import Mapping
@@ -20,8 +20,8 @@ from gfmd_numba.analysis.ensembles import level_of_case
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.limits import CROSS, MOST
-from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.theory.exponents import exponent_ranges
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
@@ -48,8 +48,8 @@ class Fit:
 class Judgement:
     """Errors of the worst group after a round, relative to the limit.
 
-    What the fit says (inf of a refused one), the part of it that comes from the surfaces, the factor for the
-    uncertainty of that part, and what was to be expected.
+    `error` is that of the fit (inf if it was refused), `sampling` the part of it that comes from the surfaces, `factor`
+    allows for the uncertainty of that part, and `predicted` was to be expected.
     """
 
     error: float
@@ -59,7 +59,7 @@ class Judgement:
 
     @property
     def sure_error(self) -> float:
-        """Error that the true one does not exceed with 90 % probability."""
+        """Error that is not exceeded with 90 % probability."""
         return float(np.sqrt(self.error**2 + (self.factor**2 - 1.0) * self.sampling**2))
 
     @property
@@ -83,7 +83,7 @@ class Decision:
 
 
 def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
-    """Errors of the worst group; UnusableDataError for results that do not tell."""
+    """Return the errors of the worst group; raises UnusableDataError for results that do not tell."""
     expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
     limit, error = in_the_limit(fitted)
     errors = (error / abs(limit)).fillna(inf).values
@@ -98,11 +98,11 @@ def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
 def decide(
     results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf, after_pilot: bool = True
 ) -> Decision | None:
-    """Realisations of the next round, for a price of at most `most` in all; None where that allows no more.
+    """Return the realisations of the next round, for a price of at most `most` in all; None if that allows no more.
 
-    A pilot's error is larger than predicted while several laws still fit, which more surfaces mend. Later an error
-    that is larger than predicted may be so again, and the round makes up for that. UnusableDataError where no number
-    of realisations reaches the target.
+    The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. If a later
+    error is larger than predicted, the next may be so again, and the round makes up for it. Raises UnusableDataError
+    if no number of realisations reaches the target.
     """
     held = results["realisations"].values.astype(np.intp)
     price = price_of_realisations(results)
@@ -131,7 +131,7 @@ def decide(
 
 
 def price_of_realisations(results: xr.Dataset) -> Reals:
-    """Price of a realisation of each case (case): its mean number of transforms times that of one."""
+    """Return the price of a realisation of each case (case): its mean number of transforms times the price of one."""
     nodes = results["nx"].values.astype(float) ** results["dimension"].values
     transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
     known = np.isfinite(transforms)
@@ -141,7 +141,7 @@ def price_of_realisations(results: xr.Dataset) -> Reals:
 
 
 def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
-    """Price of some realisations (case), where equal problems count once."""
+    """Return the price of some realisations (case); equal problems count once."""
     of_problem: dict[str, float] = {}
     for identity, each in zip(results["case_id"].values.tolist(), (price * counts).tolist(), strict=True):
         of_problem[identity] = max(each, of_problem.get(identity, 0.0))
@@ -149,7 +149,7 @@ def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
 
 
 def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
-    """Realisations (case) by which every group meets a target, none fewer than it has."""
+    """Return the realisations (case) with which every group meets a target, none fewer than it has."""
     counts = held.copy()
     known: dict[tuple[str, ...], Counts] = {}  # groups of the same problems have the same results
     for parameters, cases in groups(results):
@@ -169,7 +169,7 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
 def _within(
     limit: float, results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit
 ) -> tuple[float, Counts, float]:
-    """Least error above a target whose realisations (case) have a whole price within a limit; those, and the price."""
+    """Return the least error above a target that a limit on the price allows, its realisations (case), their price."""
     tight, loose, found = target, target, held
     total = inf
     while total > limit:
@@ -188,9 +188,9 @@ def _within(
 
 
 def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
-    """Realisations for an error not far above a target that is out of reach, as far as a few results can tell.
+    """Return realisations for an error not far above a target that seems out of reach.
 
-    They tell how large the corrections are only roughly. UnusableDataError where more would not help either.
+    A few results tell only roughly how large the corrections are. Raises UnusableDataError if more would not help.
     """
     counts = _wanted(results, held, price, _LOOSER * target, fit)
     if whole_price(results, price, counts) < _LEAST_GROWTH * whole_price(results, price, held):
@@ -199,7 +199,7 @@ def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
 
 
 def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
-    """Realisations (case) of the cases of one group in a design."""
+    """Return the realisations (case) of the cases of one group in a design."""
     number, limits = level_of_case(cases), cases["limit"].values.tolist()
     crossed = np.unique([each for each, limit in zip(number, limits, strict=True) if limit == CROSS])
     cross = dict(zip(crossed.tolist(), design.cross, strict=True))
@@ -213,7 +213,7 @@ def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
 
 
 def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
-    """Why the most realisations do not reach a target, and what helps."""
+    """Return the error that says why the most realisations do not reach a target, and what helps."""
     least, further = (
         max(predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed), key=lambda each: each.error)
         for number in (MOST, 100 * MOST)
@@ -227,8 +227,7 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
     if 2.0 * further.interactions**2 > least.error**2:
         return UnusableDataError(
             f"{left}, as no cross level tells whether corrections add up; gfmd allows a larger target, or a cross "
-            "level "
-            "for every pair of limits under `limits: {cross: ...}`"
+            "level for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(
@@ -239,7 +238,7 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
 
 
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:
-    """Say which ranges of exponents to give, in full where some have none."""
+    """Return which ranges of exponents to give, in full if some have none."""
     limits = [name for name in LIMITS if name in cases["limit"].values]
     hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
     usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
@@ -250,7 +249,7 @@ def _narrower(cases: xr.Dataset, fit: Fit) -> str:
 
 
 def _named(results: xr.Dataset, parameters: Mapping[str, float]) -> str:
-    """Which of several groups is meant."""
+    """Return which of several groups is meant."""
     varied = [name for name in parameters if len(set(results[name].values.tolist())) > 1]
     named = [f"{name} = {parameters[name]:g}" for name in varied]
     return f"{', '.join(named)}: " if named else ""

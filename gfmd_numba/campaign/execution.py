@@ -1,19 +1,32 @@
-"""Solving a campaign's blocks, in this process or on dask workers; a finished shard is the only proof of work."""
+"""Blocks of a campaign solved in this process or on dask workers. Only a finished shard counts as done."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from math import inf
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 from gfmd_numba.campaign import shards
-from gfmd_numba.campaign.block_work import Task, perform
-from gfmd_numba.campaign.cases import Range
+from gfmd_numba.campaign.block_work import (
+    Failures,
+    Measured,
+    Task,
+    compute,
+    expired_here,
+    perform,
+    too_long,
+    unfinished,
+)
+from gfmd_numba.campaign.cases import Block, Range
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
-from gfmd_numba.campaign.cluster_file import Cluster, load_cluster
-from gfmd_numba.campaign.queue_state import QueueTold
-from gfmd_numba.campaign.submission import Submission, Told
+from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster, load_cluster
+from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.roughness.generators import RandomSurface
@@ -22,6 +35,13 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.storage.atomic_file import make_folder
 from gfmd_numba.text.input_error import brief
 
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.job_queue import QueueTold
+
+Ended = Generator[tuple[int, Failures]]  # numbers of blocks that ended, with those that failed
+_LOST = "its worker died or froze, even when nothing else was running"
+_SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
+_NO_SCHEDULER = "the dask scheduler is lost"
 _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 
 
@@ -29,10 +49,9 @@ _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many 
 class Workers:
     """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
 
-    The cluster is that of a scheduler at `address`, which beyond this machine has to use TLS or be allowed as
-    `insecure`, that of a dask `client`, or that of jobs as a `cluster` file describes them, with whose state in the
-    queue `queue_told` is called. Workers `at_home` were started here, and store their blocks in the output directory
-    themselves; others hand them back.
+    The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
+    A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
+    state of the jobs in the queue.
     """
 
     count: int = 2
@@ -40,8 +59,7 @@ class Workers:
     insecure: bool = False
     client: Any = None
     cluster: Cluster | None = None
-    queue_told: QueueTold | None = None
-    at_home: bool = False
+    queue_told: "QueueTold | None" = None
 
     @property
     def in_this_process(self) -> bool:
@@ -51,7 +69,7 @@ class Workers:
     @property
     def elsewhere(self) -> bool:
         """Whether the work is done by a dask cluster that this run did not start on this machine."""
-        return not ((self.address is None and self.client is None and self.cluster is None) or self.at_home)
+        return not (self.address is None and self.client is None and self.cluster is None)
 
     @property
     def most(self) -> int:
@@ -60,7 +78,7 @@ class Workers:
 
 
 def workers_of(given: object) -> Workers:
-    """Workers of a number of processes, a dask client, or a cluster file or its content; raises InputError."""
+    """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
         return Workers(int(given))
     if is_client(given):
@@ -76,8 +94,10 @@ def workers_of(given: object) -> Workers:
 def check(workers: Workers, directory: Path) -> None:
     """Raise InputError unless workers can do their work for an output directory, which need not exist yet."""
     if workers.cluster is not None:
-        from gfmd_numba.campaign.job_queue import check_queue
-
+        try:
+            from gfmd_numba.campaign.job_queue import check_queue
+        except ImportError:
+            raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
         check_queue(workers.cluster, directory)
     elif workers.elsewhere:
         with connected(workers.address, workers.client, workers.insecure) as client:
@@ -86,7 +106,7 @@ def check(workers: Workers, directory: Path) -> None:
 
 @contextmanager
 def started(workers: Workers, directory: Path) -> Iterator[Workers]:
-    """Workers with a client, for as long as they are needed: local ones and jobs are started, a cluster connected."""
+    """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
     if workers.client is not None or workers.in_this_process:
         yield workers
     elif workers.cluster is not None:
@@ -99,24 +119,14 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
             yield replace(workers, client=client)
     else:
         with local(workers.count) as client:
-            yield replace(workers, client=client, at_home=True)
+            yield replace(workers, client=client)
 
 
-def held(finished: shards.Finished) -> dict[str, list[Range]]:
-    """Ranges of realisations that finished blocks are named after, by identity of the problem."""
-    ranges: dict[str, list[Range]] = {}
-    for name in finished:
-        identity, *numbers = name.rsplit("-", 2)
-        if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
-            ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
-    return ranges
-
-
-def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None, finished: Told) -> None:
-    """Perform tasks until all are done or `finished` says to stop.
+def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:
+    """Perform tasks, and yield how many blocks ended and which of them failed, each time that some have.
 
     Raises OSError where shards cannot be written, ConnectionError when the scheduler is lost; whatever was finished
-    then is kept.
+    then is kept, as it is if the generator is closed early.
     """
     make_folder(directory / shards.FOLDER)
     shards.remove_unreadable(directory)  # their blocks are among the tasks
@@ -125,11 +135,109 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
     together = -(-sum(len(task) for task in tasks) // _MOST_FILES)
     if workers.in_this_process:
         for task in tasks:
-            if not finished(len(task), perform(task, directory, timeout, together, mortal=False)):
-                return
+            yield len(task), perform(task, directory, timeout, together)
         return
     with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
-        Submission(begun.client, directory.resolve(), timeout, together, finished, begun.at_home, begun.most).all(tasks)
+        submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
+        with closing(submission.ended(tasks)) as ended:
+            yield from ended
+
+
+@dataclass(frozen=True)
+class Submission:
+    """Tasks on the workers of a dask client, which hand their blocks back, so that they need no output directory.
+
+    Up to `most` workers are kept busy, or more if there are more.
+    """
+
+    client: Any
+    directory: Path
+    timeout: float | None
+    together: int
+    most: int
+    run: str = field(default_factory=lambda: uuid4().hex)
+
+    def ended(self, tasks: Iterable[Task]) -> Ended:
+        """Perform tasks, a few at a time, and then once more, alone, each block of tasks that lost their worker.
+
+        A lost worker takes innocent blocks with it. A block has failed only if it was late, or if it loses its worker
+        again when it runs alone.
+        """
+        for alone in (False, True):
+            suspects: list[Task] = []
+            with closing(self._outcomes(iter(tasks), alone)) as outcomes:
+                for task, outcome in outcomes:
+                    left = [] if outcome is not None else unfinished(task, self.directory)
+                    late = self._late(left)
+                    failures = outcome or {}
+                    for block in left:
+                        if block.name in late:
+                            failures[block.name] = too_long(self.timeout)
+                        elif alone:
+                            failures[block.name] = Failure("crashed", _LOST)
+                    again = [block for block in left if block.name not in failures]
+                    yield len(task) - len(again), failures
+                    suspects += [(block,) for block in again]
+            tasks = suspects
+
+    def _late(self, blocks: list[Block]) -> set[str]:
+        """Return the names of those blocks that took longer than the timeout."""
+        names = [block.name for block in blocks]
+        if not names or self.timeout is None:
+            return set()
+        told = self.client.run(expired_here, self.run, names, on_error="ignore")
+        return {name for found in (expired_here(self.run, names), *told.values()) for name in found}
+
+    def _stored(self, measured: Measured, failures: Failures) -> Failures:
+        """Store what a task handed back, and return what failed of it."""
+        names = list(measured)
+        for first in range(0, len(names), self.together):
+            shards.store(self.directory, {name: measured[name] for name in names[first : first + self.together]})
+        return failures
+
+    def _outcomes(self, tasks: Iterator[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
+        """Yield each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
+        from distributed import KilledWorker, as_completed
+        from distributed.client import FutureCancelledError
+
+        at_work: dict[str, Task] = {}
+        wanted, counted = 1, -inf
+
+        def submitted() -> list[Any]:
+            """Return futures of the next tasks, as many as the workers have room for."""
+            nonlocal wanted, counted
+            if not alone and monotonic() - counted > _SECONDS_BETWEEN_COUNTS:
+                try:
+                    wanted, counted = 2 * max(1, self.most, len(self.client.nthreads())), monotonic()
+                except OSError:
+                    raise ConnectionError(_NO_SCHEDULER) from None
+            some = list(islice(tasks, max(0, wanted - len(at_work))))
+            of_all = self.run, versions(), self.timeout
+            new = [self.client.submit(compute, task, *of_all, pure=False) for task in some]  # keys are nobody else's
+            at_work.update((future.key, task) for future, task in zip(new, some, strict=True))
+            return new
+
+        futures = as_completed(submitted(), loop=self.client.loop)
+        for future in futures:
+            failures: Failures | None
+            try:
+                failures = self._stored(*future.result())
+            except KilledWorker:
+                failures = None
+            except FutureCancelledError:
+                raise ConnectionError(_NO_SCHEDULER) from None
+            yield at_work.pop(future.key), failures
+            futures.update(submitted())
+
+
+def held(finished: shards.Finished) -> dict[str, list[Range]]:
+    """Return the ranges of realisations in the names of finished blocks, by identity of the problem."""
+    ranges: dict[str, list[Range]] = {}
+    for name in finished:
+        identity, *numbers = name.rsplit("-", 2)
+        if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
+            ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
+    return ranges
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:

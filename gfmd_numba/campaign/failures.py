@@ -1,14 +1,46 @@
-"""Why some blocks have no result: kept next to the shards until they are tried again."""
+"""How the simulations of a campaign ended, and why some blocks have no result, kept next to the shards."""
 
 from dataclasses import asdict, dataclass
+from enum import IntEnum
 from pathlib import Path
 
 from gfmd_numba.campaign import shards
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.solvers import status
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.storage import json_file
 
+
+class Ending(IntEnum):
+    """How a simulation ended; only `ok` results are used."""
+
+    ok = Status.ok.value
+    steps_used_up = Status.steps_used_up.value
+    stagnated = Status.stagnated.value
+    too_steep = Status.too_steep.value
+    no_equilibrium = Status.no_equilibrium.value
+    unstable = Status.unstable.value
+    nonfinite = Status.nonfinite.value
+    timeout = 7
+    crashed = 8
+    unfinished = 9
+    not_asked = 10
+
+
+SENTENCES: dict[IntEnum, str] = {
+    **{Ending(ended): sentence for ended, sentence in status.SENTENCES.items()},
+    Ending.timeout: (
+        "The block took longer than case_timeout: raise it, and run the block again with `gfmd run --retry-failed`."
+    ),
+    Ending.crashed: (
+        "The program or its worker broke down: `gfmd status` gives the reason and the command that runs it again."
+    ),
+    Ending.unfinished: "The simulation has not run yet: `gfmd run` resumes.",
+    Ending.not_asked: "The case has fewer realisations than others: nothing is missing.",
+}
+
+
 _SUFFIX = ".failed"
-_OUTCOMES = (Outcome.crashed.name, Outcome.timeout.name)
+_OF_BLOCKS = (Ending.crashed.name, Ending.timeout.name)
 
 
 @dataclass(frozen=True)
@@ -30,14 +62,12 @@ def forget(directory: Path, name: str) -> None:
 
 
 def of(directory: Path, name: str) -> Failure | None:
-    """Failure of a block, None if there is none that can be read."""
+    """Return the failure of a block, None if there is none that can be read."""
     found = json_file.read(path_of(directory, name))
     status, reason = found.get("status"), found.get("reason")
-    return (
-        Failure(status, reason) if isinstance(status, str) and status in _OUTCOMES and isinstance(reason, str) else None
-    )
+    return Failure(status, reason) if status in _OF_BLOCKS and isinstance(reason, str) else None
 
 
 def path_of(directory: Path, name: str) -> Path:
-    """File in which the failure of a block is kept."""
+    """Return the file in which the failure of a block is kept."""
     return directory / shards.FOLDER / f"{name}{_SUFFIX}"

@@ -6,17 +6,16 @@ from itertools import product
 from math import nan, prod
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import yaml
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.fit_record import Fit, check_limit, check_recorded
-from gfmd_numba.campaign.goal import Target
+from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
 from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
 from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
-from gfmd_numba.campaign.source import written
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.scene.checks import (
     check_anisotropy_fits,
@@ -24,7 +23,7 @@ from gfmd_numba.scene.checks import (
     check_points,
     check_surfaces,
 )
-from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.document import Document, Location, plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
@@ -45,9 +44,9 @@ LONGEST_TIMEOUT = 30 * 86_400.0  # s; timers overflow after 49 days on some syst
 
 
 class PlacedDiscretisation(NamedTuple):
-    """A discretisation of a campaign, None if surfaces have points of their own, and how many surfaces it takes.
+    """A discretisation of a campaign and its number of surfaces; None if the surfaces have points of their own.
 
-    `locations` says where its values stand in the file, `varied` which of them differ from the reference.
+    `locations` says where its values stand in the file, and `varied` which of them differ from the reference.
     """
 
     discretisation: Discretisation | None
@@ -57,7 +56,7 @@ class PlacedDiscretisation(NamedTuple):
 
     @property
     def limit(self) -> str:
-        """Discretisation that differs from the reference, or "cross" for several, or "reference"."""
+        """Name of the discretisation that differs from the reference, "cross" if several do, else "reference"."""
         return CROSS if len(self.varied) > 1 else next(iter(self.varied), "reference")
 
 
@@ -111,7 +110,7 @@ class Campaign(BaseModel):
         return self.target is not None and "realisations" not in self.model_fields_set
 
     def fits(self) -> Iterator[tuple[Fit, Location]]:
-        """How the variable that is fitted is, and each other one of the target; and where it stands in the file.
+        """Yield how the variable of the fit and the others of the target are fitted, and where each stands in the file.
 
         What the file says of the fit is about its own variable. Others have the usual ranges of exponents.
         """
@@ -122,7 +121,7 @@ class Campaign(BaseModel):
             yield Fit.model_validate({"variable": name, "exponents": own.exponents, "fixed": fixed}), ("target", name)
 
     def usual_exponents(self, variable: str) -> dict[str, Any]:
-        """Ranges of the exponents of a variable, but for a limit that has a law without one."""
+        """Return the usual ranges of the exponents of a variable, except for a limit whose law has no exponent."""
         hursts = values_of(self.grid, "hurst") or [
             getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
         ]
@@ -145,7 +144,7 @@ class Campaign(BaseModel):
         return grid * (1 + sum(1 for _ in self._levels()))
 
     def discretisations(self) -> Iterator[PlacedDiscretisation]:
-        """Each discretisation: the references, each followed by its limits' levels."""
+        """Yield each discretisation: the references, each followed by the levels of its limits."""
         if self.reference is None:
             yield PlacedDiscretisation(None, {}, (), self.realisations.reference)
             return
@@ -165,7 +164,7 @@ class Campaign(BaseModel):
                 yield PlacedDiscretisation(Discretisation(**eps | values), locations | places, tuple(values), surfaces)
 
     def _levels(self) -> Iterator[tuple[dict[str, float], dict[str, Location], int]]:
-        """Each level that has surfaces: its values other than the reference's, where they stand, and the surfaces."""
+        """Yield each level that has surfaces: its values unlike the reference's, their places, and its surfaces."""
         for axis in DISCRETISATIONS:
             for i, value in enumerate(getattr(self.limits, axis) or ()):
                 surfaces = self.realisations.of(axis, i)
@@ -240,9 +239,9 @@ class Campaign(BaseModel):
 
 
 def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None = None) -> tuple[Campaign, Document]:
-    """Checked campaign of a YAML file or a mapping, and the document itself; raises InputError.
+    """Return the checked campaign of a YAML file or a mapping, and the document itself; raises InputError.
 
-    A `target` takes the place of the file's. Where the run chooses the levels, the campaign has those it begins with.
+    A `target` replaces that of the file. If the run chooses the levels, the campaign has those that it begins with.
     """
     document = document_of(
         source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
@@ -287,26 +286,26 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
 
 
 def is_without_levels(document: Document, campaign: Campaign) -> bool:
-    """Whether the run chose the levels of a loaded campaign, as its file names none."""
+    """Return whether the levels of a loaded campaign were chosen by the run, because its file names none."""
     return document.value(("reference",)) is ABSENT and bool(campaign.limits.varied)
 
 
 def fitted_variable(source: Source) -> str:
-    """Variable that a campaign fits, whatever another target is. Raises InputError."""
+    """Return the variable that a campaign fits, whatever its target is. Raises InputError."""
     document = document_of(source, "campaign")
     stand_in = {"kappa": 0.01} if document.value(("target",)) is ABSENT else None  # for which levels are chosen
     return load_campaign(document, stand_in)[0].fit.variable
 
 
 def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
-    """Target of a campaign whose run chooses the numbers of realisations; None for another. Raises InputError."""
+    """Return the target of a campaign whose run chooses the realisations; None for another. Raises InputError."""
     data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
     campaign = validate(_with_a_file(document_of(data, "campaign")), Campaign)
     return campaign.target if campaign.chooses_realisations else None
 
 
 def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Document:
-    """Document in which a target takes the place of its own."""
+    """Return the document with another target."""
     data: Any = document.data
     if target is None or not isinstance(data, Mapping):
         return document
@@ -314,7 +313,7 @@ def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Do
 
 
 def _begun(campaign: Campaign) -> Campaign:
-    """Campaign with the variable that is fitted, and with the levels a run begins with where it has none.
+    """Return the campaign with the variable that is fitted and, if it has no levels, those that a run begins with.
 
     A run to a target knows the usual ranges of the exponents that the file does not mention.
     """
@@ -355,7 +354,7 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
 
 
 def _with_a_file(document: Document) -> Document:
-    """Document whose measured surface has a file, the grid's first, where the grid alone names its files."""
+    """Return the document with the first file of the grid in the scene, if the grid alone names the files."""
     data: Any = document.data
     surface: Any = document.value(("scene", "roughness"))
     files = document.value(("grid", "file"))
@@ -383,14 +382,36 @@ def _check_files(document: Document, campaign: Campaign) -> None:
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
-    """Measured surfaces of a scene, by their places."""
+    """Return the measured surfaces of a scene, by their places."""
     return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
 
 
 def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
-    """Each anisotropy of a campaign, and where it stands in the file."""
+    """Yield each anisotropy of a campaign, and where it stands in the file."""
     own = getattr(campaign.scene.roughness, "anisotropy", None)
     if given := values_of(campaign.grid, "anisotropy"):
         yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
     elif own is not None:
         yield own, ("scene", "roughness", "anisotropy")
+
+
+def written(record: BaseModel) -> str:
+    """Return the YAML text of a record, from which an equal record is read."""
+    return yaml.dump(record.model_dump(exclude_unset=True), Dumper=_PlainDumper, sort_keys=False)
+
+
+class _PlainDumper(yaml.SafeDumper):
+    """PyYAML's safe dumper without aliases, for the loader of documents."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
+    """Text, quoted if it would be read as a number or the like."""
+    style = None if plain_scalar(text) == text else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_PlainDumper.add_representer(str, _text)
+_PlainDumper.add_multi_representer(float, lambda dumper, number: dumper.represent_float(float(number)))

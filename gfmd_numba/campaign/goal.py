@@ -1,15 +1,25 @@
-"""What a run is to reach: relative errors of variables in the limit, and the processor time it may take."""
+"""What a campaign is to find: the variable that is fitted, errors of variables in the limit, and a budget of time."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from math import inf
 from numbers import Real
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.path_observables import LIMITED, why_no_limit
-from gfmd_numba.scene.quantities import broken_rule
+from gfmd_numba.campaign.limits import FixedExponents
+from gfmd_numba.contact.path_observables import (
+    LIMITED,
+    PATH_OBSERVABLES,
+    needed_for,
+    recorded_along,
+    unheld,
+    why_no_limit,
+)
+from gfmd_numba.scene import Document, Scene
+from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.input_error import InputError, brief
@@ -61,7 +71,7 @@ class Goal(BaseModel):
 
 
 def goal_of(until: object, budget: object = None) -> Goal:
-    """Goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
+    """Return the goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
     targets = until if isinstance(until, Mapping) else {}
     if unknown := [name for name in targets if name not in LIMITED]:
         hint = nearest(unknown[0], LIMITED)
@@ -83,7 +93,7 @@ def goal_of(until: object, budget: object = None) -> Goal:
 
 
 def seconds_of(given: object) -> float | None:
-    """Seconds of a number or of a text like `20min` or `90 s`; None if it is no time above 0."""
+    """Return the seconds in a number or in a text like `20min` or `90 s`; None if that is no time above 0."""
     try:
         seconds = float(cast(Any, given)) if not isinstance(given, bool) else None
     except (TypeError, ValueError):
@@ -96,3 +106,68 @@ def seconds_of(given: object) -> float | None:
 
 def _is_relative_error(given: object) -> bool:
     return isinstance(given, Real) and not isinstance(given, bool) and 0.0 < float(given) < 1.0
+
+
+class Fit(BaseModel):
+    """How the results are fitted to their limit."""
+
+    model_config = RECORD
+    variable: Variable = Field(
+        "kappa", description="What is fitted; left out: the first variable of a target, else kappa"
+    )
+    step: int | None = Field(
+        None, ge=0, description="Step of the path whose contact is fitted, 0 is the first loading; None: every step"
+    )
+    exponents: Literal["shared", "free"] = Field("shared", description="One set for all groups, or one for each")
+    fixed: FixedExponents = Field(FixedExponents(), description="Exponents known beforehand")
+
+    @property
+    def is_of_path(self) -> bool:
+        """Whether a path has the variable as a whole, not at each step."""
+        row = PATH_OBSERVABLES.get(self.variable)
+        return row is not None and row.of == "path"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Arguments of the fit itself."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def with_target(self, target: Mapping[str, float] | None) -> "Fit":
+        """Return the same for the first variable of a target, if the file does not say what is fitted."""
+        if target is None or "variable" in self.model_fields_set:
+            return self
+        return self.model_copy(update={"variable": next(iter(target))})
+
+    def check(self, n_steps: int, place: Location) -> None:
+        """Raise a located error if the variable or step does not exist on a path of `n_steps` after the first loading.
+
+        `place` is where the variable stands in the file.
+        """
+        if self.variable in PATH_OBSERVABLES and n_steps == 0:
+            raise broken_rule(place, "what a single contact has, as this campaign has no path")
+        if self.step is None:
+            return
+        if n_steps == 0:
+            raise broken_rule(("fit", "step"), "nothing without a path")
+        if self.is_of_path:
+            raise broken_rule(("fit", "step"), f"nothing with {self.variable}, which the path has as a whole")
+        if self.step > n_steps:
+            raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
+
+
+def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: Fit, place: Location) -> None:
+    """Raise InputError for a target, at a place in the file, without a limit in the discretisations that vary."""
+    if why := unheld(LIMITED[fit.variable], scene, varied):
+        raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
+
+
+def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
+    """Raise InputError unless one of the scenes, each with its order in the slope, records what is fitted.
+
+    `place` is where the variable stands in the file.
+    """
+    scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
+    if LIMITED[fit.variable].needs_hardness and all(scene.interface.hardness is None for scene, _ in scenes):
+        raise document.error(place, fit.variable, "what these contacts have; this needs a hardness of the hard_wall")
+    if along and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
+        raise document.error(place, fit.variable, f"what this path has; {needed_for(fit.variable)}")

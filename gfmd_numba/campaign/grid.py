@@ -1,15 +1,16 @@
 """The grid of a campaign: values of the axes taken as a full product, each checked as the scene itself is."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
-from gfmd_numba.campaign.axis import Axis, Place
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, Axis, Place, with_values
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Document, Random, Scene
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, dotted
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 
 Value = TypeVar("Value")
@@ -44,7 +45,7 @@ else:
 
 
 def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
-    """Values that a grid gives to an axis, numbers or names, or None."""
+    """Return the values that a grid gives to an axis, numbers or names, or None."""
     given: tuple[Any, ...] | None = getattr(grid, axis)
     if given is None:
         return None  # whether a number has a unit, only `Campaign` needs to know
@@ -52,7 +53,7 @@ def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
 
 
 def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
-    """The scene with each single value of a grid in its place: its axis, where it stands in the file, the scene."""
+    """Yield the scene with each single value of a grid: its axis, where the value stands in the file, and the scene."""
     for axis in OF_THE_SCENE:
         for i, value in enumerate(values_of(grid, axis.name) or ()):
             yield axis, ("grid", axis.name, i), with_values(scene, {axis.place: value})
@@ -90,21 +91,38 @@ def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None
 
 
 def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
-    """Values of each surface that a grid makes, by their places in the scene, and where each stands in the file."""
+    """Yield the values of each surface of a grid by their places in the scene, and where each stands in the file."""
     axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
     for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
         values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
         yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
 
 
+def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
+    """Return sentences about implausible numbers of a scene, its grid or its path, a line each.
+
+    Of the values of an axis the first implausible one is named.
+    """
+    axes = {axis: values for axis in OF_THE_SCENE if (values := getattr(grid, axis.name))}
+    scene = with_values(scene, {axis.place: values[0] for axis, values in axes.items()})
+    found = dict.fromkeys(implausible(scene, path))
+    for axis, values in axes.items():
+        others = (implausible(with_values(scene, {axis.place: value}), path) for value in values[1:])
+        found |= dict.fromkeys(next((sentences for sentences in others if set(sentences) - found.keys()), ()))
+    said = "\n".join(found)
+    for axis in axes:
+        said = said.replace(f"{dotted(axis.place)} is ", f"grid.{axis.name} is ")
+    return said
+
+
 def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
-    """As `_fault`, of the surface that a scene has with other values, or of its length that does not fit the period."""
+    """Return the `_fault` of the surface of a scene with other values, or of a length that does not fit the period."""
     surface = with_values(scene, values).roughness
     return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
 
 
 def _fault(record: BaseModel) -> tuple[str, str] | None:
-    """Key of the first value that breaks a rule of its record, or nothing for several, and what is allowed; or None."""
+    """Return the key of the first value that breaks a rule (empty for several), and what is allowed; or None."""
     try:
         type(record).model_validate_json(record.model_dump_json())  # which forgets what had units
     except ValidationError as error:
@@ -116,7 +134,7 @@ def _fault(record: BaseModel) -> tuple[str, str] | None:
 
 
 def _lack(scene: Scene, axis: Axis) -> str:
-    """What is allowed in place of the values of an axis that a scene has no parameter for; nothing if it has one."""
+    """Return what is allowed instead of an axis for which the scene has no parameter; empty if it has one."""
     record: Any = scene
     for name in axis.place[:-1]:
         record = getattr(record, name, None)

@@ -1,23 +1,31 @@
 """Workers in jobs of a queueing system: submitted as long as there are blocks, and again when a job has ended."""
 
+import asyncio
 import os
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from time import monotonic
+from typing import Any, Self
 from uuid import uuid4
 
+import dask
 import psutil
+from dask_jobqueue.slurm import SLURMCluster, SLURMJob
+from distributed import Client, Future
+from distributed.core import Status
+from distributed.deploy.adaptive import Adaptive
+from distributed.diagnostics.plugin import SchedulerPlugin
 
 from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
-from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster
-from gfmd_numba.campaign.job_supply import JobSupply
-from gfmd_numba.campaign.queue_state import QueueTold
+from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from gfmd_numba.text.input_error import brief
@@ -33,14 +41,40 @@ _ON_CLUSTER = OF_A_RUN | {
 _PATIENCE = 120.0  # s, with a controller that is busy
 _UNREACHABLE = re.compile(r"configuration source|contact slurm controller", re.IGNORECASE)  # in sbatch's words
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
+_SECONDS_BETWEEN_LOOKS = 10.0  # at the queue, whose controller others ask, too
+_SECONDS_TO_FIRST_LOOK = 3.0
+_MOST_IN_VAIN = 5  # jobs that end before a worker comes
+_TO_DO = {"queued", "no-worker", "waiting", "processing"}
+FORMAT = "%A %t %r"  # of squeue: number, compact state, and the reason for it
+_AT_WORK, _ENDING = "R", "CG"  # states; a job in any other has not begun
+
+
+@dataclass(frozen=True)
+class QueueState:
+    """How many jobs wait, why most of them do in the words of the queueing system, and how many run."""
+
+    waiting: int = 0
+    reason: str = ""
+    running: int = 0
+
+    @classmethod
+    def of(cls, jobs: list[list[str]]) -> Self:
+        """Count jobs, each given as the columns of `FORMAT`."""
+        reasons = Counter(reason for _, state, reason in jobs if state not in (_AT_WORK, _ENDING))
+        most = reasons.most_common(1)
+        return cls(reasons.total(), most[0][0] if most else "", sum(state == _AT_WORK for _, state, _ in jobs))
+
+
+def columns_of(printed: str) -> list[list[str]]:
+    """Return the columns of every job that squeue has printed."""
+    return [line.split(maxsplit=2) for line in printed.strip().splitlines()]
+
+
+QueueTold = Callable[[QueueState], None]
 
 
 def check_queue(cluster: Cluster, directory: Path) -> None:
     """Raise InputError unless jobs of a cluster can be submitted from here, for an output directory."""
-    try:
-        from dask_jobqueue.slurm import SLURMJob
-    except ImportError:
-        raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
     for command in _COMMANDS:
         if shutil.which(command) is None:
             raise InputError(
@@ -50,8 +84,7 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
     if not _PLAIN.fullmatch(str(directory.resolve())):
         raise InputError(
             f"--output: you gave {brief(str(directory.resolve()))} with --cluster; gfmd allows a path of letters, "
-            "digits and "
-            "._/@+,:~- alone, as scripts of jobs name it"
+            "digits and ._/@+,:~- alone, as scripts of jobs name it"
         )
     if cluster.interface not in (None, *(here := psutil.net_if_addrs())):
         raise InputError(f"--cluster: you gave the interface {cluster.interface}; gfmd allows one of {', '.join(here)}")
@@ -71,25 +104,18 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
         raise InputError(
             f"--cluster: you gave jobs that SLURM refuses ({said}); gfmd allows cores, memory, walltime, partition, "
-            "account "
-            "and directives that `sinfo` and your site's rules permit"
+            "account and directives that `sinfo` and your site's rules permit"
         )
 
 
 @contextmanager
 def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> Iterator[Any]:
-    """Client of the workers in jobs of a cluster, which print into an output directory.
+    """Yield a client of the workers in jobs of a cluster, which print into an output directory.
 
-    `told` is called with the numbers of jobs that wait and run, whenever they change.
-
-    Scheduler and workers speak TLS, and accept only who has the key of this run. Raises ConnectionError where jobs end
-    again and again before their workers come.
+    `told` is called with the numbers of jobs that wait and run, whenever they change. Scheduler and workers speak TLS
+    and accept only a process that has the key of this run. Raises ConnectionError if jobs end again and again before
+    their workers come.
     """
-    import dask
-    from distributed import Client
-
-    from gfmd_numba.campaign.slurm_jobs import JobsCluster
-
     folder = directory / FOLDER
     atomic_file.make_folder(folder)
     name = f"gfmd-{uuid4().hex[:8]}"
@@ -126,7 +152,7 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
 
 @contextmanager
 def _security(folder: Path) -> Iterator[Any]:
-    """Key and certificate of a run, in files that nobody else can read and that do not outlive it."""
+    """Yield the key and certificate of a run, in files that nobody else can read and that do not outlive the run."""
     from distributed.security import Security
 
     for left in folder.iterdir():
@@ -166,3 +192,114 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
         "job_name": name,
         "worker_extra_args": ["--no-dashboard", "--lifetime", f"{cluster.lifetime}s"],
     }
+
+
+class ClosingJob(SLURMJob):
+    """A job that says when it is closed. In dask-jobqueue it stays `running`, and the cluster would wait for it."""
+
+    async def close(self) -> None:
+        """Cancel the job."""
+        self.status = Status.closing
+        await super().close()  # type: ignore[no-untyped-call]
+        self.status = Status.closed
+
+
+class JobsCluster(SLURMCluster):
+    """A cluster of such jobs."""
+
+    job_cls = ClosingJob
+
+
+class _Arrivals(SchedulerPlugin):
+    """Count of the workers that ever came."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def add_worker(self, scheduler: Any, worker: str) -> None:
+        """Count a worker that registers with the scheduler."""
+        self.count += 1
+
+
+class JobSupply(Adaptive):
+    """Dask's adaptive scaling with demand counted in blocks, which ends idle jobs only and forgets jobs that ended.
+
+    If jobs end again and again before any of their workers comes, `fault` says so and the client's tasks are cancelled.
+    `told` is called with the numbers of jobs that wait and run, whenever they change.
+    """
+
+    def __init__(
+        self, cluster: Any, client: Any, job_name: str, cores: int, told: QueueTold | None, **options: Any
+    ) -> None:
+        super().__init__(cluster, **options)
+        self.fault = ""
+        self._queue: Any = cluster
+        self._client = client
+        self._job_name, self._cores = job_name, cores
+        self._looked = monotonic() + _SECONDS_TO_FIRST_LOOK - _SECONDS_BETWEEN_LOOKS
+        self._told, self._last = told, QueueState()
+        self._arrivals, self._arrived = _Arrivals(), 0
+        self._in_vain = 0
+        self._queue.scheduler.add_plugin(self._arrivals)
+
+    async def target(self) -> int:
+        """Number of workers that tasks can keep busy, in whole jobs."""
+        tasks = sum(1 for task in self._queue.scheduler.tasks.values() if task.state in _TO_DO)
+        return -(-tasks // self._cores) * self._cores
+
+    async def workers_to_close(self, target: int) -> list[str]:
+        """Names of the workers of those surplus jobs that are idle as a whole."""
+        workers = defaultdict(list)
+        for worker in self._queue.scheduler.workers.values():
+            workers[self._job_of(str(worker.name))].append(worker)
+        idle = [members for members in workers.values() if not any(worker.processing for worker in members)]
+        spare = max(0, len(self.plan) - target) // self._cores
+        return [worker.name for members in idle[:spare] for worker in members]
+
+    async def adapt(self) -> None:
+        """Forget jobs that ended, then submit what is missing or end what is too much."""
+        if monotonic() - self._looked >= _SECONDS_BETWEEN_LOOKS:
+            self._looked = monotonic()
+            await self._forget_ended_jobs()
+        await super().adapt()
+
+    def _job_of(self, worker: str) -> str:
+        """Name of a worker's job, which dask-jobqueue gives a suffix for each of several workers."""
+        return worker.rpartition("-")[0] if self._cores > 1 else worker
+
+    async def _forget_ended_jobs(self) -> None:
+        """Drop jobs that are no longer in the queue: dask-jobqueue would wait for their workers for ever."""
+        submitted = dict(self._queue.workers)  # before the queue is asked, so that each had its place there
+        queued = await self._queued()
+        if queued is None:
+            return
+        present = {self._job_of(str(worker.name)) for worker in self._queue.scheduler.workers.values()}
+        if self._arrivals.count > self._arrived or present:
+            self._arrived, self._in_vain = self._arrivals.count, 0
+        for name, job in submitted.items():
+            if job.job_id in queued or name in present:
+                continue
+            self._in_vain += 0 if present else 1
+            self._queue.worker_spec.pop(name, None)
+            if self._queue.workers.pop(name, None) is not None:
+                await job.close()
+        if self._in_vain >= _MOST_IN_VAIN:
+            self.fault = f"{self._in_vain} jobs ended or were refused before any of their workers came"
+            tasks: list[Any] = [Future(key, client=self._client) for key in list(self._client.futures)]
+            await self._client.cancel(tasks, asynchronous=True, force=True)
+
+    async def _queued(self) -> set[str] | None:
+        """Numbers of this run's jobs that wait or run, None if the queue does not say."""
+        command = ("squeue", "--noheader", f"--format={FORMAT}", f"--name={self._job_name}")
+        process = await asyncio.create_subprocess_exec(
+            *command, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL
+        )
+        printed, _ = await process.communicate()
+        if process.returncode != 0:
+            return None
+        jobs = columns_of(printed.decode())
+        state = QueueState.of(jobs)
+        if state != self._last and self._told is not None:
+            self._told(state)
+        self._last = state
+        return {number for number, *_ in jobs}

@@ -1,16 +1,16 @@
 """What a campaign file says of each limit: its levels, its surfaces and its exponent.
 
-Each record has a field for each discretisation in the table of axes. Cross levels belong to several limits at once.
+Cross levels belong to several limits at once.
 """
 
 from math import inf
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
 
-from gfmd_numba.campaign.axes import AXES, DISCRETISATIONS
+from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.grid import Values
-from gfmd_numba.scene.quantities import RECORD, broken_rule
+from gfmd_numba.scene.quantities import RECORD, EpsC, EpsF, EpsT, broken_rule
 
 CROSS = "cross"  # key of levels at which several discretisations differ from the reference, and their name in results
 MOST = 1_000_000  # surfaces
@@ -43,18 +43,13 @@ Count = Annotated[int, Field(ge=1, le=MOST, description="Random surfaces per cas
 Counts = Annotated[int | tuple[int, ...], BeforeValidator(_counts), WithJsonSchema({"allowed": COUNTS})]
 
 
-class _OfTheReference(BaseModel):
+class CrossLevel(BaseModel):
+    """Discretisations (dimensionless) that differ from the reference together."""
+
     model_config = RECORD
-    reference: Count = Field(description="Random surfaces of each case at the reference")
-
-    def of(self, limit: str, level: int) -> int:
-        """Number for the cases at a level of a limit, counted as the campaign lists them."""
-        given: int | tuple[int, ...] | None = getattr(self, limit)
-        return given[level] if isinstance(given, tuple) else given or self.reference
-
-
-class _OfSeveral(BaseModel):
-    model_config = RECORD
+    eps_c: EpsC | None = Field(None, description="Value of eps_c (dimensionless)")
+    eps_f: EpsF | None = Field(None, description="Value of eps_f (dimensionless)")
+    eps_t: EpsT | None = Field(None, description="Value of eps_t (dimensionless)")
 
     @property
     def values(self) -> dict[str, float]:
@@ -68,13 +63,19 @@ class _OfSeveral(BaseModel):
         return self
 
 
-class _AroundTheReference(BaseModel):
+class Limits(BaseModel):
+    """Discretisations (dimensionless) around the reference, one at a time and together."""
+
     model_config = RECORD
+    eps_c: Values[EpsC] | None = Field(None, description="Continuum limit (dimensionless)")
+    eps_f: Values[EpsF] | None = Field(None, description="Fractal limit (dimensionless)")
+    eps_t: Values[EpsT] | None = Field(None, description="Thermodynamic limit (dimensionless)")
+    cross: Values[CrossLevel] | None = Field(None, description="Levels at which two or more differ at once")
 
     @property
     def crossed(self) -> tuple[dict[str, float], ...]:
         """The values of each cross level, by discretisation."""
-        return tuple(level.values for level in getattr(self, CROSS) or ())
+        return tuple(level.values for level in self.cross or ())
 
     @property
     def varied(self) -> set[str]:
@@ -82,51 +83,29 @@ class _AroundTheReference(BaseModel):
         return {axis for axis in DISCRETISATIONS if getattr(self, axis) is not None}.union(*self.crossed)
 
 
-def _of_each(words: str, kind: Any) -> dict[str, Any]:
-    """Return a field for each limit; `kind` returns its type from that of a value of the discretisation."""
-    fields = {}
-    for axis in (axis for axis in AXES if axis.name in DISCRETISATIONS):
-        described = words.format(name=axis.name, limit=axis.limit)
-        described = described[0].upper() + described[1:]
-        fields[axis.name] = kind(axis.type) | None, Field(None, description=described)
-    return fields
+class FixedExponents(BaseModel):
+    """Exponents (dimensionless) that the fit does not search: a value, or the range it lies in."""
+
+    model_config = RECORD
+    eps_c: Exponent | None = Field(None, description="Exponent of eps_c or its range (dimensionless)")
+    eps_f: Exponent | None = Field(None, description="Exponent of eps_f or its range (dimensionless)")
+    eps_t: Exponent | None = Field(None, description="Exponent of eps_t or its range (dimensionless)")
 
 
-if TYPE_CHECKING:  # the fields are those of the table
-    CrossLevel = _OfSeveral
-    Limits = _AroundTheReference
-    FixedExponents = BaseModel
-    Realisations = _OfTheReference
-else:
-    CrossLevel = create_model(
-        "CrossLevel",
-        __base__=_OfSeveral,
-        __doc__="Discretisations (dimensionless) that differ from the reference together.",
-        **_of_each("Value of {name} (dimensionless)", lambda value: value),
-    )
-    Limits = create_model(
-        "Limits",
-        __base__=_AroundTheReference,
-        __doc__="Discretisations (dimensionless) around the reference, one at a time and together.",
-        **_of_each("{limit} limit (dimensionless)", lambda value: Values[value]),
-        cross=(
-            Values[CrossLevel] | None,
-            Field(None, description="Levels at which two or more differ at once"),
-        ),
-    )
-    FixedExponents = create_model(
-        "FixedExponents",
-        __config__=RECORD,
-        __doc__="Exponents (dimensionless) that the fit does not search: a value, or the range it lies in.",
-        **_of_each("Exponent of {name} or its range (dimensionless)", lambda _: Exponent),
-    )
-    Realisations = create_model(
-        "Realisations",
-        __base__=_OfTheReference,
-        __doc__="Random surfaces of each case, by its limit or level; a limit left out has as many as the reference.",
-        **_of_each("Random surfaces of each case of the {limit} limit", lambda _: Counts),
-        cross=(Counts | None, Field(None, description="Random surfaces of each case at a cross level")),
-    )
+class Realisations(BaseModel):
+    """Random surfaces of each case, by its limit or level; a limit left out has as many as the reference."""
+
+    model_config = RECORD
+    reference: Count = Field(description="Random surfaces of each case at the reference")
+    eps_c: Counts | None = Field(None, description="Random surfaces of each case of the continuum limit")
+    eps_f: Counts | None = Field(None, description="Random surfaces of each case of the fractal limit")
+    eps_t: Counts | None = Field(None, description="Random surfaces of each case of the thermodynamic limit")
+    cross: Counts | None = Field(None, description="Random surfaces of each case at a cross level")
+
+    def of(self, limit: str, level: int) -> int:
+        """Number for the cases at a level of a limit, counted as the campaign lists them."""
+        given: int | tuple[int, ...] | None = getattr(self, limit)
+        return given[level] if isinstance(given, tuple) else given or self.reference
 
 
 def _realisations(given: Any) -> Any:

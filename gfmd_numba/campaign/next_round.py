@@ -12,6 +12,7 @@ from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.extrapolation import expected_doubts
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.decision import (
     Fit,
     Judgement,
@@ -22,7 +23,6 @@ from gfmd_numba.campaign.decision import (
     whole_price,
 )
 from gfmd_numba.campaign.levels import STEP, Level, finer_levels, first_realisations, nodes_of
-from gfmd_numba.campaign.price import price_of_transform
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
 
 REACHED = "reached"
@@ -45,10 +45,10 @@ class Fitted:
 
 
 def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Rounds:
-    """Rounds with what the last one has found of each target, and with one more or `ended`.
+    """Return the rounds with what the last one has found for each target, and either one more round or `ended`.
 
-    The target that is furthest from reached decides. `may_refine` says whether the next round may have finer levels
-    than the last.
+    The target that is furthest from being reached decides. `may_refine` says whether the next round may have finer
+    levels than the last.
     """
     now = state.now
     state = state.with_now(cpu_seconds=float(fits[0].results.attrs["cpu_seconds"]))
@@ -82,7 +82,7 @@ class _Standing(Fitted):
 
 
 def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
-    """Where a variable stands after the last round; UnusableDataError for results that do not tell."""
+    """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
     results, fitted, fit = of_target.results, of_target.fitted, of_target.fit
     now, target = state.now, state.goal.targets[fit.variable]
     found, doubts = judge(results, fitted, fit), _doubts(fitted, max(1, len(now.levels)))
@@ -94,12 +94,12 @@ def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
 
 
 def _was_to_reach(now: Round, fit: Fit) -> bool:
-    """Whether a round was planned to reach the target of a variable."""
+    """Return whether a round was planned to reach the target of a variable."""
     return now.is_last and now.variable == fit.variable
 
 
 def _named(state: Rounds, fit: Fit) -> Rounds:
-    """Rounds whose end names the variable that it is about, where there are several."""
+    """Return the rounds with the name of the variable in `ended`, if there are several variables."""
     missed = f"not {REACHED}: "
     if len(state.goal.targets) == 1 or not state.ended.startswith(missed):
         return state
@@ -107,7 +107,7 @@ def _named(state: Rounds, fit: Fit) -> Rounds:
 
 
 def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool) -> Rounds:
-    """Rounds with one more, which brings a target nearer, or `ended`; all so far have a `price`."""
+    """Return the rounds with one more, which brings a target nearer, or `ended`; `price` is that of all so far."""
     fitted, fit, target = furthest.fitted, furthest.fit, furthest.target
     doubts, is_last = furthest.doubts, _was_to_reach(state.now, fit)
     large = _SHARE_OF_DOUBTS * target
@@ -136,7 +136,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
 
 
 def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset) -> str:
-    """Why even finer levels are not worth their price where no law describes the means, or nothing."""
+    """Return why even finer levels are not worth their price when no law describes the means; empty if they are."""
     latest = rounds[-1 - _FUTILE :]
     if len(latest) <= _FUTILE or any(one.levels == following.levels for one, following in pairwise(latest)):
         return ""
@@ -149,9 +149,9 @@ def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset) -> str:
 
 
 def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
-    """Whether more surfaces are a better next round than finer levels, which tell more about the laws.
+    """Return whether more surfaces are a better next round than finer levels, which tell more about the laws.
 
-    Surfaces reach the target for the price that is expected, and finer levels need not reach it in one round.
+    Surfaces reach the target for the expected price, but finer levels may not reach it in one round.
     """
     if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
         return False
@@ -161,9 +161,9 @@ def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
 
 @dataclass(frozen=True)
 class _Doubt:
-    """What the laws of one group leave open: the relative error, inf if unknown, and the limit it is mostly from.
+    """What the laws of one group leave open: the relative error, inf if unknown, and the limit that adds most to it.
 
-    `halved` is the error to be expected with half the finest eps_f, `error` that of the group by all that adds to it.
+    `halved` is the error to expect with half the finest eps_f, and `error` the whole relative error of the group.
     """
 
     size: float
@@ -173,7 +173,7 @@ class _Doubt:
 
 
 def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
-    """What the laws of each group leave open, however many surfaces there are; along a path at its worst step."""
+    """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step."""
     limit, error = in_the_limit(fitted)
     value = abs(limit)
     whole = (error / value).fillna(inf).values
@@ -195,7 +195,7 @@ def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
 
 
 def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, target: float) -> str:
-    """Why more surfaces do not reach a target at the levels there are, or nothing."""
+    """Return why more surfaces do not reach a target at the present levels; empty if they may."""
     refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
     if is_last and len(refused):
         return f"the fit is refused, {'; '.join(str(refused[0]).splitlines())}"
@@ -211,7 +211,7 @@ def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, targe
 
 
 def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
-    """Rounds with one more that has finer levels for the groups whose laws leave more open; None if none has."""
+    """Return the rounds with one more, of finer levels for groups whose laws leave more than `most` open; else None."""
     now, results = state.now, of_target.results
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
@@ -237,7 +237,7 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     if state.goal.budget is not None and price * (state.seconds_per_price or 0.0) > state.goal.budget:
         return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
     another = another.model_copy(update={"realisations": tuple(counts), "price": price})
-    return state.model_copy(update={"rounds": (*state.rounds, another)})
+    return state.followed_by(another)
 
 
 def _alike(now: Round, identities: Sequence[str]) -> list[int]:
@@ -251,7 +251,7 @@ def _alike(now: Round, identities: Sequence[str]) -> list[int]:
 
 
 def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: float) -> Rounds:
-    """Rounds with one more that has more realisations, which bring the error other than that `of_laws` to an `aim`."""
+    """Return the rounds with one more of more realisations, which bring all error but that `of_laws` to an `aim`."""
     most, found = inf, of_target.found
     if state.goal.budget is not None and state.seconds_per_price is not None:
         most = state.goal.budget / state.seconds_per_price
@@ -273,7 +273,7 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
         price=decision.price,
         target_price=decision.target_price,
     )
-    return state.model_copy(update={"rounds": (*state.rounds, another)})
+    return state.followed_by(another)
 
 
 def _widest(fitted: xr.Dataset) -> str:

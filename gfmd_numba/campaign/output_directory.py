@@ -29,7 +29,7 @@ class AlteredError(InputError):
 
 @contextmanager
 def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Iterator[None]:
-    """Hold the output directory for a campaign, labelled with its text; raises InputError if it is not to be had.
+    """Hold the output directory for a campaign, labelled with its text; raises InputError if that cannot be done.
 
     Names of files in the text are relative to the `folder`.
     """
@@ -72,7 +72,7 @@ def at_work(directory: Path) -> bool:
 
 
 def home_of(file: Path) -> Path | None:
-    """Folder that names of files in a campaign file are relative to, if it is the copy in an output directory."""
+    """Return the folder that names of files are relative to in the copy of a campaign file in an output directory."""
     folder = json_file.read(file.parent / MARK).get(_HOME) if file.name == LABEL else None
     return Path(folder) if isinstance(folder, str) else None
 
@@ -127,7 +127,7 @@ def _check_content(directory: Path, text: bytes) -> None:
 
 
 def _is_nothing(entry: Path) -> bool:
-    """Whether a file tells of no work: a lock, an empty mark, or what a kill leaves behind."""
+    """Return whether a file holds no work: a lock, an empty mark, or what a kill leaves behind."""
     return _is_leftover(entry) or (entry.name in (_LOCK, MARK) and atomic_file.read(entry) == b"")
 
 
@@ -187,7 +187,7 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
 
 
 def _labels(directory: Path) -> list[str]:
-    """Digests of the copies of the campaign file that runs have put into their directory."""
+    """Return the digests of the copies of the campaign file that runs have put into their directory."""
     known = json_file.read(directory / MARK).get("labels")
     return known if isinstance(known, list) else []
 

@@ -12,9 +12,9 @@ import xarray as xr
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign.cases import Case, groups
 from gfmd_numba.campaign.coordinates import described_coordinates
+from gfmd_numba.campaign.cost import remember, remembered
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.run_times import remember, remembered
 
 UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
 
@@ -28,7 +28,7 @@ _REALISATIONS = 20_000  # of a rehearsal at most: the time of a fit of more is p
 
 @dataclass(frozen=True)
 class Overhead:
-    """Processor time in s: `start` of the program, each one of the `workers`, the `results` file, the `fit`."""
+    """Processor time in s of the `start` of the program, of each `worker`, of the `results` file and of the `fit`."""
 
     start: float
     worker: float
@@ -54,7 +54,7 @@ def overhead(planned: Plan) -> Overhead:
 
 
 def _start() -> float:
-    """Processor time in s of a process that imports what a run does, remembered."""
+    """Return the processor time in s of a process that imports what a run imports; it is measured once."""
     times = remembered()
     if _START not in times:
         script = f"import time, {_IMPORTED}; print(time.process_time())"
@@ -65,7 +65,7 @@ def _start() -> float:
 
 
 def _rehearsed(planned: Plan) -> float:
-    """Return the seconds of the fit, from that of some groups of made-up results."""
+    """Return the seconds of the fit, from a fit of some groups of made-up results."""
     members = groups(planned.cases)
     cases = [case for group in members[:_REHEARSED] for case in group]
     asked = max(case.realisations for case in cases)

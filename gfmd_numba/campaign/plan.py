@@ -1,26 +1,24 @@
-"""What a campaign comes to: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
+"""The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import psutil
 
 from gfmd_numba.campaign.block_work import Task
 from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
 from gfmd_numba.campaign.cluster_file import Cluster
-from gfmd_numba.campaign.conditions import meeting
-from gfmd_numba.campaign.coordinates import coordinates
-from gfmd_numba.campaign.cost import Cost, Told, predict
+from gfmd_numba.campaign.coordinates import coordinates, meeting
+from gfmd_numba.campaign.cost import Cost, predict
+from gfmd_numba.campaign.doubts import check_resolved, doubt_of_bodies, unresolved
 from gfmd_numba.campaign.execution import compile_kernels, held
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.law_resolution import check_resolved, unresolved
-from gfmd_numba.campaign.measured_bodies import Bodies, MeasuredBodies, measured_bodies, said_of_bodies
-from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches, measured_punches, said_of
-from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
-from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
+from gfmd_numba.campaign.grid import doubt_of_numbers
+from gfmd_numba.campaign.measured_surfaces import Measurements, measured_scenes, said_of
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
@@ -35,22 +33,30 @@ _TASKS_PER_WORKER = 16  # so that all end at about the same time
 
 @dataclass(frozen=True)
 class Plan:
-    """A campaign, its cases, and the distinct problems among them, the largest grids first."""
+    """A campaign, its cases, and what was measured of their surfaces."""
 
     campaign: Campaign
     document: Document
     cases: list[Case]
-    problems: list[Problem]
-    punches: Punches = field(default_factory=dict)
-    measured: Bodies = field(default_factory=dict)
+    measured: Measurements = field(default_factory=dict)
+
+    def changed(self, **update: Any) -> "Plan":
+        """Return the plan of the campaign with other values of its keys."""
+        campaign = self.campaign.model_copy(update=update)
+        return replace(self, campaign=campaign, cases=expand(campaign, self.measured, self.document))
+
+    @cached_property
+    def problems(self) -> list[Problem]:
+        """Distinct problems among the cases, the largest grids first."""
+        return distinct(self.cases)
 
     @property
     def blocks(self) -> Iterator[Block]:
-        """All blocks of work, as long as nothing is finished."""
+        """All blocks of work of a run that begins anew."""
         return (block for problem in self.problems for block in blocks(problem, self.demand[problem.identity]))
 
     def blocks_in(self, directory: Path) -> list[Block]:
-        """All blocks of work in an output directory, whose finished shards are taken as they are."""
+        """Return all blocks of work in an output directory; those of finished shards stay as they are."""
         return list(split(self.cases, held(Finished(directory))))
 
     @cached_property
@@ -70,36 +76,37 @@ class Plan:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """What became of the effects of all scenes, each sentence once."""
+        """What became of the effects of all scenes, each once."""
         return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
 
     @property
     def validity(self) -> str:
         """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
-        implausible = (*said_of(self.punches, "doubts"), *said_of_bodies(self.measured, "doubts"))
-        numbers = doubt_of_numbers(self.campaign, self.cases[0].scene.length)
+        implausible = said_of(self.measured, "doubts")
+        scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # that a file tells
+        numbers = doubt_of_numbers(scene, self.campaign.grid, self.campaign.path)
         return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
 
     @property
     def processing(self) -> str:
         """What was done to measured surfaces."""
-        return "\n".join((*said_of(self.punches, "done"), *said_of_bodies(self.measured, "done")))
+        return "\n".join(said_of(self.measured, "done"))
 
     @property
     def file_bytes(self) -> int:
-        """Size of the results, before compression."""
+        """Size of the results in bytes, before compression."""
         n_loads = self.problems[0].n_loads
         rows = len(OBSERVABLES) + (len(PATH_OBSERVABLES) if n_loads > 1 else 0)
         return 8 * rows * n_loads * len(self.cases) * max(self.demand.values())
 
     @property
     def worker_bytes(self) -> int:
-        """Largest memory a block asks of its worker."""
+        """Largest memory in bytes that a block takes of its worker."""
         return _largest(self.blocks)
 
     @property
     def shared(self) -> dict[tuple[str, ...], int]:
-        """How many cases have the problem of another one, by the parameters in which the two differ."""
+        """How many cases share the problem of another case, by the parameters in which the two differ."""
         if len(self.problems) == len(self.cases):
             return {}
         columns = coordinates(self.cases)
@@ -115,33 +122,30 @@ class Plan:
         return dict(reasons)
 
     def only(self, conditions: Mapping[str, str]) -> list[Case]:
-        """Cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
+        """Return the cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
         return meeting(self.cases, conditions)
 
-    def predicted_cost(self, budget: float, told: Told | None = None) -> Cost:
-        """Cost of the contacts on this machine, from a pilot of at most `budget` seconds, whose share done is told."""
+    def predicted_cost(self, budget: float) -> Cost:
+        """Return the cost of the contacts on this machine, from a pilot of at most `budget` seconds."""
         wanted = [self.demand[problem.identity] for problem in self.problems]
-        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout, told)
+        return predict(self.problems, wanted, budget, compile_kernels, self.campaign.case_timeout)
 
     def wall_time(self, cost: Cost, cpu_seconds: float, workers: int) -> float:
-        """Time in s that workers need for some processor time: at least that of the longest block."""
-        longest = max(cost.seconds[block.problem.identity] * (block.stop - block.first) for block in self.blocks)
+        """Return the time in s that workers need for some processor time, at least that of the longest block."""
+        longest = max(cost.seconds[block.problem.identity] * block.size for block in self.blocks)
         return max(cpu_seconds / max(1, workers), longest)
 
 
 def plan(source: Source | Campaign, target: Mapping[str, float] | None = None) -> Plan:
-    """Plan of a campaign file or mapping, with another target if one is given; raises InputError."""
+    """Return the plan of a campaign file or mapping, with another target if one is given; raises InputError."""
     campaign, document = load_campaign(source, target)
-    follows = campaign.scene.follows_topography
-    measured = measured_bodies(campaign, document) if follows else {}
-    punches = {} if follows else measured_punches(campaign, document)
-    told: tuple[MeasuredPunch | MeasuredBodies, ...] = (*punches.values(), *measured.values())
-    scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in told}
+    measured = measured_scenes(campaign, document)
+    scenes = {(each.dimension, each.period): each.under(campaign.scene) for each in measured.values()}
     if len(scenes) == 1:
         campaign = campaign.model_copy(update={"scene": next(iter(scenes.values()))})
-    cases = expand(campaign, punches, measured, document)
+    cases = expand(campaign, measured, document)
     check_resolved(document, campaign, cases)
-    return Plan(campaign, document, cases, distinct(cases), punches, measured)
+    return Plan(campaign, document, cases, measured)
 
 
 def check_memory(todo: Iterable[Block], workers: int) -> None:
@@ -161,8 +165,7 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
         remedy = f"a machine with {(block + PROGRAM_BYTES) / 1e9:.1f} GB free"
     raise InputError(
         f"--workers: you gave {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} "
-        "GB in "
-        f"all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
+        f"GB in all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
     )
 
 
@@ -172,18 +175,17 @@ def check_memory_of_jobs(todo: Iterable[Block], cluster: Cluster) -> None:
     if needed > cluster.memory:
         raise InputError(
             f"--cluster: you gave jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; gfmd allows a "
-            "memory of "
-            f"at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
+            f"memory of at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
         )
 
 
 def _largest(todo: Iterable[Block]) -> int:
-    return max((block_bytes(block.problem, block.stop - block.first) for block in todo), default=0)
+    return max((block_bytes(block.problem, block.size) for block in todo), default=0)
 
 
 def tasks(todo: list[Block], cost: Cost, workers: int) -> list[Task]:
     """Group blocks into tasks of about equal predicted time, the longest blocks first."""
-    seconds = {block.name: cost.seconds[block.problem.identity] * (block.stop - block.first) for block in todo}
+    seconds = {block.name: cost.seconds[block.problem.identity] * block.size for block in todo}
     target = min(_TASK_SECONDS, sum(seconds.values()) / (_TASKS_PER_WORKER * max(1, workers)))
     grouped: list[list[Block]] = []
     filled = target

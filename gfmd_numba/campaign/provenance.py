@@ -1,4 +1,4 @@
-"""Where results come from, and a digest of what they say."""
+"""Where results come from, and a digest of their numbers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _OF_THE_RUN = ("wall_time", "case_seconds", "round_cpu_seconds")  # differ from 
 
 @cache
 def versions_of_numbers() -> Mapping[str, str]:
-    """Versions of Python, and of the packages and the library of transforms that make the numbers of a block."""
+    """Return the versions of Python and of the packages and the library that make the numbers of a block."""
     from gfmd_numba.fourier.transform import library_version  # which `gfmd check` does not need
 
     packages = {name: version(name) for name in _OF_NUMBERS}
@@ -33,12 +33,12 @@ def versions_of_numbers() -> Mapping[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of all that makes a result."""
+    """Return the versions of all that makes a result."""
     return {**versions_of_numbers(), **{name: version(name) for name in _OTHERS}}
 
 
 def joined(made_with: Iterable[Mapping[str, str]]) -> dict[str, str]:
-    """Versions that parts of a result were made with, one after another where they differ."""
+    """Return the versions with which parts of a result were made, joined where they differ."""
     found: dict[str, list[str]] = {}
     for each in made_with:
         for name, one in each.items():
@@ -47,9 +47,9 @@ def joined(made_with: Iterable[Mapping[str, str]]) -> dict[str, str]:
 
 
 def doubt(of_all: Mapping[str, str]) -> str:
-    """What there is to say of parts that were made with different versions, empty if there is nothing.
+    """Return a warning about parts that were made with different versions; empty if there are none.
 
-    Another gfmd is no doubt: its code that makes numbers is the same, or its shards would have other names.
+    Another version of gfmd does not matter: its code that makes numbers is the same, or shards would have other names.
     """
     different = [f"{name} {of_all[name]}" for name in of_all if _BETWEEN in of_all[name] and name != "gfmd-numba"]
     if not different:
@@ -61,7 +61,7 @@ def doubt(of_all: Mapping[str, str]) -> str:
 
 
 def difference(installed: Mapping[str, str], expected: Mapping[str, str]) -> str:
-    """First package whose version is not that expected, in words; empty if there is none."""
+    """Return the first package whose version is not the expected one, in words; empty if there is none."""
     for name, here in expected.items():
         if installed.get(name) != here:
             return f"{name} {installed.get(name)}; gfmd allows {here}, as here"
@@ -69,12 +69,12 @@ def difference(installed: Mapping[str, str], expected: Mapping[str, str]) -> str
 
 
 def machine() -> str:
-    """What the results were computed on."""
+    """Return the machine on which results are computed."""
     return f"{platform.system()} {platform.machine()}, {os.cpu_count()} CPUs"
 
 
 def git_commit() -> str:
-    """Commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
+    """Return the commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
     if not any((folder / ".git").exists() for folder in list(Path(__file__).parents)[:3]):
         return ""
     command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty=-modified", "--abbrev=40"]
@@ -85,7 +85,7 @@ def git_commit() -> str:
 
 
 def content_digest(dataset: xr.Dataset) -> str:
-    """SHA-256 of all numbers of a campaign but those of time, whoever computed them."""
+    """Return the SHA-256 of all numbers of a campaign except times."""
     digest = hashlib.sha256()
     for name in sorted(map(str, dataset.variables)):
         if name in _OF_THE_RUN:

@@ -15,7 +15,7 @@ _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
 
 
 def results_file(path: Path) -> Path:
-    """The file of results that a path means, itself or the one a run left in it; raises InputError."""
+    """Return the file of results that a path means, itself or the one that a run left in it; raises InputError."""
     if not os.path.isdir(path):  # also of a path that no file can have
         return path
     named = path / f"{campaign_name(path / 'campaign.yaml')}.nc"
@@ -31,7 +31,7 @@ def results_file(path: Path) -> Path:
 
 
 def campaign_name(label: Path) -> str | None:
-    """Name of the campaign whose file lies in its output directory, None if that cannot be read."""
+    """Return the name of the campaign in a file in its output directory, None if that cannot be read."""
     try:
         data = read_document(label).data
     except InputError:
@@ -41,7 +41,7 @@ def campaign_name(label: Path) -> str | None:
 
 
 def read_results(path: Path) -> xr.Dataset:
-    """Dataset of a path as in `results_file`; raises InputError."""
+    """Return the dataset of a path as in `results_file`; raises InputError."""
     file = results_file(path)
     try:
         check_regular(file, most_numbers() * _SHARE)
@@ -58,6 +58,6 @@ def read_results(path: Path) -> xr.Dataset:
 
 
 def _unaltered(file: Path) -> bool:
-    """Whether a file is as its mark says; one without a mark passes if it can be read at all."""
+    """Return whether a file is as its mark says; a file without a mark passes if it can be read at all."""
     content = file.read_bytes()
     return mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())

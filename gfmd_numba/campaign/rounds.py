@@ -9,14 +9,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, distinct, expand, groups
+from gfmd_numba.campaign.cases import Case, groups
+from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.cross_levels import with_cross_levels
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.limits import MOST, Realisations
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, plan
-from gfmd_numba.campaign.price import UNITS
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.storage import json_file
 
@@ -38,7 +38,7 @@ _OF_A_ROUND = {
 
 
 class TargetError(BaseModel):
-    """Relative error of a target after a round, None of a refused fit; its factor, and whether that is enough."""
+    """Relative error of a target after a round (None if the fit is refused), its factor, and whether that is enough."""
 
     model_config = _RECORD
     error: float | None
@@ -49,9 +49,9 @@ class TargetError(BaseModel):
 class Round(BaseModel):
     """What was decided for a round before it ran, and what was found after it.
 
-    `variable` is the target that the round was decided for: `predicted_error` and `target_price` are about that one,
-    and `is_last` says that the round was planned to reach it, or to use up the budget. The prices are those of the
-    whole run. None stands for what is not known: nothing is predicted of a pilot.
+    `variable` is the target for which the round was decided: `predicted_error` and `target_price` are about it, and
+    `is_last` says that the round was planned to reach it, or to use up the budget. Prices are those of the whole run.
+    None stands for what is not known; for a pilot nothing is predicted.
     """
 
     model_config = _RECORD
@@ -67,13 +67,13 @@ class Round(BaseModel):
 
     @property
     def cases(self) -> list[Any]:
-        """What tells each of its cases from the others."""
+        """What distinguishes each of its cases from the others."""
         if not self.levels:
             return list(range(len(self.realisations)))
         return [(group, level) for group, of_group in enumerate(self.levels) for level in of_group]
 
     def told_of(self, target: str) -> dict[str, float | None]:
-        """What is known of a target, by its name in the results."""
+        """Return what is known of a target, by its name in the results."""
         found = self.errors.get(target)
         return {
             "predicted_error": self.predicted_error if self.variable == target else None,
@@ -83,9 +83,9 @@ class Round(BaseModel):
 
 
 class Rounds(BaseModel):
-    """The rounds of a run with a goal; `campaign_sha256` is that of its text, `ended` says how it ended if it has.
+    """The rounds of a run with a goal; `campaign_sha256` is of the campaign's text, `ended` says how it ended, if so.
 
-    Seconds of a price are those of the pilot: measured once, so that a run that resumes decides as before.
+    The seconds per price are measured once, in the pilot, so that a run that resumes decides as before.
     """
 
     model_config = _RECORD
@@ -101,22 +101,30 @@ class Rounds(BaseModel):
         return self.rounds[-1]
 
     def of(self, members: Sequence[Sequence[Case]]) -> bool:
-        """Whether they are rounds of a pilot with these groups of cases."""
+        """Return whether these rounds began with a pilot of these groups of cases."""
         begun = len(self.rounds[0].realisations) == sum(map(len, members))
         return begun and all(
             len(each.cases) == len(each.realisations) and len(each.levels) in (0, len(members)) for each in self.rounds
         )
 
+    def followed_by(self, another: Round) -> "Rounds":
+        """Return the same with another round."""
+        return self.model_copy(update={"rounds": (*self.rounds, another)})
+
+    def without_last(self) -> "Rounds":
+        """Return the same without the last round."""
+        return self.model_copy(update={"rounds": self.rounds[:-1]})
+
     def with_now(self, **found: Any) -> "Rounds":
-        """The same, with what is known of the last round."""
-        return self.model_copy(update={"rounds": (*self.rounds[:-1], self.now.model_copy(update=found))})
+        """Return the same with what is known of the last round."""
+        return self.without_last().followed_by(self.now.model_copy(update=found))
 
     def ending(self, how: str) -> "Rounds":
-        """The same, ended."""
+        """Return the same, ended."""
         return self.model_copy(update={"ended": how})
 
     def variables(self) -> dict[str, tuple[Any, ...]]:
-        """What the results say of the rounds: dims, values and CF attributes by name."""
+        """Return what the results say of the rounds: dims, values and CF attributes by name."""
         numbered = cf_attributes("round of the run, 0 is the pilot")
         asked = cf_attributes("realisations asked of the case in the round")
         found: dict[str, tuple[Any, ...]] = {
@@ -137,12 +145,12 @@ class Rounds(BaseModel):
         return found
 
     def _realisations(self) -> list[list[int]]:
-        """Realisations (round, case) of the cases of the last round, 0 where a round did not have a case."""
+        """Return the realisations (round, case) of the cases of the last round, 0 if a round did not have a case."""
         counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in self.rounds]
         return [[each.get(case, 0) for case in self.now.cases] for each in counts]
 
     def attributes(self) -> dict[str, str | float]:
-        """What the results say of the goal and of how the run ended."""
+        """Return what the results say of the goal and of how the run ended."""
         until = ", ".join(f"{name}={share:g}" for name, share in self.goal.targets.items())
         reached = ", ".join(name for name, error in self.now.errors.items() if error.reached)
         found: dict[str, str | float] = {"until": until, "ended": self.ended, "reached": reached}
@@ -154,7 +162,7 @@ class Rounds(BaseModel):
 
 
 def read(directory: Path) -> Rounds | None:
-    """Rounds of a run in a directory; None if there are none, or something else in their file."""
+    """Return the rounds of a run in a directory; None if there are none, or something else in their file."""
     try:
         return Rounds.model_validate(json_file.read(directory / FILE))
     except ValidationError:
@@ -172,31 +180,28 @@ def forget(directory: Path) -> None:
 
 
 def pilot_plan(planned: Plan, goal: Goal) -> Plan:
-    """Plan of the pilot of a campaign: every level of its limits, whatever realisations its file asks for.
+    """Return the plan of a campaign's pilot: every level of its limits, whatever realisations its file asks for.
 
-    Cross levels are added where it has none.
+    Cross levels are added if the campaign has none.
     """
-    update = {"realisations": Realisations(reference=FEWEST), "target": goal.targets}
-    campaign = planned.campaign.model_copy(update=update)
-    cases = expand(campaign, planned.punches, planned.measured, planned.document)
-    piloted = with_cross_levels(replace(planned, campaign=campaign, cases=cases, problems=distinct(cases)))
+    piloted = with_cross_levels(planned.changed(realisations=Realisations(reference=FEWEST), target=goal.targets))
     members = groups(piloted.cases)
     number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
     counts: list[int] = []
     for of_group in members:
         levels = [level_of(case) for case in of_group]
-        counts += first_realisations(levels, campaign.scene.dimension or 1, number)
+        counts += first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
     return with_realisations(piloted, counts)
 
 
 def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
-    """Plan with other numbers of realisations (case)."""
+    """Return the plan with other numbers of realisations (case)."""
     cases = [replace(case, realisations=number) for case, number in zip(planned.cases, realisations, strict=True)]
     return replace(planned, cases=cases)
 
 
 def as_decided(directory: Path) -> Plan:
-    """Plan of the campaign in an output directory, of its last round if it has rounds; raises InputError."""
+    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
     found = read(directory)
     if found is None:
         return plan(directory / LABEL)
@@ -206,29 +211,27 @@ def as_decided(directory: Path) -> Plan:
 
 
 def in_round(piloted: Plan, now: Round) -> Plan:
-    """Plan of a round, from that of the pilot: its levels and its numbers of realisations."""
+    """Return the plan of a round from that of the pilot: its levels and its numbers of realisations."""
     return with_realisations(_at_levels(piloted, now.levels) if now.levels else piloted, now.realisations)
 
 
 def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
-    """Plan with other levels of each of its groups."""
+    """Return the plan with other levels of each of its groups."""
     everywhere = list(dict.fromkeys(level for of_group in levels for level in of_group))
-    update = {
-        "reference": discretisation_of(everywhere[0]),
-        "limits": limits_around(everywhere[0], everywhere[1:]),
-        "realisations": Realisations(reference=FEWEST),
-    }
-    campaign = planned.campaign.model_copy(update=update)
-    found = expand(campaign, planned.punches, planned.measured, planned.document)
+    found = planned.changed(
+        reference=discretisation_of(everywhere[0]),
+        limits=limits_around(everywhere[0], everywhere[1:]),
+        realisations=Realisations(reference=FEWEST),
+    )
     cases: list[Case] = []
-    for members, wanted in zip(groups(found), levels, strict=True):
+    for members, wanted in zip(groups(found.cases), levels, strict=True):
         of_level = {level_of(case): case for case in members}
         cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
-    return replace(planned, campaign=campaign, cases=cases, problems=distinct(cases))
+    return replace(found, cases=cases)
 
 
 def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
-    """Levels of each group of a plan, its reference first; () where a group has several references."""
+    """Return the levels of each group of a plan, its reference first; () if a group has several references."""
     members = groups(planned.cases)
     if any(sum(case.limit == "reference" for case in of_group) != 1 for of_group in members):
         return ()
@@ -236,5 +239,5 @@ def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
 
 
 def level_of(case: Case) -> Level:
-    """Level of a case that has a discretisation."""
+    """Return the level of a case that has a discretisation."""
     return tuple(getattr(case.discretisation, name) for name in DISCRETISATIONS)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,15 +26,15 @@ Watch = Callable[[int, int], Progress]  # told of blocks in all and those finish
 
 
 class StoppedError(Exception):
-    """A run that something from outside stopped; finished work is kept."""
+    """The disk or the cluster stopped a run; finished work is kept."""
 
 
 @dataclass(frozen=True)
 class Choice:
     """Which blocks to run, and when to stop.
 
-    `only` the cases with these coordinates, at most `limit` blocks, those that failed before if `retry_failed`, and
-    nothing more after the first failure if `fail_fast`.
+    `only` gives coordinates of the cases, `limit` the most blocks. `retry_failed` runs blocks again that failed before,
+    and `fail_fast` stops after the first failure.
     """
 
     only: Mapping[str, str] = field(default_factory=dict)
@@ -43,20 +43,20 @@ class Choice:
     fail_fast: bool = False
 
 
-_TWO_WORKERS, ALL = Workers(), Choice()
+TWO_WORKERS, ALL = Workers(), Choice()
 
 
 def run(
     source: Source | Campaign,
     output: str | Path | None = None,
-    workers: Workers = _TWO_WORKERS,
+    workers: Workers = TWO_WORKERS,
     watch: Watch | None = None,
     choice: Choice = ALL,
 ) -> tuple[Path, Failures]:
     """Run what is unfinished of a campaign and write its netCDF file into the output directory.
 
-    Returns the file and the blocks that failed; raises InputError for a bad campaign, for workers that cannot do it, or
-    for a directory that holds something else or another run, StoppedError where the disk or the cluster gives up.
+    Returns the file and the blocks that failed. Raises InputError for a bad campaign, for workers that cannot do it, or
+    for a directory that holds something else or another run, and StoppedError if the disk or the cluster gives up.
     """
     planned = plan(source)
     cases = planned.only(choice.only) if choice.only else planned.cases
@@ -75,13 +75,13 @@ def run(
 
 
 def directory_of(planned: Plan, output: str | Path | None) -> Path:
-    """Output directory of a campaign: the one that is given, or one of its name."""
+    """Return the output directory of a campaign: the one that is given, or one of its name."""
     return Path(output if output is not None else planned.campaign.name)
 
 
 @contextmanager
 def stopped_by_errors_of_the_system() -> Iterator[None]:
-    """Raise StoppedError where the disk or the cluster gives up."""
+    """Raise StoppedError if the disk or the cluster gives up."""
     try:
         yield
     except OSError as error:
@@ -93,19 +93,9 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError where the memory does not do, OSError where the disk or the cluster gives up.
+    Raises InputError if the memory is too small, OSError if the disk or the cluster gives up.
     """
-    new: Failures = {}
     _check_names(planned, todo, directory)
-
-    def finished(blocks: int, reasons: Failures) -> bool:
-        for name, failure in reasons.items():
-            failures.record(directory, name, failure)
-        new.update(reasons)
-        if progress is not None:
-            progress(blocks)
-        return not (new and choice.fail_fast)
-
     if not todo:
         return True
     check_room(todo, workers)
@@ -117,13 +107,22 @@ def finish(
         predicted_cpu_seconds_p50=predicted.quantile(0.5),
         predicted_cpu_seconds_p90=predicted.quantile(0.9),
     )
-    execute(tasks(todo, predicted, workers.most), directory, workers, planned.campaign.case_timeout, finished)
+    timeout, well = planned.campaign.case_timeout, True
+    with closing(execute(tasks(todo, predicted, workers.most), directory, workers, timeout)) as ended:
+        for blocks, reasons in ended:
+            for name, failure in reasons.items():
+                failures.record(directory, name, failure)
+            if progress is not None:
+                progress(blocks)
+            well = well and not reasons
+            if choice.fail_fast and not well:
+                break
     note(directory, last_run_blocks=len(todo), last_run_seconds=time.perf_counter() - begun)
-    return not (new and choice.fail_fast)
+    return well or not choice.fail_fast
 
 
 def check_room(todo: list[Block], workers: Workers) -> None:
-    """Raise InputError unless the memory of workers does for blocks."""
+    """Raise InputError unless the memory of workers is large enough for blocks."""
     if workers.cluster is not None:
         check_memory_of_jobs(todo, workers.cluster)
     elif not workers.elsewhere:
@@ -131,7 +130,7 @@ def check_room(todo: list[Block], workers: Workers) -> None:
 
 
 def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
-    """Raise InputError where something that is not ours has the name of a file that a run is going to write."""
+    """Raise InputError if somebody else's file has the name of a file that a run is going to write."""
     check_file(results_path(planned, directory), mark.is_product)
     for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
         check_file(note_of_run, mark.is_note)
@@ -139,13 +138,13 @@ def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
 
 
 def failed(blocks: list[Block], directory: Path) -> Failures:
-    """What has failed of some blocks, in this run or an earlier one."""
+    """Return which of some blocks have failed, in this run or an earlier one."""
     found = {block.name: failures.of(directory, block.name) for block in blocks}
     return {name: failure for name, failure in found.items() if failure is not None}
 
 
 def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
-    """Blocks to run of those without a shard: without a known failure, unless it is to be tried again."""
+    """Return the blocks to run of those without a shard: all but failed ones, unless these are to be tried again."""
     if choice.retry_failed:
         for block in left:
             failures.forget(directory, block.name)

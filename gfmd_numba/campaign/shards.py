@@ -1,4 +1,4 @@
-"""Finished work on disk: a block is there complete and verified, or it is not there at all.
+"""Finished work on disk. A block is there complete and verified, or it is not there at all.
 
 A shard is a file of one block and has its name. Where blocks are many and small, a bundle is a file of many shards,
 with their names and lengths at its head.
@@ -34,7 +34,7 @@ class _Place(NamedTuple):
     length: int | None
 
     def content(self) -> bytes:
-        """Content of the shard, or less; nothing if the file is gone."""
+        """Return the content of the shard, or less; nothing if the file is gone."""
         file = atomic_file.opened(self.file)
         if file is None:
             return b""
@@ -44,7 +44,7 @@ class _Place(NamedTuple):
 
 
 class Finished:
-    """Blocks that are finished in an output directory, as its files are at this moment."""
+    """The blocks that are finished in an output directory at this moment."""
 
     def __init__(self, directory: Path) -> None:
         self._places: dict[str, list[_Place]] = {}  # a block that was damaged may be there again
@@ -64,7 +64,7 @@ class Finished:
                 self._places.setdefault(name, []).append(_Place(file, start, length))
 
     def __contains__(self, name: str) -> bool:
-        """Whether a block of this name is there, sound or not."""
+        """Return whether a block of this name is there, sound or not."""
         return name in self._places
 
     def __iter__(self) -> Iterator[str]:
@@ -72,31 +72,31 @@ class Finished:
         return iter(self._places)
 
     def is_sound(self, name: str) -> bool:
-        """Whether a block is there and as it was written."""
+        """Return whether a block is there and as it was written."""
         return self._sound(name) is not None
 
     def read(self, name: str) -> Arrays | None:
-        """Arrays of a block; None if it is missing, truncated, altered or renamed."""
+        """Return the arrays of a block; None if it is missing, truncated, altered or renamed."""
         sound = self._sound(name)
         return None if sound is None else _arrays(sound)
 
     def made_with(self, name: str) -> dict[str, str]:
-        """Versions of what made a block; nothing if it is missing, truncated, altered or renamed."""
+        """Return the versions of what made a block; nothing if it is missing, truncated, altered or renamed."""
         sound = self._sound(name)
         return {} if sound is None else json.loads(sound.partition(b"\n")[0])
 
     def written(self, name: str) -> float:
-        """Time at which a block was written, by the clock of the disk; raises FileNotFoundError."""
+        """Return the time at which a block was written, by the clock of the disk; raises FileNotFoundError."""
         return max((place.file.stat().st_mtime for place in self._places[name]), default=0.0)
 
     def _sound(self, name: str) -> bytes | None:
-        """Payload of a block as it was written, None if there is none."""
+        """Return the payload of a block as it was written, None if there is none."""
         payloads = (_payload(name, place.content()) for place in self._places.get(name, ()))
         return next((payload for payload in payloads if payload is not None), None)
 
 
 def path_of(directory: Path, names: Sequence[str]) -> Path:
-    """File in which blocks of these names are finished together."""
+    """Return the file in which blocks of these names are stored together."""
     if len(names) == 1:
         return directory / FOLDER / f"{names[0]}{_SHARD}"
     return directory / FOLDER / f"{hashlib.sha256(' '.join(names).encode()).hexdigest()[:24]}{_BUNDLE}"
@@ -115,19 +115,19 @@ def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
 
 
 def check_names(directory: Path, names: Iterable[str]) -> None:
-    """Raise InputError where something that is not ours has the name of the file of a block."""
+    """Raise InputError if somebody else's file has the name of the file of a block."""
     for name in names:
         atomic_file.check(path_of(directory, [name]), _OURS[_SHARD])
 
 
 def remove_unreadable(directory: Path) -> None:
-    """Remove bundles that do not tell what they hold."""
+    """Remove bundles whose head is damaged."""
     for bundle in Finished(directory).unreadable:
         atomic_file.remove(bundle, _OURS[_BUNDLE])
 
 
 def are_stored(directory: Path, names: Sequence[str]) -> bool:
-    """Whether these blocks are finished together, and as they were written."""
+    """Return whether these blocks are stored together, as they were written."""
     path = path_of(directory, names)
     held = [(names[0], 0, None)] if len(names) == 1 else _held(path) or []
     sound = [name for name, start, length in held if _payload(name, _Place(path, start, length).content()) is not None]
@@ -135,7 +135,7 @@ def are_stored(directory: Path, names: Sequence[str]) -> bool:
 
 
 def _held(bundle: Path) -> list[tuple[str, int, int | None]] | None:
-    """Name, start and length of each shard in a bundle; None if its head is damaged."""
+    """Return name, start and length of each shard in a bundle; None if its head is damaged."""
     file = atomic_file.opened(bundle)
     if file is None:
         return None
@@ -154,7 +154,7 @@ def _held(bundle: Path) -> list[tuple[str, int, int | None]] | None:
 
 
 def _content(name: str, arrays: Arrays) -> bytes:
-    """Shard of a block: the versions of what made it, and its arrays [realisation, ...] as columns of one table.
+    """Return the shard of a block: the versions of what made it, and its arrays [realisation, ...] as one table.
 
     A table is read ten times as fast as each array alone.
     """
@@ -181,5 +181,5 @@ def _arrays(payload: bytes) -> Arrays:
 
 
 def _seal(name: str, payload: bytes) -> bytes:
-    """What a shard begins with; its name is the identity of the work, so the digest covers it too."""
+    """Return what a shard begins with. Its name is the identity of the work, so the digest covers the name too."""
     return _MAGIC + hashlib.sha256(f"{name}{_SHARD}".encode() + payload).digest()

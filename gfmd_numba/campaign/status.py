@@ -1,13 +1,16 @@
-"""How far a campaign is, from what lies in its output directory."""
+"""How far a campaign is, and whether its files are sound, from what lies in its output directory."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
+from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
+from gfmd_numba.campaign.cost import price_of_transform
+from gfmd_numba.campaign.execution import held
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan
@@ -16,12 +19,14 @@ from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
 from gfmd_numba.text.shell import word
 
+_OTHERS = "a file that gfmd did not write, or that was changed since"
+
 
 @dataclass(frozen=True)
 class Progress:
-    """Blocks of a campaign: in all, done and failed; `seconds_left` is None where nothing tells.
+    """Blocks of a campaign: in all, done and failed; `seconds_left` is None if it cannot be estimated.
 
-    `retry` is the command that runs the failed ones again, in one process.
+    `retry` has the command that runs each failed block again, in one process.
     """
 
     campaign: str
@@ -35,9 +40,9 @@ class Progress:
 
 @dataclass(frozen=True)
 class Verdict:
-    """How many blocks are sound or missing, and the names of those damaged, or none of this campaign's.
+    """How many blocks are sound or missing, and the names of `damaged` ones and of `foreign` ones of other campaigns.
 
-    `altered` are other files that are not as a run left them, with what they are and what to do.
+    `altered` has other files that are not as a run left them, with what they are and what to do.
     """
 
     sound: int
@@ -48,16 +53,13 @@ class Verdict:
 
 
 def campaign_in(directory: Path) -> Plan:
-    """Plan of the campaign whose output directory this is, with the realisations of its last round if it has rounds.
-
-    Raises InputError.
-    """
+    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
     check_label(directory)
     return rounds.as_decided(directory)
 
 
 def progress(directory: Path) -> Progress:
-    """Progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
+    """Return the progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
     planned = campaign_in(directory)
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
@@ -97,7 +99,7 @@ def progress(directory: Path) -> Progress:
 def verify(directory: Path) -> Verdict:
     """Compare the files of the campaign in a directory with their digests.
 
-    Raises InputError, AlteredError where it is not sure which campaign they are of.
+    Raises InputError, and AlteredError if it is not sure to which campaign they belong.
     """
     planned = campaign_in(directory)
     expected = {block.name for block in planned.blocks_in(directory)}
@@ -117,11 +119,8 @@ def verify(directory: Path) -> Verdict:
     return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered | _altered(planned, directory))
 
 
-_OTHERS = "a file that gfmd did not write, or that was changed since"
-
-
 def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
-    """Notes and results that are not as a run left them, with what they are and what to do."""
+    """Return the notes and results that are not as a run left them, with what they are and what to do."""
     found = {}
     notes = (directory / NOTES, directory / rounds.FILE, *(failures.path_of(directory, b.name) for b in planned.blocks))
     for note in notes:
@@ -135,9 +134,42 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
     return found
 
 
+def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
+    """Return how many realisations (case) have ended, without a gap after the first, but at least the fewest (case)."""
+    reach: dict[str, int] = {}
+    stopped: set[str] = set()
+    stored = Finished(directory)
+    for block in planned.blocks_in(directory):  # those of a problem come in order
+        identity = block.problem.identity
+        ended = block.name in stored or failures.of(directory, block.name) is not None
+        if ended and identity not in stopped:
+            reach[identity] = block.stop
+        elif not ended:
+            stopped.add(identity)
+    cases = zip(planned.cases, fewest, strict=True)
+    return [max(least, min(case.realisations, reach.get(case.problem.identity, 0))) for case, least in cases]
+
+
+def seconds_per_price(planned: Plan, directory: Path) -> float | None:
+    """Return processor time in s over price of all shards of a plan; None without shards."""
+    seconds = price = 0.0
+    stored = Finished(directory)
+    for block in planned.blocks_in(directory):
+        measured = stored.read(block.name)
+        if measured is not None:
+            seconds += float(measured[SECONDS].sum())
+            price += float(measured["n_transforms"].sum() * price_of_transform(block.problem.surface.nodes))
+    return seconds / price if seconds > 0 and price > 0 else None
+
+
+def unused(planned: Plan, directory: Path) -> int:
+    """Return the number of simulations in a directory that are of a plan's problems, but more than it asks for."""
+    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
+    return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())
+
+
 def _work(block: Block) -> float:
-    nodes = block.problem.surface.nodes
-    return (block.stop - block.first) * block.problem.n_loads * nodes * log(nodes)
+    return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
 
 
 def _retry(directory: Path, block: Block) -> str:

@@ -1,10 +1,11 @@
-"""A campaign that runs until its limit is known to a relative error: a pilot, and rounds that results decide."""
+"""A campaign that runs until its limit is known to a relative error: a pilot, then rounds decided by the results."""
 
 from collections.abc import Callable, Generator
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
@@ -15,8 +16,7 @@ from gfmd_numba.campaign.collection import collect, described
 from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Workers, check, started
 from gfmd_numba.campaign.file import Campaign
-from gfmd_numba.campaign.finished_work import finished, seconds_per_price, unused
-from gfmd_numba.campaign.fit_record import Fit as FitRecord
+from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import REACHED, Fitted, after
 from gfmd_numba.campaign.output_directory import claimed
@@ -25,6 +25,7 @@ from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
 from gfmd_numba.campaign.run import (
     ALL,
+    TWO_WORKERS,
     Choice,
     Watch,
     check_room,
@@ -34,6 +35,7 @@ from gfmd_numba.campaign.run import (
     stopped_by_errors_of_the_system,
     to_do,
 )
+from gfmd_numba.campaign.status import finished, seconds_per_price, unused
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.source import Source
 
@@ -44,7 +46,7 @@ Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run has left: its file, what failed, the rounds, and how many solved realisations were not asked for."""
+    """The outcome of a run: its file, what failed, the rounds, and how many solved realisations were not asked for."""
 
     results: Path
     failures: Failures
@@ -59,7 +61,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class FirstDecision:
-    """What a pilot has led to: its rounds, the last of which has not run unless they ended, and that one's plan."""
+    """The outcome of a pilot: its rounds, the last of which has not run unless they ended, and the plan of that one."""
 
     rounds: Rounds
     planned: Plan
@@ -78,31 +80,29 @@ def run_until(
     source: Source | Campaign,
     goal: Goal,
     output: str | Path | None = None,
-    workers: Workers | None = None,
+    workers: Workers = TWO_WORKERS,
     watch: Watch | None = None,
     choice: Choice = ALL,
     told: Told | None = None,
 ) -> Outcome:
-    """Run a campaign round after round until its limit has a relative error, with as many realisations as it takes.
+    """Run a campaign round after round until its limit has a relative error, with as many realisations as needed.
 
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
     InterruptedRunError for Ctrl-C after the pilot.
     """
-    workers = workers or Workers()
-    run = _prepared(source, goal, output, workers, watch, choice, told)
+    run = _prepared(source, goal, output, workers, watch=watch, choice=choice, told=told)
     with stopped_by_errors_of_the_system(), run.claimed():
-        return run.all_rounds(workers)
+        return run.all_rounds()
 
 
 def each_round(
-    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers | None = None
+    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers = TWO_WORKERS
 ) -> Generator[Outcome, None, None]:
-    """Run a campaign as `run_until` does, and yield what there is after each round, before the next one begins.
+    """Run a campaign as `run_until` does, and yield the outcome after each round, before the next one begins.
 
     If you take no more rounds, the run stops there, and a later one goes on from it. Raises as `run_until` does.
     """
-    workers = workers or Workers()
-    return _prepared(source, goal, output, workers, None, ALL, None).each_round(workers)
+    return _prepared(source, goal, output, workers).each_round()
 
 
 def first_decision(
@@ -113,26 +113,20 @@ def first_decision(
     Raises as `run_until` does.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
-        run = _prepared(source, goal, folder, workers, watch, ALL, told)
+        run = _prepared(source, goal, folder, workers, watch=watch, told=told)
         with run.claimed():
-            return run.first_round(workers)
+            return run.first_round()
 
 
 def _prepared(
-    source: Source | Campaign,
-    goal: Goal,
-    output: str | Path | None,
-    workers: Workers,
-    watch: Watch | None,
-    choice: Choice,
-    told: Told | None,
+    source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
 ) -> "_Run":
-    """Run that can be: raises InputError for a goal or workers that cannot."""
+    """Return a run with `others` of its fields; raises InputError for a goal or workers that cannot be."""
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = directory_of(planned, output)
     _check_goal(planned, goal, directory)
     check(workers, directory)
-    return _Run(planned, goal, directory, watch, choice, told)
+    return _Run(planned, goal, directory, workers, **others)
 
 
 @dataclass(frozen=True)
@@ -142,30 +136,31 @@ class _Run:
     planned: Plan
     goal: Goal
     directory: Path
-    watch: Watch | None
-    choice: Choice
-    told: Told | None
+    workers: Workers
+    watch: Watch | None = None
+    choice: Choice = ALL
+    told: Told | None = None
 
     def of(self, now: Round) -> Plan:
-        """Plan of a round."""
+        """Return the plan of a round."""
         return in_round(self.planned, now)
 
     def claimed(self) -> AbstractContextManager[None]:
-        """Hold the directory for the run; raises InputError if it is not to be had."""
+        """Hold the directory for the run; raises InputError if that cannot be done."""
         document = self.planned.document
         return claimed(self.directory, self.planned.campaign.name, document.text, document.folder)
 
-    def first_round(self, workers: Workers) -> FirstDecision:
-        """Run the pilot alone, and give what it decides."""
-        with closing(self.states(workers)) as states:
+    def first_round(self) -> FirstDecision:
+        """Run the pilot alone, and return what it decides."""
+        with closing(self.states()) as states:
             next(states)
             state = next(states)
         failures = failed(self.planned.blocks_in(self.directory), self.directory)
         return FirstDecision(state, self.of(state.now), failures)
 
-    def all_rounds(self, workers: Workers) -> Outcome:
+    def all_rounds(self) -> Outcome:
         """Run rounds until they end."""
-        states = self.states(workers)
+        states = self.states()
         state = next(states)
         try:
             for following in states:
@@ -180,31 +175,31 @@ class _Run:
             counts = finished(now, self.directory, fewest)
             partial = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
-                state = state.model_copy(update={"rounds": state.rounds[:-1]})
+                state = state.without_last()
                 partial = self.of(state.now)
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
             raise InterruptedRunError(self.collected(interrupted, partial)) from None
 
-    def each_round(self, workers: Workers) -> Generator[Outcome, None, None]:
-        """Run rounds until they end, or are no longer asked for."""
-        with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states(workers)) as states:
+    def each_round(self) -> Generator[Outcome, None, None]:
+        """Run rounds until they end, and yield the outcome of each."""
+        with stopped_by_errors_of_the_system(), self.claimed(), closing(self.states()) as states:
             next(states)
             for state in states:
                 if not state.ended:  # its last round has not run
-                    done = state.model_copy(update={"rounds": state.rounds[:-1]})
+                    done = state.without_last()
                     state = done.ending(f"not {REACHED}: the run stopped before its next round")
                 yield self.collected(state, self.of(state.now))
 
-    def states(self, workers: Workers) -> Generator[Rounds, None, None]:
+    def states(self) -> Generator[Rounds, None, None]:
         """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
 
         Raises InputError for a pilot that does not fit the memory.
         """
-        state, choice = _begun(self.planned, self.goal, self.directory), self.choice
+        state, choice, workers = _begun(self.planned, self.goal, self.directory), self.choice, self.workers
         with ExitStack() as stack:
             while not state.ended:
                 todo, done = self._blocks(state, choice)
-                state = _within_memory(state, todo, workers)
+                state = _within_memory(state, todo, self.workers)
                 if state.ended:
                     break
                 yield state
@@ -213,7 +208,7 @@ class _Run:
                     workers = stack.enter_context(started(workers, self.directory))
                 planned = self.of(state.now)
                 if self.told is not None:
-                    self.told(state, planned, sum(block.stop - block.first for block in todo))
+                    self.told(state, planned, sum(block.size for block in todo))
                 progress = self.watch(len(todo) + done, done) if self.watch else None
                 if finish(planned, todo, self.directory, workers, progress, choice):
                     state = self._judged(state, planned)
@@ -223,14 +218,14 @@ class _Run:
         yield state
 
     def _blocks(self, state: Rounds, choice: Choice) -> tuple[list[Block], int]:
-        """Blocks of a round that are to be done, and the number of others."""
+        """Return the blocks of a round that are to be done, and the number of others."""
         planned = self.of(state.now)
         blocks = planned.blocks_in(self.directory)
         todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
         return todo, len(blocks) - len(todo)
 
     def _judged(self, state: Rounds, planned: Plan) -> Rounds:
-        """Rounds with what the last one has found, and with one more or ended."""
+        """Return the rounds with what the last one has found, and with one more or ended."""
         if state.seconds_per_price is None:
             state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
         results = read_results(collect(planned, self.directory))
@@ -267,7 +262,7 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
 
 
 def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
-    """Rounds of an earlier run with the same goal, to be gone on with; else those of a new one, its pilot."""
+    """Return the rounds of an earlier run with the same goal, which go on; else those of a new run, its pilot."""
     campaign = described(planned)["campaign_sha256"]
     found = rounds.read(directory)
     same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
@@ -279,13 +274,13 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
 
 
 def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds:
-    """Rounds that end before the last one if its levels, which are ours, do not fit the memory."""
+    """Return the rounds, ended before the last one if the levels that gfmd chose for it do not fit the memory."""
     try:
         if todo:
             check_room(todo, workers)
     except InputError as error:
         if len(state.rounds) == 1:
             raise
-        affordable = state.model_copy(update={"rounds": state.rounds[:-1]})
+        affordable = state.without_last()
         return affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
     return state

@@ -1,33 +1,26 @@
 """Error against seconds, one setting at a time around a campaign's reference case (work-precision studies)."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, nan
+from itertools import pairwise
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import Case, expand
-from gfmd_numba.campaign.divided_path import divided
-from gfmd_numba.campaign.ensemble import measured
+from gfmd_numba.campaign.cases import Case, blocks
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.campaign.study_points import (
-    AREA,
-    KAPPA,
-    OF_PATHS,
-    Point,
-    errors_of_paths,
-    relative_error,
-    sampling_error,
-)
+from gfmd_numba.contact import path_measures
+from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.contact.path_observables import recorded_along
-from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.problem import LoadStep, Problem
 from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity.body import ElasticBody
@@ -50,9 +43,118 @@ _NODES = 2**19
 _SAMPLED = 16  # times as many of the study of their number, unless they have more nodes than these
 _SAMPLED_NODES = 2**23
 
+Measures = dict[str, Reals]  # [realisation] or, along a path, [realisation, step]
+KAPPA, AREA = "kappa", "contact_area_fraction"
+OF_PATHS = ("hysteresis", "pull_off_pressure")
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting, its error and what a surface costs: a row of the table of `COLUMNS`.
+
+    Where no step has a mean pressure above 0, and so a kappa, the `variable` is the contact area. Errors that the
+    contact does not have are nan.
+    """
+
+    study: str
+    curve: str
+    setting: float
+    error: float
+    seconds: float
+    transforms: float
+    failed: int
+    variable: str = KAPPA
+    hysteresis_error: float = nan
+    pull_off_pressure_error: float = nan
+    next_order: float = nan
+
+
+COLUMNS = {
+    "study": "what is varied",
+    "curve": "what else differs within the study",
+    "setting": "value of what is varied",
+    "error": "relative error of the variable, along a path where it is largest",
+    "variable": "what the error is about",
+    "seconds": "processor time of one surface",
+    "transforms": "Fourier transforms of one surface",
+    "failed": "surfaces that did not end ok",
+    "hysteresis_error": "relative error of the hysteresis",
+    "pull_off_pressure_error": "relative error of the pull-off pressure",
+    "next_order": "what the next order in the slope would add to a displacement, over L_x",
+}
+_OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # which not every contact has
+
+
+def dataset(points: Iterable[Point]) -> xr.Dataset:
+    """Return studies as a dataset over (point), for netCDF, without columns that no point has."""
+    rows = list(points)
+    found = xr.Dataset()
+    for name, long_name in COLUMNS.items():
+        values = [getattr(point, name) for point in rows]
+        if name not in _OF_SOME or not all(map(isnan, values)):
+            found[name] = ("point", values, cf_attributes(long_name, "s" if name == "seconds" else "1"))
+    return found
+
+
+def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> float:
+    """Return the rms error of the surfaces that ended ok, or of their mean if it is a bias that counts; nan if unknown.
+
+    Of values [realisation, step] it is the largest over the steps at which most surfaces are known.
+    """
+    if exact.ndim == 2:
+        steps = _known_steps(exact)
+        return _largest(relative_error(values[:, i], exact[:, i], of_means=of_means) for i in steps)
+    known = np.isfinite(exact)
+    if not known.any() or exact[known].mean() == 0.0:
+        return nan
+    mean = abs(exact[known].mean())
+    difference = values / mean - exact / mean
+    good = np.isfinite(difference)
+    if not good.any():
+        return nan
+    return float(abs(difference[good].mean()) if of_means else np.sqrt((difference[good] ** 2).mean()))
+
+
+def sampling_error(values: Reals, number: int) -> float:
+    """Return the relative standard error of the mean of a number of surfaces, the largest of a path; nan if unknown."""
+    if values.ndim == 2:
+        return _largest(sampling_error(values[:, i], number) for i in _known_steps(values))
+    known = values[np.isfinite(values)]
+    if len(known) < 2 or known.mean() == 0.0:
+        return nan
+    return float(np.std(known, ddof=1) / np.sqrt(number) / abs(known.mean()))
+
+
+def _known_steps(values: Reals) -> list[int]:
+    known = np.isfinite(values).sum(axis=0)
+    return [] if known.max() == 0 else np.flatnonzero(known == known.max()).tolist()
+
+
+def _largest(errors: Iterable[float]) -> float:
+    return max((error for error in errors if not isnan(error)), default=nan)
+
+
+def measured(problem: Problem, realisations: int) -> Measures:
+    """Return measures [realisation], solved in blocks as in a run, so that their memory is bounded."""
+    parts = [path_measures.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
+    """Return the path of a problem with each step divided into equal ones."""
+    steps = [LoadStep(problem.load, (0.0,) * len(problem.surface.shape)), *problem.path]
+    return tuple(
+        LoadStep(
+            before.load + share * (after.load - before.load),
+            tuple(old + share * (new - old) for old, new in zip(before.sliding, after.sliding, strict=True)),
+        )
+        for before, after in pairwise(steps)
+        for share in (np.arange(1, number + 1) / number).tolist()
+    )
+
 
 def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
-    """Work-precision studies of the first reference case of a campaign, one thread, in this process.
+    """Yield the work-precision studies of the first reference case of a campaign, with one thread, in this process.
 
     Without `realisations` a study has 16, fewer on a large grid or along a path, but 4 at least. Raises InputError for
     a campaign of measured surfaces, or with tractions from a file.
@@ -68,7 +170,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
 
 
 def study_of(planned: Plan, realisations: int | None = None) -> "Study":
-    """Study of the first reference case of a campaign; raises as `studies` does."""
+    """Return the study of the first reference case of a campaign; raises as `studies` does."""
     check_where(planned.document, planned.campaign.scene, "accuracy", planned.campaign.numerics)
     case = next(case for case in planned.cases if case.limit == "reference")
     if realisations is None:
@@ -123,13 +225,8 @@ class Study:
             return
         for damping in _DAMPINGS:
             for step in _TIME_STEPS:
-                settings: dict[str, Any] = {
-                    "solver": "verlet",
-                    "time_step": step,
-                    "damping": damping,
-                    "max_iterations": _PATIENCE,
-                }
-                values = self.run(self.problem, **settings)
+                settings: dict[str, Any] = {"time_step": step, "damping": damping, "max_iterations": _PATIENCE}
+                values = self.run(self.problem, solver="verlet", **settings)
                 yield self.point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
 
     def _able(self) -> tuple[str, ...]:
@@ -142,17 +239,13 @@ class Study:
         numerics = self.planned.campaign.numerics.model_copy(update=own | residual | changed)
         return not any(refusals(self.case.scene, numerics, self.planned.campaign.path, {}))
 
-    def _precision(self, exact: dict[str, Reals], solvers: list[str]) -> Iterator[Point]:
+    def _precision(self, exact: Measures, solvers: list[str]) -> Iterator[Point]:
         """Single precision compared with double, as far down as its certificate goes."""
         for solver in solvers:
             for precision in ("double", "single"):
                 for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
-                    settings: dict[str, Any] = {
-                        "residual": residual,
-                        "precision": precision,
-                        "max_iterations": _PATIENCE,
-                    }
-                    values = self.run(self.problem, solver=solver, **settings)
+                    settings: dict[str, Any] = {"residual": residual, "max_iterations": _PATIENCE}
+                    values = self.run(self.problem, solver=solver, precision=precision, **settings)
                     yield self.point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
 
     def discretisation(self, axis: str) -> Iterator[Point]:
@@ -181,9 +274,8 @@ class Study:
 
     def _at(self, level: Discretisation) -> Problem:
         """The problem of the case at another discretisation, as a campaign has it there."""
-        changed = {"scene": self.case.scene, "reference": level, "grid": Grid(), "limits": Limits()}
-        campaign = self.planned.campaign.model_copy(update=changed)
-        return expand(campaign, document=self.planned.document)[0].problem
+        at = self.planned.changed(scene=self.case.scene, reference=level, grid=Grid(), limits=Limits())
+        return at.cases[0].problem
 
     def sampling(self) -> Iterator[Point]:
         """Number of surfaces against the standard error of their mean."""
@@ -214,8 +306,8 @@ class Study:
         for number in _DIVISIONS:
             yield self.point("load steps", "each step divided", number, self._divided(number), exact, of_means=True)
 
-    def _divided(self, number: int) -> dict[str, Reals]:
-        """Measures at the steps of the path, each of which is walked in so many equal ones."""
+    def _divided(self, number: int) -> Measures:
+        """Return measures at the steps of the path, each of which is divided into equal ones."""
         values = self.run(replace(self.problem, path=divided(self.problem, number)))
         return {name: each[:, ::number] if each.ndim == 2 else each for name, each in values.items()}
 
@@ -245,8 +337,8 @@ class Study:
             slab = self.run(replace(problem, body=ElasticBody(nu, aspect_ratio)))
             yield self.point(*study, aspect_ratio, half_space, slab, of_means=True)
 
-    def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> dict[str, Reals]:
-        """Measures of so many surfaces, and the seconds that one takes."""
+    def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> Measures:
+        """Return the measures of surfaces, and the seconds that one takes."""
         number = self.realisations if realisations is None else realisations
         if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
             settings = {"time_step": None, "damping": None} | settings  # the other solver's own
@@ -261,16 +353,16 @@ class Study:
         study: str,
         curve: str,
         setting: float,
-        values: dict[str, Reals],
-        exact: dict[str, Reals],
+        values: Measures,
+        exact: Measures,
         *,
         estimator: tuple[str, str] | None = None,
         of_means: bool = False,
     ) -> Point:
-        """Error against the exact values, of an estimator against the best one, and what the setting costs."""
+        """Return the error against the exact values, or of an estimator against the best one, and the cost."""
         variable = _variable(exact)
         name, best = estimator or (variable, variable)
-        known = {name: exact[name] for name in self.of_path if values is not exact}
+        known = self.of_path if values is not exact else ()
         return Point(
             study=study,
             curve=curve,
@@ -281,11 +373,11 @@ class Study:
             failed=int((values["status"] != 0).sum()),
             variable=variable,
             next_order=self._next_order(values),
-            **errors_of_paths(values, known, of_means=of_means),
+            **{f"{name}_error": relative_error(values[name], exact[name], of_means=of_means) for name in known},
         )
 
-    def _next_order(self, values: dict[str, Reals]) -> float:
-        """Mean over the surfaces of what the next order would add to a displacement (L_x), the largest of a path."""
+    def _next_order(self, values: Measures) -> float:
+        """Return the mean of what the next order would add to a displacement (L_x), the largest of a path."""
         surface = self.problem.surface
         if not isinstance(surface, SummedSurface):
             return nan
@@ -294,6 +386,6 @@ class Study:
         return float(surface.rms_gradient * max(means)) if means else nan
 
 
-def _variable(values: dict[str, Reals]) -> str:
+def _variable(values: Measures) -> str:
     """What errors are about: kappa, or the contact area where no mean pressure is above 0."""
     return KAPPA if np.isfinite(values[KAPPA]).any() else AREA

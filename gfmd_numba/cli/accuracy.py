@@ -9,22 +9,26 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, picture_path
-from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.tables import duration
+from gfmd_numba.cli.terminal import print_table
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.study_points import Point
-from gfmd_numba.text.printable import printable
+    from gfmd_numba.campaign.work_precision import Point
+
+_OF_SOME = {
+    "error of hysteresis": "hysteresis_error",
+    "error of pull-off": "pull_off_pressure_error",
+    "order error (L_x)": "next_order",
+}
+_ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 @main.command()
 @file_argument
-@click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write [NAME-accuracy.nc]"
-)
+@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
 @click.option(
     "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
 )
@@ -37,35 +41,23 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     half-space. `gfmd plan --target` tells what an error of the limit costs.
     """
     from gfmd_numba.analysis import plot_accuracy
-    from gfmd_numba.campaign import study_points, work_precision
+    from gfmd_numba.campaign import work_precision
     from gfmd_numba.campaign.plan import plan
-    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
     picture = picture_path(results)
     check_output(results, file)
-    points: list[study_points.Point] = []
+    points: list[work_precision.Point] = []
     for point in work_precision.studies(planned, realisations):
         if not points or points[-1].study != point.study:
             click.echo(f"study    {point.study}", err=True)
         points.append(point)
-    dataset = study_points.dataset(points)
-    write_dataset(results, dataset)
-    with waiting("drawing"):
-        write_picture(picture, plot_accuracy(dataset), dpi=120)
+    dataset = work_precision.dataset(points)
+    write(results, dataset)
+    write_picture(picture, lambda: plot_accuracy(dataset), dpi=120)
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
-    click.echo(f"results  {printable(results)}")
-    click.echo(f"picture  {printable(picture)}")
-
-
-_OF_SOME = {
-    "error of hysteresis": "hysteresis_error",
-    "error of pull-off": "pull_off_pressure_error",
-    "order error (L_x)": "next_order",
-}
-_ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 def _figure(value: float) -> str:

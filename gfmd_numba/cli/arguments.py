@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -11,16 +11,24 @@ import click
 
 Fixed = tuple[str, float | tuple[float, float]]
 
+NEW_FILE = click.Path(dir_okay=False, path_type=Path)
 file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-output_option = click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="netCDF file to write",
-)
+output_option = click.option("-o", "--output", required=True, type=NEW_FILE, help="netCDF file to write")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
+
+
+def workers_option(what: str) -> Callable[[Any], Any]:
+    """Return the option that gives a number of local workers, and says what they do."""
+    return click.option("--workers", default=2, show_default=True, type=click.IntRange(0), help=what)
+
+
+def is_given(option: str) -> bool:
+    """Return whether the command line has an option, by the name of its argument."""
+    source = click.get_current_context().get_parameter_source(option)
+    return source is click.core.ParameterSource.COMMANDLINE
+
+
 OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 
@@ -101,7 +109,7 @@ conditions_option = click.option(
 
 
 def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> dict[str, float]:
-    """Return relative errors by variable, given as `kappa=2%`; one without a name is of what the campaign fits."""
+    """Return relative errors by variable, given as `kappa=2%`; an error without a name is of what the campaign fits."""
     targets: dict[str, float] = {}
     for option in options:
         name, _, number = option.rpartition("=")
@@ -150,64 +158,3 @@ until_option = click.option(
 budget_option = click.option(
     "--budget", callback=_budget_given, metavar="TIME", help="Processor time that the rounds may take, like 20min"
 )
-
-
-_NETCDF = (".nc", ".nc4")
-
-
-def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF) -> None:
-    """Raise InputError unless a file of this kind can be written that is none of the inputs and nobody else's."""
-    import os
-
-    from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
-
-    for file in inputs:
-        if output.exists() and file.exists() and output.samefile(file):
-            raise InputError(f"--output: you gave {output}, which is an input; gfmd allows another file")
-    if not output.parent.is_dir():
-        raise InputError(
-            f"--output: you gave {output}; gfmd allows a file in a folder that exists, unlike {output.parent}"
-        )
-    if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
-        raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
-    if output.suffix.lower() not in suffixes:
-        kind = "netCDF file" if suffixes is _NETCDF else "picture"
-        raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
-    if clause := foreign(output):
-        raise InputError(
-            f"--output: you gave {output}, {clause}; gfmd allows a new file, or one as gfmd wrote it "
-            "(move the file away, or choose another name)"
-        )
-
-
-def picture_path(output: Path) -> Path:
-    """Name of the picture that goes with a netCDF file; raises InputError where another picture has it."""
-    return companion(output, "picture", ".png")
-
-
-def companion(output: Path, kind: str, suffix: str) -> Path:
-    """Name of a file that goes with a netCDF file; raises InputError where a file of somebody else has it."""
-    from gfmd_numba.storage.atomic_file import foreign
-    from gfmd_numba.text.input_error import InputError
-
-    if not output.name:
-        raise click.BadParameter("you gave no name; gfmd allows a file, like steel.nc", param_hint="--output")
-    file = output.with_suffix(suffix)
-    if file == output:
-        raise click.BadParameter(
-            f"the {kind} takes the name with {suffix}; give one like steel.nc", param_hint="--output"
-        )
-    if clause := foreign(file):
-        raise InputError(
-            f"{file}: you gave a path {clause}, where the {kind} would go; "
-            "gfmd allows no such file, or one as gfmd wrote it (move it away, or choose another --output)"
-        )
-    return file
-
-
-def picture_suffixes() -> list[str]:
-    """Return what the names of pictures may end in."""
-    from matplotlib.backend_bases import FigureCanvasBase
-
-    return [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]

@@ -3,28 +3,30 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from gfmd_numba.cli.arguments import (
     LIMITS,
+    NEW_FILE,
     OF_PATHS,
     budget_option,
     conditions_option,
     file_argument,
+    is_given,
     until_option,
+    workers_option,
 )
-from gfmd_numba.cli.fits import draw, draw_second, fit_options, second_picture
-from gfmd_numba.cli.goals import show_goal
+from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.path_table import show_paths
+from gfmd_numba.cli.outputs import draw, draw_second, second_picture, told
 from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import endings, show_fit, show_means
+from gfmd_numba.cli.tables import endings, show_fit, show_goal, show_means, show_paths
+from gfmd_numba.cli.terminal import say, warn, warn_of_doubts
+from gfmd_numba.cli.until import check_options, run_rounds
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -33,52 +35,17 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.block_work import Failures
     from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.run import Choice
-
-
-def _who_and_what(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options that say who works, and those that say which blocks to run, as one record each."""
-
-    @wraps(command)
-    def with_records(
-        workers: int,
-        scheduler: str | None,
-        insecure: bool,
-        cluster: Path | None,
-        only: tuple[tuple[str, str], ...],
-        limit: int | None,
-        retry_failed: bool,
-        fail_fast: bool,
-        **others: Any,
-    ) -> None:
-        from gfmd_numba.campaign.cluster_file import load_cluster
-        from gfmd_numba.campaign.execution import Workers
-        from gfmd_numba.campaign.run import Choice
-
-        _check_workers_options()
-        jobs = None if cluster is None else load_cluster(cluster)
-        who = Workers(workers, scheduler, insecure, cluster=jobs, queue_told=show_queue)
-        choice = Choice(dict(only), limit, retry_failed, fail_fast)
-        command(who=who, choice=choice, **others)
-
-    return with_records
 
 
 @main.command()
 @file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
-@click.option(
-    "--workers",
-    default=2,
-    show_default=True,
-    type=click.IntRange(0),
-    help="Number of local worker processes; 0 works in this process",
-)
+@workers_option("Number of local worker processes; 0 works in this process")
 @click.option("--scheduler", metavar="ADDRESS", help="Use the dask scheduler at this address")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @click.option(
     "--cluster",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     metavar="CLUSTER.yaml",
     help="Have jobs of a queueing system do the work, as this file describes them",
 )
@@ -88,15 +55,7 @@ def _who_and_what(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
 @budget_option
-@_who_and_what
-def run(
-    file: Path,
-    output: Path | None,
-    who: Workers,
-    choice: Choice,
-    until: dict[str, float],
-    budget: float | None,
-) -> None:
+def run(file: Path, output: Path | None, until: dict[str, float], budget: float | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
 
     If a run was interrupted, the same command resumes it and repeats no finished work.
@@ -106,10 +65,11 @@ def run(
     says that the limit has the error you want.
     """
     from gfmd_numba.campaign.file import target_of_run
-    from gfmd_numba.campaign.run import StoppedError
+    from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
-    from gfmd_numba.cli.until import check_options, run_rounds
 
+    who = _workers(options)
+    choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     check_options(until, budget, choice)
     try:
@@ -120,96 +80,79 @@ def run(
                 results, failures = run_campaign(file, output, who, watch, choice)
             reached = show_results(results, failures, of_some=bool(choice.only))
     except StoppedError as error:
-        say("gfmd:", str(error), width=6, err=True)
-        sys.exit(SOME_FAILED)
+        warn(str(error))
+        reached = False
     if not reached:
         sys.exit(SOME_FAILED)
 
 
-def _check_workers_options() -> None:
-    """Raise a usage error for options that name workers of two kinds."""
-    context = click.get_current_context()
-    given = [
-        name
-        for name in ("workers", "scheduler", "cluster")
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
-    ]
+def _workers(options: dict[str, Any]) -> Workers:
+    """Return the workers that the options name; raises a usage error for workers of two kinds."""
+    from gfmd_numba.campaign.cluster_file import load_cluster
+    from gfmd_numba.campaign.execution import Workers
+
+    given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
     if len(given) > 1:
         raise click.UsageError(
             f"--{given[1]}: you gave --{given[0]} as well; gfmd allows one of them, as it says who works"
         )
-    if context.params["insecure"] and "scheduler" not in given:
+    if options["insecure"] and "scheduler" not in given:
         raise click.UsageError(
             "--insecure: you gave no --scheduler, and --insecure is about its address; give both, or none"
         )
+    jobs = None if options["cluster"] is None else load_cluster(options["cluster"])
+    local, address, insecure = (options[name] for name in ("workers", "scheduler", "insecure"))
+    return Workers(local, address, insecure, cluster=jobs, queue_told=show_queue)
 
 
 def show_results(results: Path, failures: Failures, *, of_some: bool = False) -> bool:
-    """Print and draw the results of a run, `of_some` cases alone; False if some are not ok, or undrawn."""
+    """Print and draw the results of a run, `of_some` cases alone; return False if some are not ok, or undrawn."""
     import gfmd_numba
 
-    click.echo(f"results  {printable(results)}")
+    told("results", results)
     dataset = gfmd_numba.open_campaign(results)
-    for doubt in dataset.attrs.get("validity", "").splitlines():
-        say("gfmd:", doubt, width=6, err=True)
-    numbers = _Numbers.of(dataset["status"])
+    warn_of_doubts(dataset)
+    status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
+    to_do = int((status == meanings.index("unfinished")).sum())
+    asked = int((status != meanings.index("not_asked")).sum())
+    not_ok = asked - to_do - int((status == 0).sum())
     drawn = True
-    if numbers.to_do:
+    if to_do:
         rest = "a run without --only takes the other cases" if of_some else "the same command resumes"
-        of_all = f"{numbers.to_do} of the {numbers.asked} simulations of the whole campaign"
+        of_all = f"{to_do} of the {asked} simulations of the whole campaign"
         say("note", f"{of_all} have not run yet: {rest}")
     elif LIMITS.keys() & set(dataset["limit"].values):
         drawn = _show_limit(dataset, results.with_suffix(".png"))
     elif "step" in dataset.dims:
         show_paths(dataset)
     else:
-        show_means(dataset, fit_options(dataset, (), None, None).get("variable", "kappa"))
+        show_means(dataset, fit_options(dataset).get("variable", "kappa"))
     for block, failure in failures.items():
-        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
+        warn(f"block {block} {failure.status}: {failure.reason}")
     _show_endings(dataset)
-    if numbers.not_ok:
-        say(
-            "gfmd:",
-            f"{numbers.not_ok} of {numbers.asked} simulations are not ok, see `status` in the file; "
+    if not_ok:
+        warn(
+            f"{not_ok} of {asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
-            width=6,
-            err=True,
         )
-    return drawn and not numbers.not_ok
-
-
-class _Numbers(NamedTuple):
-    """Simulations of a campaign by how far they are."""
-
-    asked: int
-    to_do: int
-    not_ok: int
-
-    @classmethod
-    def of(cls, status: xr.DataArray) -> Self:
-        meanings = status.attrs["flag_meanings"].split()
-        to_do = int((status == meanings.index("unfinished")).sum())
-        asked = int((status != meanings.index("not_asked")).sum())
-        return cls(asked, to_do, not_ok=asked - to_do - int((status == 0).sum()))
+    return drawn and not not_ok
 
 
 def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
-    """Fit the results to their limit, print and draw it; False if the disk refuses the picture."""
+    """Fit the results to their limit, print and draw it; return False if the disk refuses the picture."""
     import gfmd_numba
 
-    options = fit_options(dataset, (), None, None)
+    options = fit_options(dataset)
     with waiting("fitting"):
-        fitted = gfmd_numba.fit_tfc(dataset, **options)
+        fitted = shown = gfmd_numba.fit_tfc(dataset, **options)
     if "step" in dataset.dims:
         show_paths(dataset)
         whole = {name: value for name, value in options.items() if name != "step"}
         for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
             show_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
         if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
-            show_fit(gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"}))
-            show_goal(dataset, fitted)
-            return _draw(dataset, fitted, picture)
-    show_fit(fitted)
+            shown = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
+    show_fit(shown)
     show_goal(dataset, fitted)
     return _draw(dataset, fitted, picture)
 
@@ -222,11 +165,11 @@ def _show_endings(dataset: xr.Dataset) -> None:
         ended = dataset["n_iterations"].where(status == meanings.index(ending))
         if ended.max() > 0:  # what has not run has no iterations
             first = f"the first after {int(ended.min())} iterations"
-            say("gfmd:", f"{int(ended.count())} ended as {ending}, {first}. {sentence}", width=6, err=True)
+            warn(f"{int(ended.count())} ended as {ending}, {first}. {sentence}")
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
-    """Draw the fit of a finished run unless a file that is not ours is there; False if the disk refuses it."""
+    """Draw the fit of a finished run, but not over somebody else's file; return False if the disk refuses it."""
     from gfmd_numba.storage.atomic_file import foreign
 
     pictures = {picture: partial(draw, dataset, fitted)}

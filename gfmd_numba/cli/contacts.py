@@ -1,4 +1,4 @@
-"""Commands that make one contact, the fields in its body, or one surface."""
+"""Commands that make one contact or one surface."""
 
 from __future__ import annotations
 
@@ -10,59 +10,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, file_argument, output_option, picture_path
-from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.arguments import file_argument, output_option
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
+from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.quantities import column, line
-from gfmd_numba.cli.readable import readable
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.quantities import column, line, readable
 from gfmd_numba.cli.tables import endings
-from gfmd_numba.text.printable import printable
+from gfmd_numba.cli.terminal import print_table, say, warn, warn_of_doubts
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-@main.command()
-@file_argument
-@output_option
-def solve(file: Path, output: Path) -> None:
-    """Solve the contact or the loaded body in a scene FILE.
-
-    The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
-    and other numbers of the whole contact. If the run does not converge, its `status` says so and the command exits
-    with 3.
-    """
-    with without_collections():
-        from gfmd_numba.scene import SceneFile, input_files, load_scene
-        from gfmd_numba.simulate import solve as solve_file
-        from gfmd_numba.storage.atomic_file import write_dataset
-
-    described, document = load_scene(file)
-    check_output(output, file, *input_files(described))
-    # warnings are told below, in the words of the file
-    with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
-        dataset = solve_file(described, document)
-    write_dataset(output, dataset)
-    click.echo(f"results  {printable(output)}")
-    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    if "step" in dataset.dims:
-        _show_steps(dataset)
-    else:
-        _show_one(dataset)
-    for doubt in dataset.attrs.get("validity", "").splitlines():
-        say("gfmd:", doubt, width=6, err=True)
-    last = steps.isel(step=-1)  # a path ends at its first step that is not ok
-    if int(last["status"]):
-        number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
-        where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        say("gfmd:", f"the run ended as {_ending(last)}{where}: do not use its numbers", width=6, err=True)
-        for _, sentence in endings(steps["status"]):
-            say("gfmd:", sentence, width=6, err=True)
-        sys.exit(SOME_FAILED)
-
 
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_pressure",
@@ -86,6 +44,42 @@ _PRESCRIBED = (
 )
 
 
+@main.command()
+@file_argument
+@output_option
+def solve(file: Path, output: Path) -> None:
+    """Solve the contact or the loaded body in a scene FILE.
+
+    The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
+    and other numbers of the whole contact. If the run does not converge, its `status` says so and the command exits
+    with 3.
+    """
+    with without_collections():
+        from gfmd_numba.scene import SceneFile, input_files, load_scene
+        from gfmd_numba.simulate import solve as solve_file
+
+    described, document = load_scene(file)
+    check_output(output, file, *input_files(described))
+    # warnings are told below, in the words of the file
+    with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
+        dataset = solve_file(described, document)
+    write(output, dataset)
+    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
+    if "step" in dataset.dims:
+        _show_steps(dataset)
+    else:
+        _show_one(dataset)
+    warn_of_doubts(dataset)
+    last = steps.isel(step=-1)  # a path ends at its first step that is not ok
+    if int(last["status"]):
+        number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
+        where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
+        warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
+        for _, sentence in endings(steps["status"]):
+            warn(sentence)
+        sys.exit(SOME_FAILED)
+
+
 def _show_one(dataset: xr.Dataset) -> None:
     """Print what came of one loading, a line each."""
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords]
@@ -106,7 +100,7 @@ def _show_steps(dataset: xr.Dataset) -> None:
 
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset with the stiffness since the step before, where the hard wall alone acts and the load has changed."""
+    """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
     interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
     if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
         return dataset
@@ -116,48 +110,12 @@ def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _ending(step: xr.Dataset) -> str:
-    """How a run that is not ok ended, when, and by which wave."""
+    """Return how a run that is not ok ended, when, and by which wave."""
     meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
     ending = f"{meaning} after {int(step['n_iterations'])} iterations"
     if meaning in ("steps_used_up", "stagnated"):
         return f"{ending} at a residual of {float(step['residual']):.1e}"
     return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
-
-
-@main.command()
-@file_argument
-@output_option
-@click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
-@click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
-@click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
-@click.option("--plane", metavar="Z", multiple=True, help="Below a map: the horizontal plane at this z, like -5um")
-def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, plane: tuple[str, ...]) -> None:
-    """Compute displacement, strain and stress inside a body.
-
-    FILE is a contact that `gfmd solve` wrote. In addition to the netCDF file, the command writes a picture (.png) of
-    the same name. Below a map, the fields are on a vertical section, or on horizontal planes.
-    """
-    import gfmd_numba
-    from gfmd_numba.analysis import plot_body
-    from gfmd_numba.campaign.results import read_results
-    from gfmd_numba.cli.fits import naming
-    from gfmd_numba.cli.places import in_words_of_options, largest_stress, place
-    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
-
-    picture = picture_path(output)
-    check_output(output, file)
-    contact = read_results(file)
-    at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
-    planes = [place(contact, "plane", given) for given in plane] or None
-    with in_words_of_options(file), waiting("computing the fields"):
-        dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
-    write_dataset(output, dataset)
-    click.echo(f"fields   {printable(output)}")
-    with naming(file), waiting("drawing"):
-        write_picture(picture, plot_body(dataset), dpi=150)
-    click.echo(f"picture  {printable(picture)}")
-    if "peak_von_mises" in dataset:
-        say("largest", largest_stress(dataset), width=9)
 
 
 @main.command()
@@ -173,7 +131,6 @@ def surface(file: Path, output: Path) -> None:
     from gfmd_numba.scene.measured_record import Measured
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
-    from gfmd_numba.storage.atomic_file import write_dataset, write_picture
 
     picture = picture_path(output)
     described, document = load_surface(file)
@@ -182,19 +139,15 @@ def surface(file: Path, output: Path) -> None:
     # warnings are told below, in the words of the file
     with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
         dataset = surface_dataset(described, document)
-    write_dataset(output, dataset)
-    click.echo(f"surface  {printable(output)}")
-    with waiting("drawing"):
-        write_picture(picture, plot_surface(dataset), dpi=150)
-    click.echo(f"picture  {printable(picture)}")
+    write(output, dataset, "surface")
+    write_picture(picture, lambda: plot_surface(dataset))
     for name, variable in dataset.data_vars.items():
         if not variable.dims:
             figures, unit = readable(float(variable), _surface_unit(str(name), variable.attrs["units"]))
             click.echo(f"{name!s:24}{figures} {unit}".rstrip())
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
-    for doubt in dataset.attrs["validity"].splitlines():
-        say("gfmd:", doubt, width=6, err=True)
+    warn_of_doubts(dataset)
 
 
 def _surface_unit(name: str, unit: str) -> str:

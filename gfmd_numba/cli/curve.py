@@ -1,4 +1,4 @@
-"""The command that takes a scene through loads."""
+"""The command that solves a scene at one load after another, and its table."""
 
 from __future__ import annotations
 
@@ -9,36 +9,31 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import check_output, companion, file_argument, output_option, picture_path
-from gfmd_numba.cli.curve_table import columns, show
+from gfmd_numba.cli.arguments import file_argument, output_option
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.imports import without_collections
-from gfmd_numba.cli.progress import counting, waiting
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.outputs import check_output, companion, picture_path, told, write, write_picture
+from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.quantities import column, unit
 from gfmd_numba.cli.tables import endings
-from gfmd_numba.text.printable import printable
+from gfmd_numba.cli.terminal import print_table, warn, warn_of_doubts
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _MOST = 10_000
-
-
-def _load(text: str) -> tuple[float, str]:
-    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
-    from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.loading import Loading, control_of, load_meant
-    from gfmd_numba.scene.reduced_units import quantities
-
-    control, number, si = control_of(text), plain_scalar(text.strip()), ""
-    if control is not None:
-        quantity = quantities(Loading)[control]
-        number, si = quantity.si_value(text), quantity.si
-    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
-        hint = load_meant(text)
-        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
-        raise click.BadParameter(f"{told}; {hint}" if hint else told)
-    return float(number), si  # type: ignore[arg-type]
+_SHOWN = (
+    "reduced_pressure",
+    "mean_pressure",
+    "contact_area_fraction",
+    "contact_area",
+    "contact_length",
+    "mean_gap",
+    "contact_stiffness",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+)
 
 
 def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
@@ -59,6 +54,23 @@ def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> lis
         raise click.BadParameter(f"you gave {option!r}; gfmd allows two different ends above 0, or a list a,b,c")
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
     return [_text(load, si) for load in (first, *inner, last)]
+
+
+def _load(text: str) -> tuple[float, str]:
+    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.loading import Loading, control_of, load_meant
+    from gfmd_numba.scene.reduced_units import quantities
+
+    control, number, si = control_of(text), plain_scalar(text.strip()), ""
+    if control is not None:
+        quantity = quantities(Loading)[control]
+        number, si = quantity.si_value(text), quantity.si
+    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
+        hint = load_meant(text)
+        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
+        raise click.BadParameter(f"{told}; {hint}" if hint else told)
+    return float(number), si  # type: ignore[arg-type]
 
 
 def _text(load: float, si: str) -> float | str:
@@ -87,7 +99,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
         from gfmd_numba.scene import input_files, load_scene
         from gfmd_numba.simulate.curve import read_curve, solve_curve
         from gfmd_numba.simulate.curve_dataset import curve_dataset
-        from gfmd_numba.storage.atomic_file import write_dataset, write_table
+        from gfmd_numba.storage.atomic_file import write_table
 
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
@@ -97,52 +109,85 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
     asked = read_curve(described, document, loads, realisations)
     solved: list[xr.Dataset] = []
     try:
-        with counting("solving loads", len(loads) * realisations) as advance:
+        with waiting("solving loads", len(loads) * realisations) as advance:
             for step in solve_curve(asked):
                 solved.append(step)
                 advance()
     except KeyboardInterrupt:
         if not solved:
-            say("gfmd:", "interrupted before the first load was solved; nothing is written", width=6, err=True)
+            warn("interrupted before the first load was solved; nothing is written")
             sys.exit(INTERRUPTED)
     dataset = curve_dataset(asked, solved)
-    write_dataset(output, dataset)
-    click.echo(f"results  {printable(output)}")
+    write(output, dataset)
     write_table(table, columns(dataset))
-    click.echo(f"table    {printable(table)}")
+    told("table", table)
     _draw(dataset, picture)
     show(dataset)
-    for doubt in dataset.attrs["validity"].splitlines():
-        say("gfmd:", doubt, width=6, err=True)
+    warn_of_doubts(dataset)
     _end(dataset, realisations)
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
     from gfmd_numba.analysis import plot_curve
-    from gfmd_numba.storage.atomic_file import remove, write_picture
+    from gfmd_numba.storage.atomic_file import remove
     from gfmd_numba.storage.mark import is_product
 
     if not (dataset["n_realisations"] > 0).any():
         remove(picture, is_product)  # that of an earlier curve
-        say("gfmd:", "no load has a result that could be drawn", width=6, err=True)
+        warn("no load has a result that could be drawn")
         return
-    with waiting("drawing"):
-        write_picture(picture, plot_curve(dataset), dpi=150)
-    click.echo(f"picture  {printable(picture)}")
+    write_picture(picture, lambda: plot_curve(dataset))
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:
-    """Say which loads are not to be used, or that there would be more; exits with 3 or 130 then."""
+    """Say which loads are not to be used, or that the curve was interrupted; exit with 3 or 130 then."""
     failed = dataset["status"].values != 0
     if failed.any():
         loads = ", ".join(f"{load:.4g}" for load in dataset["prescribed_load"].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
-        say("gfmd:", f"not ok at load {loads}: {left}", width=6, err=True)
+        warn(f"not ok at load {loads}: {left}")
         for _, sentence in endings(dataset["status"]):
-            say("gfmd:", sentence, width=6, err=True)
+            warn(sentence)
     if "interrupted" in dataset.attrs:
         told = f"interrupted {dataset.attrs['interrupted']}; the files hold these loads; the same command begins again"
-        say("gfmd:", told, width=6, err=True)
+        warn(told)
         sys.exit(INTERRUPTED)
     if failed.any():
         sys.exit(SOME_FAILED)
+
+
+def show(dataset: xr.Dataset) -> None:
+    """Print the curve, one line a load."""
+    view, load = _named(dataset), _prescribed(dataset)
+    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
+    shown = [name for name in _SHOWN if name in view and name not in same]
+    values = dict(column(view, name) for name in shown)
+    states = dataset["status"].attrs["flag_meanings"].split()
+    if dataset["status"].any():
+        values["status"] = [states[int(status)] for status in dataset["status"]]
+    if int(dataset["n_realisations"].max()) > 1:
+        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
+    heading, loads = column(view, load)
+    print_table("load curve", {heading: loads}, values)
+
+
+def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
+    """Return the columns of the table as in the netCDF file, by name and unit."""
+    view = _named(dataset)
+    names = [str(name) for name in ("prescribed_load", *dataset.data_vars)]
+    units = {
+        name: unit(view, _prescribed(dataset) if name == "prescribed_load" else name.removesuffix("_standard_error"))
+        for name in names
+    }
+    return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
+
+
+def _prescribed(dataset: xr.Dataset) -> str:
+    """Return the name of the variable that the loading prescribes."""
+    given = str(dataset.attrs["prescribed"])
+    return {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}.get(given, given)
+
+
+def _named(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the dataset whose load has the name of what is prescribed."""
+    return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,21 +11,28 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gfmd_numba.cli.arguments import (
+    NEW_FILE,
     OF_PATHS,
     Fixed,
-    check_output,
     exponents_option,
     fixed_option,
-    picture_path,
-    picture_suffixes,
     results_argument,
     variable_option,
 )
-from gfmd_numba.cli.goals import show_goal
 from gfmd_numba.cli.group import main
+from gfmd_numba.cli.outputs import (
+    check_output,
+    draw,
+    draw_second,
+    picture_path,
+    picture_suffixes,
+    second_picture,
+    write,
+)
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import show_fit
+from gfmd_numba.cli.tables import show_fit, show_goal
+from gfmd_numba.cli.terminal import say
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -36,20 +44,13 @@ if TYPE_CHECKING:
 @variable_option
 @exponents_option
 @fixed_option
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="netCDF file to write the fit to")
+@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write the fit to")
 @click.option(
     "--function",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=NEW_FILE,
     help="File (.nc or .csv) for the limit as a smooth function of the parameters of the grid, with its error",
 )
-def fit(
-    results: Path,
-    variable: str | None,
-    exponents: str | None,
-    fixed: tuple[Fixed, ...],
-    output: Path | None,
-    function: Path | None,
-) -> None:
+def fit(results: Path, output: Path | None, function: Path | None, **asked: Any) -> None:
     """Extrapolate kappa in RESULTS to its limit.
 
     RESULTS is the netCDF file of a campaign, or its output directory.
@@ -64,15 +65,12 @@ def fit(
         check_output(function, file, file.parent / "campaign.yaml", suffixes=[".nc", ".nc4", ".csv"])
     dataset = read_results(file)
     with naming(file):
-        fitted = _fit(dataset, fixed, variable, exponents)
+        fitted = _fit(dataset, **asked)
     show_fit(fitted)
-    if fitted.attrs["variable"] in {fit_options(dataset, (), None, None).get("variable"), *targets_of(dataset)}:
+    if fitted.attrs["variable"] in {fit_options(dataset).get("variable"), *targets_of(dataset)}:
         show_goal(dataset, fitted)
     if output is not None:
-        from gfmd_numba.storage.atomic_file import write_dataset
-
-        write_dataset(output, fitted)
-        click.echo(f"fit      {printable(output)}")
+        write(output, fitted, "fit")
     if function is not None:
         with naming(file):
             _write_function(fitted, function)
@@ -84,7 +82,6 @@ def _write_function(fitted: xr.Dataset, path: Path) -> None:
 
     from gfmd_numba.analysis.smooth_function import smooth_function
     from gfmd_numba.storage.atomic_file import write_dataset, write_table
-    from gfmd_numba.text.input_error import InputError
 
     try:
         with waiting("looking for a smooth function"):
@@ -120,12 +117,8 @@ def _write_function(fitted: xr.Dataset, path: Path) -> None:
 @variable_option
 @exponents_option
 @fixed_option
-@click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture to write [next to RESULTS]"
-)
-def plot(
-    results: Path, variable: str | None, exponents: str | None, fixed: tuple[Fixed, ...], output: Path | None
-) -> None:
+@click.option("-o", "--output", type=NEW_FILE, help="Picture to write [next to RESULTS]")
+def plot(results: Path, output: Path | None, **asked: Any) -> None:
     """Draw RESULTS, whatever command of gfmd wrote them.
 
     RESULTS is the output directory of a campaign, or the netCDF file of a campaign, a fit, a contact, a load curve, a
@@ -145,10 +138,10 @@ def plot(
         check_output(second, file, file.parent / "campaign.yaml", suffixes=[second.suffix.lower()])
     with naming(file):
         has_fit = picture_of(dataset) is None
-        for option, given in (("--variable", variable), ("--exponents", exponents), ("--fixed", fixed)):
-            if given and not has_fit:
-                raise click.UsageError(f"{option}: the picture of {file} has no fit; leave the option out")
-        fitted = _fit(dataset, fixed, variable, exponents) if has_fit else None
+        for name in ("variable", "exponents", "fixed"):
+            if asked[name] and not has_fit:
+                raise click.UsageError(f"--{name}: the picture of {file} has no fit; leave the option out")
+        fitted = _fit(dataset, **asked) if has_fit else None
         draw(dataset, fitted, picture)
         if second is not None:
             draw_second(dataset, second)
@@ -156,9 +149,8 @@ def plot(
 
 @contextmanager
 def naming(file: Path) -> Iterator[None]:
-    """Put the name of the file into what its data lack."""
+    """Name the file in errors about its data."""
     from gfmd_numba.analysis import UnusableDataError
-    from gfmd_numba.text.input_error import InputError
 
     try:
         yield
@@ -166,20 +158,17 @@ def naming(file: Path) -> Iterator[None]:
         raise InputError(f"{file}: {error}") from None
 
 
-def _fit(dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None) -> xr.Dataset:
+def _fit(dataset: xr.Dataset, **asked: Any) -> xr.Dataset:
     from gfmd_numba.analysis import fit_tfc
 
-    options = fit_options(dataset, fixed, variable, exponents)
     with waiting("fitting"):
-        return fit_tfc(dataset, **options)
+        return fit_tfc(dataset, **fit_options(dataset, **asked))
 
 
 def fit_options(
-    dataset: xr.Dataset, fixed: tuple[Fixed, ...], variable: str | None, exponents: str | None
+    dataset: xr.Dataset, fixed: tuple[Fixed, ...] = (), variable: str | None = None, exponents: str | None = None
 ) -> dict[str, Any]:
-    """Options of the fit: the campaign's own of the variable, overridden by those of the command line."""
-    import json
-
+    """Return the options of the fit: those of the campaign, overridden by those of the command line."""
     options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
     if variable is not None:
         options["variable"] = variable
@@ -190,38 +179,3 @@ def fit_options(
     if exponents is not None:
         options["exponents"] = exponents
     return options
-
-
-def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool = False) -> None:
-    """Write the picture of a campaign with its fit, or of anything else without, and say so."""
-    from gfmd_numba.analysis import plot_campaign
-    from gfmd_numba.analysis.plots.kinds import picture_of
-    from gfmd_numba.storage.atomic_file import write_picture
-
-    with waiting("drawing"):
-        drawing = picture_of(dataset)
-        if drawing is None and fitted is not None:
-            figure = plot_campaign(dataset, fitted, fitted.attrs["variable"])
-        else:
-            figure = (drawing or plot_campaign)(dataset)
-        write_picture(path, figure, dpi=150)
-    click.echo(f"picture  {printable(path)}", err=err)
-
-
-def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
-    """Name of the second picture of a dataset, after that of the first; None where there is but one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-
-    second = second_picture_of(dataset)
-    return picture.with_stem(f"{picture.stem}-{second[0]}") if second is not None else None
-
-
-def draw_second(dataset: xr.Dataset, path: Path) -> None:
-    """Write the second picture of a dataset that has one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-    from gfmd_numba.storage.atomic_file import write_picture
-
-    second = second_picture_of(dataset)
-    if second is not None:
-        write_picture(path, second[1](dataset), dpi=150)
-        click.echo(f"picture  {printable(path)}")

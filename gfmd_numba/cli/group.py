@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+import io
+import os
+import re
+import sys
+import warnings
 from contextlib import suppress
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from gfmd_numba.cli.streams import UntoldError, drop_output, open_streams
-from gfmd_numba.cli.usage import refused
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
-UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
 
+UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
+_AS_SENTENCES = (  # what click says of a value, and what gfmd says
+    (
+        r"(?:File|Path|Directory) '(.*)' does not exist\.",
+        r"you gave \1, which does not exist; gfmd needs a path that does",
+    ),
+    (r"(?:File|Path) '(.*)' is a directory\.", r"you gave \1, which is a directory; gfmd needs a file"),
+    (r"(?:File|Path|Directory) '(.*)' is not (read|writ)able\.", r"you may not \2e \1; gfmd needs a path that you may"),
+    (r"('.*') is not one of (.*)\.", r"you gave \1; gfmd allows one of \2"),
+    (r"('.*') is not a valid (?:integer|float|integer range|float range)\.", r"you gave \1; gfmd allows a number"),
+    (r"(\S+) is not in the range (.*)\.", r"you gave \1; gfmd allows \2"),
+)
 
 
 class _Gfmd(click.Group):
-    """Turns what the user can mend into one message and an exit code."""
+    """The group of commands. It turns what the user can mend into one message and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command line, whatever standard streams are open."""
@@ -33,10 +50,6 @@ class _Gfmd(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
-        import warnings
-
-        from gfmd_numba.text.input_error import InputError
-
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = _show_warning
@@ -67,12 +80,11 @@ def _tell(sentence: str) -> None:
 
 
 def _allow_files() -> None:
-    """Raise the limit of open files to what workers need; raises InputError where it may not be raised so far."""
+    """Raise the limit of open files to what workers need; raises InputError if it may not be raised so far."""
     try:
         import resource
     except ImportError:  # a system without such limits
         return
-    from gfmd_numba.text.input_error import InputError
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = _MANY_FILES if hard == resource.RLIM_INFINITY else min(hard, _MANY_FILES)
@@ -103,3 +115,68 @@ def main() -> None:
     You describe a contact, a rough surface or a whole campaign in a YAML file. gfmd computes contact area, pressure,
     gap and stiffness, and extrapolates kappa, the ratio of area to load, with its error.
     """
+
+
+def refused(error: click.UsageError) -> RefusedCommandError:
+    """Return what click refuses as one sentence that says where, what was given and what is allowed."""
+    command = error.ctx.command_path if error.ctx is not None else "gfmd"
+    said = error.format_message() if isinstance(error, click.MissingParameter) else error.message
+    if isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter):
+        hint = error.param_hint or (error.param.get_error_hint(error.ctx) if error.param and error.ctx else command)
+        where = hint if isinstance(hint, str) else " or ".join(hint)
+        for pattern, sentence in _AS_SENTENCES:
+            said = re.sub(f"^{pattern}$", sentence, said, flags=re.DOTALL)
+        said = f"{where.replace(chr(39), '')}: {said}"
+    elif type(error) is not click.UsageError or not said.startswith("--"):  # of click
+        said = f"{said[0].lower()}{said[1:].rstrip('.')}; `{command} --help` says what it takes"
+    return RefusedCommandError(printable(said), error.ctx)
+
+
+class RefusedCommandError(click.UsageError):
+    """A command line that is refused, which is shown as one sentence."""
+
+    def show(self, file: object = None) -> None:
+        """Print the sentence to standard error."""
+        click.echo(f"gfmd: {self.message}", err=True)
+
+
+class UntoldError(Exception):
+    """Standard output cannot be written."""
+
+
+class _Output(io.FileIO):
+    """Standard output whose failures cannot be mistaken for those of another file."""
+
+    def write(self, data: ReadableBuffer, /) -> int:
+        """Write, or raise UntoldError; BrokenPipeError still says that the reader has seen enough."""
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise UntoldError(error.strerror) from None
+
+
+def open_streams() -> None:
+    """Let closed standard streams lead nowhere, or the next file opened would take their place and their text."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # it takes the lowest number that is free: this one
+    sys.stderr = sys.stderr or _text(io.FileIO(2, "w", closefd=False), "utf-8", "backslashreplace")
+    own = sys.stdout is not None and sys.stdout is not sys.__stdout__
+    if not own:  # else somebody has taken its place, and looks after it
+        encoding = "utf-8" if sys.stdout is None else sys.stdout.encoding
+        sys.stdout = _text(_Output(1, "w", closefd=False), encoding, "backslashreplace")
+
+
+def drop_output() -> None:
+    """Discard what is still to be written to a full standard output."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+
+
+def _text(stream: io.FileIO, encoding: str, errors: str) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BufferedWriter(stream), encoding, errors, line_buffering=True)

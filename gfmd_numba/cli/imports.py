@@ -1,4 +1,4 @@
-"""Imports of weight without the garbage collector, which takes a third of the time of a short command."""
+"""Heavy imports without the garbage collector, which takes a third of the time of a short command."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def without_collections() -> Iterator[None]:
-    """Import without looking for garbage: what an import leaves lives until the end, and is not looked at again.
+    """Import without collecting garbage. What an import leaves lives until the end, and is never looked at again.
 
-    Nor is anything else when the process ends, as its memory goes back all the same.
+    Nothing is collected when the process ends either, because its memory is freed anyway.
     """
     collecting = gc.isenabled()
     gc.disable()

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import sys
 import time
 from collections.abc import Set
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.readable import dimensions
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.quantities import dimensions
+from gfmd_numba.cli.terminal import say, warn
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -45,11 +49,11 @@ def check(file: Path) -> None:
         kind, doubt = _check_scene(document)
     click.echo(f"{printable(file)}: {kind}")
     for sentence in doubt.splitlines():
-        say("gfmd:", sentence, width=6, err=True)
+        warn(sentence)
 
 
 def _describes_jobs(keys: Set[object]) -> bool:
-    """Whether the keys of a file are those of a cluster, of which one may be `interface`, as in a scene."""
+    """Return whether the keys of a file are those of a cluster. A key `interface` may also be that of a scene."""
     from gfmd_numba.campaign.cluster_file import Cluster
     from gfmd_numba.scene import Scene, SceneFile
 
@@ -59,11 +63,11 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.file import is_without_levels, load_campaign
-    from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
+    from gfmd_numba.campaign.grid import doubt_of_numbers
     from gfmd_numba.scene import Measured
 
     campaign = load_campaign(document)[0]
-    doubts = doubt_of_numbers(campaign, campaign.scene.length).splitlines()
+    doubts = doubt_of_numbers(campaign.scene, campaign.grid, campaign.path).splitlines()
     scene, few = campaign.scene, _has_few_levels(campaign)
     is_measured = isinstance(scene.roughness, Measured)
     if few or scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
@@ -72,9 +76,9 @@ def _check_campaign(document: Document) -> tuple[str, str]:
         planned = plan(document)
         campaign, doubts = planned.campaign, planned.validity.splitlines()
         if few:
-            from gfmd_numba.campaign.limits_beforehand import refused_limits
+            from gfmd_numba.campaign.doubts import refused_limits
 
-            doubts += refused_limits(planned)
+            doubts += refused_limits(planned.campaign, planned.cases)
     kind = f"a campaign of {campaign.n_cases} cases"
     if is_without_levels(document, campaign):
         targets = " and ".join(f"{share:.2%} of {variable}" for variable, share in (campaign.target or {}).items())
@@ -86,7 +90,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
 
 
 def _has_few_levels(campaign: Campaign) -> bool:
-    """Whether the fit has to be asked if it takes the levels: it is, without its imports, sure of three of each."""
+    """Return whether the fit itself must check the levels. Three of each are always enough, and need not import it."""
     known = {name for name, exponent in campaign.fit.fixed if exponent is not None}
     placed = [each.discretisation for each in campaign.discretisations() if each.discretisation is not None]
     for axis in campaign.limits.varied:
@@ -97,12 +101,10 @@ def _has_few_levels(campaign: Campaign) -> bool:
 
 
 def _check_cluster(document: Document) -> tuple[str, str]:
-    from importlib.util import find_spec
-
     from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, load_cluster
 
     cluster = load_cluster(document)
-    lacking = "" if find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
+    lacking = "" if importlib.util.find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
     return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", lacking
 
 
@@ -160,8 +162,6 @@ def schema(kind: str) -> None:
     Editors use it to complete and check YAML. The kind "combinations" prints what goes together in a scene, as
     Markdown.
     """
-    import json
-
     if kind == "combinations":
         from gfmd_numba.contact.combinations_page import combinations_page
 
@@ -195,13 +195,10 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 
 @main.command()
-@click.argument("file", type=click.Path(dir_okay=False, path_type=Path), default="campaign.yaml")
+@click.argument("file", type=NEW_FILE, default="campaign.yaml")
 def init(file: Path) -> None:
     """Write an example campaign with comments to FILE."""
-    from importlib.resources import files
-
     from gfmd_numba.storage.atomic_file import create
-    from gfmd_numba.text.input_error import InputError
 
     try:
         create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
@@ -238,7 +235,7 @@ def doctor() -> None:
 
 
 def _examine_contact() -> str:
-    """Press a wave and compare with Westergaard: kernels compile and transforms are scaled as they should be."""
+    """Press a wave and compare with Westergaard, which shows that kernels compile and transforms are scaled rightly."""
     import numpy as np
 
     from gfmd_numba.elasticity import stiffness

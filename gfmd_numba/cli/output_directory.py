@@ -1,17 +1,20 @@
-"""Commands on the output directory of a campaign: how far it is, what it holds, and whether that is sound."""
+"""Commands on the output directory of a campaign: how far it is, what it has found, and whether files are sound."""
 
 from __future__ import annotations
 
+import json
 import sys
+import time
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
 from gfmd_numba.cli.arguments import json_option
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.sentences import say, say_command
+from gfmd_numba.cli.outputs import told
 from gfmd_numba.cli.tables import duration
-from gfmd_numba.text.printable import printable
+from gfmd_numba.cli.terminal import say, say_command, warn
 
 _directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
 
@@ -25,10 +28,6 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
 
     If blocks have failed, the command prints the reason of each, and the command that runs it again.
     """
-    import json
-    import time
-    from dataclasses import asdict
-
     from gfmd_numba.campaign.status import progress
 
     while True:
@@ -61,9 +60,9 @@ def collect(directory: Path) -> None:
     from gfmd_numba.campaign.status import campaign_in
 
     results = collect_campaign(campaign_in(directory), directory)
-    click.echo(f"results  {printable(results)}")
+    told("results", results)
     for doubt in read_results(results).attrs["validity"].splitlines():
-        say("gfmd:", doubt, width=6, err=True)
+        warn(doubt)
 
 
 @main.command()
@@ -80,7 +79,7 @@ def verify(directory: Path) -> None:
     try:
         verdict = verify_files(directory)
     except AlteredError as error:
-        say("gfmd:", f"{error}; nothing else was looked at", width=6, err=True)
+        warn(f"{error}; nothing else was looked at")
         sys.exit(SOME_FAILED)
     click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} missing")
     for name in verdict.damaged:

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, target_option
-from gfmd_numba.cli.columns import print_table
-from gfmd_numba.cli.goals import said_of_error
+from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, is_given, target_option, workers_option
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.readable import dimensions
-from gfmd_numba.cli.sentences import say
-from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration
+from gfmd_numba.cli.quantities import dimensions
+from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration, said_of_error
+from gfmd_numba.cli.terminal import print_table, say, warn
+from gfmd_numba.cli.until import goal_in, levels_of, options_named, rounds_shown
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
@@ -24,16 +23,12 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.until import FirstDecision
 
+_MOST_EFFECTS = 50
+
 
 @main.command()
 @file_argument
-@click.option(
-    "--workers",
-    default=2,
-    show_default=True,
-    type=click.IntRange(0),
-    help="Number of local worker processes to plan for, which solve the pilot of a target",
-)
+@workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
 @click.option(
     "--pilot",
     default=10.0,
@@ -52,10 +47,9 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
+    from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
-    from gfmd_numba.campaign.limits_beforehand import refused_limits
     from gfmd_numba.campaign.plan import plan as plan_campaign
-    from gfmd_numba.cli.until import goal_in, options_named
 
     _check_options(target, budget)
     with options_named("target"):
@@ -77,8 +71,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
         say("scene", told, width=14)
     if planned.campaign.path:
         click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
-    for doubt in (*planned.validity.splitlines(), *refused_limits(planned)):
-        say("gfmd:", doubt, width=6, err=True)
+    for doubt in (*planned.validity.splitlines(), *refused_limits(planned.campaign, planned.cases)):
+        warn(doubt)
     well = True
     if goal is not None:
         well = _show_decision(_run_pilot(file, goal, workers), workers)
@@ -94,9 +88,6 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
         sys.exit(SOME_FAILED)
 
 
-_MOST_EFFECTS = 50
-
-
 def _show_size(planned: Plan, workers: int) -> None:
     from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
 
@@ -110,30 +101,26 @@ def _show_size(planned: Plan, workers: int) -> None:
 
 
 def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
-    with waiting("measuring what the problems cost"):
-        predicted = planned.predicted_cost(pilot)
-    contacts = predicted.quantile(0.5), predicted.quantile(0.9)
-    walls = [planned.wall_time(predicted, seconds, workers) for seconds in contacts]
-    _show_times(planned, workers, contacts, (walls[0], walls[1]))
-    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
-    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
-
-
-def _show_times(planned: Plan, workers: int, cpu: tuple[float, float], wall: tuple[float, float]) -> None:
-    """Print what a run takes: likely times and those not exceeded, of the contacts and of all else."""
+    """Print how long a run takes, likely and at most, with its contacts and everything else."""
     from gfmd_numba.campaign.overhead import UNSURE, overhead
 
+    with waiting("measuring what the problems cost"):
+        predicted = planned.predicted_cost(pilot)
+    cpu = [predicted.quantile(probability) for probability in (0.5, 0.9)]
+    wall = [planned.wall_time(predicted, seconds, workers) for seconds in cpu]
     extra = overhead(planned)
-    for name, contacts, others in (
+    for name, (likely, most), others in (
         ("CPU time", cpu, extra.cpu_seconds(workers)),
         ("wall time", wall, extra.wall_seconds(workers)),
     ):
-        at_most = duration(contacts[1] + UNSURE * others)
-        click.echo(f"{name:13} {duration(contacts[0] + others)}, with 90 % probability below {at_most}")
+        at_most = duration(most + UNSURE * others)
+        click.echo(f"{name:13} {duration(likely + others)}, with 90 % probability below {at_most}")
     parts = {"contacts": cpu[0], "start": extra.start, "workers": workers * extra.worker}
     parts |= {"results": extra.results, "fit and picture": extra.fit}
     shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
     say("of CPU time", shown, width=14)
+    smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
+    click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 
 
 def _check_options(target: object, budget: float | None) -> None:
@@ -143,26 +130,24 @@ def _check_options(target: object, budget: float | None) -> None:
             "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
             "bounds a run)"
         )
-    given = click.get_current_context().get_parameter_source("pilot")
-    if target and given is click.core.ParameterSource.COMMANDLINE:
+    if target and is_given("pilot"):
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
 def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.until import first_decision
-    from gfmd_numba.cli.until import options_named, rounds_shown
 
     try:
         with options_named("target"), rounds_shown() as (watch, told):
             return first_decision(file, goal, Workers(workers), watch, told)
     except KeyboardInterrupt:
-        say("gfmd:", "interrupted; a plan keeps no results", width=6, err=True)
+        warn("interrupted; a plan keeps no results")
         sys.exit(INTERRUPTED)
 
 
 def _show_decision(decided: FirstDecision, workers: int) -> bool:
-    """Print what a pilot has found and what follows; False if the target cannot be reached, or some blocks failed."""
+    """Print what a pilot found and what follows; return False if the target is out of reach, or some blocks failed."""
     from gfmd_numba.campaign.next_round import REACHED
 
     state, pilot = decided.rounds, decided.rounds.rounds[0]
@@ -181,14 +166,12 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
         _show_next_round(state, decided.planned)
         _show_size(decided.planned, workers)
     for block, failure in decided.failures.items():
-        say("gfmd:", f"block {block} {failure.status}: {failure.reason}", width=6, err=True)
+        warn(f"block {block} {failure.status}: {failure.reason}")
     return state.ended in ("", REACHED) and not decided.failures
 
 
 def _show_next_round(state: Rounds, planned: Plan) -> None:
-    """Print what was decided for the round after the pilot, and of what follows only what is known."""
-    from gfmd_numba.cli.until import levels_of
-
+    """Print what was decided for the round after the pilot, and what is known of later ones."""
     pilot, now = state.rounds
     refined = now.levels != pilot.levels
     say("round 1", f"finer levels, {levels_of(now)}" if refined else "more realisations of the same levels", width=14)

@@ -1,4 +1,4 @@
-"""How a command that takes its time shows that it is at work."""
+"""How a slow command shows that it is at work."""
 
 from __future__ import annotations
 
@@ -7,77 +7,52 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from threading import Timer
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.queue_state import QueueState
+    from rich.progress import Progress
+
+    from gfmd_numba.campaign.job_queue import QueueState
 
 _PATIENCE = 1.0  # s
 _WRITING = ", writing the results"
 
 
 @contextmanager
-def waiting(what: str) -> Iterator[None]:
-    """Say what a command does once it has taken a second: next to a spinner on a terminal, as a line otherwise."""
-    shown = []
+def waiting(what: str, total: int | None = None) -> Iterator[Callable[[], None]]:
+    """Say what a command does once it has taken a second: a spinner or a bar on a terminal, a line otherwise.
+
+    With a `total`, call the function that it yields after each one that is done. Without a terminal, a line is printed
+    for every tenth.
+    """
+    shown: list[Progress] = []
+    begun, done, told = time.monotonic(), 0, 0
 
     def show() -> None:
-        if not sys.stderr.isatty():
-            with suppress(OSError, ValueError):  # nobody reads it
-                click.echo(f"busy     {what}", err=True)
-            return
-        from rich.console import Console
-        from rich.live import Live
-        from rich.spinner import Spinner
-
-        console = Console(stderr=True)
-        live = Live(Spinner("dots", what), console=console, transient=True, redirect_stdout=False)
-        live.start()
-        shown.append(live)
-
-    timer = Timer(_PATIENCE, show)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-        timer.join()
-        for live in shown:
-            live.stop()
-
-
-@contextmanager
-def counting(what: str, total: int) -> Iterator[Callable[[], None]]:
-    """Count what a command has done once it has taken a second: a bar on a terminal, a line for every tenth otherwise.
-
-    Call what it gives after each one that is done.
-    """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False)
-    task = bar.add_task(what, total=total)
-    begun, told = time.monotonic(), 0
-
-    def tell() -> None:
         nonlocal told
-        told = int(bar.tasks[task].completed)
-        with suppress(OSError, ValueError):  # nobody reads it
-            click.echo(f"busy     {what}, {told} of {total} done", err=True)
+        told = done
+        if sys.stderr.isatty():
+            bars = _bars(total, transient=True)
+            bars.add_task(what, total=total, completed=done)
+            bars.start()
+            shown.append(bars)
+        else:
+            _echo(f"busy     {what}" + ("" if total is None else f", {done} of {total} done"))
 
     def advance() -> None:
-        bar.advance(task)
+        nonlocal done
+        done += 1
+        for bars in shown:
+            bars.update(bars.task_ids[0], completed=done)
         late = time.monotonic() - begun >= _PATIENCE and not sys.stderr.isatty()
-        if late and int(bar.tasks[task].completed) >= told + max(1, total // 10):
-            tell()
+        if total is not None and late and done >= told + max(1, total // 10):
+            show()
 
-    timer = Timer(_PATIENCE, bar.start if sys.stderr.isatty() else tell)
+    timer = Timer(_PATIENCE, show)
     timer.daemon = True
     timer.start()
     try:
@@ -85,20 +60,16 @@ def counting(what: str, total: int) -> Iterator[Callable[[], None]]:
     finally:
         timer.cancel()
         timer.join()
-        bar.stop()
+        for bars in shown:
+            bars.stop()
 
 
 @contextmanager
 def progress_bar(
     caption: Callable[[], str] = lambda: "blocks",
 ) -> Iterator[Callable[[int, int], Callable[[int], None]]]:
-    """Progress bar with a caption on a terminal, a line for every tenth of the blocks otherwise."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    console, hidden = Console(stderr=True), not sys.stderr.isatty()
-    with Progress(*columns, console=console, disable=hidden, redirect_stdout=False) as bars:
+    """Show a progress bar with a caption on a terminal, or a line for every tenth of the blocks otherwise."""
+    with _bars(0, disable=not sys.stderr.isatty()) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
             what, shown = caption(), done
@@ -123,8 +94,30 @@ def progress_bar(
 def show_queue(state: QueueState) -> None:
     """Print how many jobs of a run wait in a queue, and how many run."""
     why = f" ({printable(state.reason)})" if state.reason else ""
+    _echo(f"jobs     {state.waiting} waiting{why}, {state.running} running")
+
+
+def _bars(total: int | None, **options: Any) -> Progress:
+    """Return a progress bar on standard error, or a spinner if there is no total."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    what = TextColumn("{task.description}")
+    counted = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (SpinnerColumn(), what) if total is None else counted
+    return Progress(*columns, console=Console(stderr=True), redirect_stdout=False, **options)
+
+
+def _echo(line: str) -> None:
     with suppress(OSError, ValueError):  # nobody reads it
-        click.echo(f"jobs     {state.waiting} waiting{why}, {state.running} running", err=True)
+        click.echo(line, err=True)
 
 
 def _state(what: str, finished: int, total: int) -> str:

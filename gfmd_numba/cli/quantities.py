@@ -11,6 +11,10 @@ from gfmd_numba.text.uncertain import with_error
 if TYPE_CHECKING:
     import xarray as xr
 
+    from gfmd_numba.campaign.grid import Grid
+    from gfmd_numba.scene import Scene
+
+
 WORDS = {
     "reduced_pressure": "p*",
     "prescribed_pressure": "pressure",
@@ -62,7 +66,7 @@ def unit(dataset: xr.Dataset, name: str) -> str:
 
 
 def _units(dataset: xr.Dataset, name: str, free: str) -> str:
-    """Units of a variable, that of x where it has none of its own; what stands for 1."""
+    """Return the unit of a variable; `free` stands for 1."""
     found = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
     return free if found == "1" else str(found)
 
@@ -87,3 +91,26 @@ def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
     sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value) and value != 0.0]
     middle = sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
     return si_prefix(middle, unit(dataset, name))
+
+
+def readable(value: float, unit: str) -> tuple[str, str]:
+    """Return number and unit of a value, with a prefix if the unit may have one and the number is far from 1."""
+    if not isfinite(value):
+        return f"{value:.6g}", unit
+    factor, name = si_prefix(abs(float(f"{value:.5e}")), unit)
+    return f"{value * factor:.6g}", name
+
+
+def dimensions(scene: Scene, varied: Grid | None = None) -> str:
+    """Return the lengths, moduli and loads of a scene with units, except those that a grid varies."""
+    from gfmd_numba.scene.reduced_units import quantities
+
+    told = []
+    for record, names in ((scene, ("length",)), (scene.body, ("youngs_modulus",)), (scene.loading, None)):
+        for name, quantity in quantities(type(record)).items():
+            value = getattr(record, name)
+            in_si = scene.length is not None or not quantity.length
+            replaced = getattr(varied, name, None) is not None
+            if value is not None and in_si and not replaced and (names is None or name in names):
+                told.append(f"{name} {' '.join(readable(value, quantity.si))}")
+    return ", ".join(told)

@@ -1,13 +1,13 @@
-"""Fits and means as tables on the terminal."""
+"""Fits, means and targets as tables on the terminal."""
 
 from __future__ import annotations
 
-from math import floor, inf, isnan, log10
+from math import floor, inf, isnan, log10, nan
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
-from gfmd_numba.cli.columns import print_table
-from gfmd_numba.cli.sentences import say
+from gfmd_numba.cli.quantities import column
+from gfmd_numba.cli.terminal import print_table, say
 from gfmd_numba.text.si_prefix import si_prefix
 from gfmd_numba.text.uncertain import with_error
 
@@ -19,6 +19,10 @@ _IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "in
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _LONGEST_NAME = 40
+_SHOWN = (
+    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
+    *("contact_area_fraction", "mean_plastic_depth"),
+)
 
 
 def show_fit(fitted: xr.Dataset) -> None:
@@ -60,6 +64,95 @@ def show_fit(fitted: xr.Dataset) -> None:
         say("note", f"{whose}{line}")
 
 
+def show_means(dataset: xr.Dataset, variable: str) -> None:
+    """Print the ensemble mean of every case, for a campaign without limits."""
+    from gfmd_numba.analysis import ensemble_mean
+
+    shown = dataset.isel(case=slice(MOST_ROWS))
+    means = {variable: _with_errors(*ensemble_mean(shown, variable))}
+    _print_means(variable, shown, dataset, means)
+
+
+def show_paths(dataset: xr.Dataset) -> None:
+    """Print the means of every case: hysteresis and pull-off of its path, and the contact after the last step.
+
+    For a campaign with limits only the references are shown.
+    """
+    from gfmd_numba.analysis import ensemble_mean
+
+    if LIMITS.keys() & set(dataset["limit"].values):
+        dataset = dataset.isel(case=dataset["is_reference"].values)
+    shown = dataset.isel(case=slice(MOST_ROWS), step=-1)
+    names = [name for name in _SHOWN if name in dataset]
+    means = shown.drop_vars(names)
+    for name in names:
+        mean, error = ensemble_mean(shown, name)
+        means[name], means[f"{name}_standard_error"] = ("case", mean, dataset[name].attrs), ("case", error)
+    steps = dataset.sizes["step"] - 1
+    _print_means(f"end of the path of {steps} steps", shown, dataset, dict(column(means, name) for name in names))
+
+
+def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
+    """Print how near a campaign came to its target, round by round if it ran in rounds; nothing without a target."""
+    from gfmd_numba.analysis.arguments import targets_of
+
+    targets = targets_of(dataset)
+    if "round" in dataset.dims:
+        _show_rounds(dataset, fitted, targets)
+    elif fitted.attrs["variable"] in targets:
+        show_target(fitted, targets[fitted.attrs["variable"]])
+    if others := [name for name in targets if name != fitted.attrs["variable"]]:
+        say("note", f"`gfmd fit --variable NAME` shows the limit of {' or '.join(others)}")
+
+
+def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> None:
+    known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
+    for number in dataset["round"].values.tolist():
+        errors, asked = [], "finer levels" if number else "the pilot"
+        for name, of_target in known.items():
+            one = of_target.sel(round=number)
+            found = said_of_error(float(one["round_error"]), float(one["round_error_factor"]))
+            errors.append(f"{name} {found}" if len(targets) > 1 else found)
+            if not isnan(expected := float(one["round_predicted_error"])):
+                asked = f"{expected:.2%}{f' of {name}' if len(targets) > 1 else ''} expected"
+        seconds = float(dataset["round_cpu_seconds"].sel(round=number))
+        spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time for the contacts so far"
+        say("round", f"{number}: {', '.join(errors)}, {asked}; {spent}")
+    reached = dataset.attrs.get("reached", "").split(", ")
+    for name, target in targets.items():
+        say("until", f"{name} to {target:.2%}: {'reached' if name in reached else dataset.attrs['ended']}")
+    of_fitted = known.get(fitted.attrs["variable"])
+    error = nan if of_fitted is None else float(of_fitted["round_error"][-1])
+    if isnan(error) or isnan(seconds):
+        return
+    left, digit = _left_open(fitted), error / 10
+    if left < digit:  # the rest of the error falls with the square root of time
+        price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
+    else:
+        price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
+    say("price", f"the next digit, {digit:.2%}, {price}")
+
+
+def show_target(fitted: xr.Dataset, target: float) -> None:
+    """Print the error each group was meant to have, and the one it has."""
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
+    limit, error = in_the_limit(fitted)
+    reached = (error / abs(limit)).values
+    missed = [f"{error:.2%}" for error in reached if not error <= target]
+    verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
+    say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
+    if missed:
+        say("note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it")
+
+
+def said_of_error(error: float, factor: float) -> str:
+    """Return the error after a round and its bound with 90 % probability; an error of nan is unknown."""
+    if isnan(error):
+        return "without an error"
+    return f"error {error:.2%} (with 90 % probability below {error * factor:.2%})"
+
+
 def _distance(fitted: xr.Dataset, limit: str) -> str:
     """Return from which level a limit was extrapolated, and how far, in the group where it is furthest."""
     import numpy as np
@@ -84,26 +177,9 @@ def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
     return factor / float(power or 1.0), " ".join(filter(None, (power, unit.removeprefix("1"))))
 
 
-def show_target(fitted: xr.Dataset, target: float) -> None:
-    """Print the error each group was meant to have, and the one it has."""
-    from gfmd_numba.analysis.fit_dataset import in_the_limit
-
-    limit, error = in_the_limit(fitted)
-    reached = (error / abs(limit)).values
-    missed = [f"{error:.2%}" for error in reached if not error <= target]
-    verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
-    say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
-    if missed:
-        say("note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it")
-
-
-def show_means(dataset: xr.Dataset, variable: str) -> None:
-    """Print the ensemble mean of every case, for a campaign without limits."""
-    from gfmd_numba.analysis import ensemble_mean
-
-    shown = dataset.isel(case=slice(MOST_ROWS))
-    means = {variable: _with_errors(*ensemble_mean(shown, variable))}
-    title = f"{variable}, mean of the realisations (one standard error)"
+def _print_means(what: str, shown: xr.Dataset, dataset: xr.Dataset, means: dict[str, list[str]]) -> None:
+    """Print the means of the cases that are shown, by heading, and how many more the dataset has."""
+    title = f"{what}, mean of the realisations (one standard error)"
     print_table(title, cells_of_parameters(shown, dataset), means)
     if dataset.sizes["case"] > MOST_ROWS:
         say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
@@ -134,7 +210,7 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 
 def _values(parameter: xr.DataArray) -> list[str]:
-    """Return values of a parameter as cells, long names by their ends as long as these differ."""
+    """Return the values of a parameter as cells; of long names only the ends, if these differ."""
     from gfmd_numba.analysis.names import has_names, shown
 
     if not has_names(parameter):
@@ -156,7 +232,7 @@ def _parameters(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
-    """Return heading and name of each parameter; the roughness's scale only if it varies, as kappa does not know it."""
+    """Return heading and name of each parameter; the scale of roughness, on which kappa does not depend, if varied."""
     return {
         heading: name
         for heading, name in _parameters(dataset).items()
@@ -174,7 +250,7 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
 
 
 def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
-    """Return the parts of the errors of the limit, the largest of each source, and the contacts' processor time."""
+    """Return the largest part of each source in the errors of the limit, and the processor time of the contacts."""
     most = factor * fitted["error_budget"].max("group")
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
@@ -183,7 +259,7 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
-    """Return the exponent of a limit, or if they differ one for each group in their order, or their range."""
+    """Return the exponent of a limit. If groups have different ones, return them in order, or the range of many."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
     found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
@@ -198,3 +274,11 @@ def _number(value: Any) -> str:
 
 def _with_errors(values: Any, errors: Any) -> list[str]:
     return [with_error(float(value), float(error)) for value, error in zip(values, errors, strict=True)]
+
+
+def _left_open(fitted: xr.Dataset) -> float:
+    """Return the largest relative error of a limit that its levels leave, however many surfaces there are."""
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
+    open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
+    return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())

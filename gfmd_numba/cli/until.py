@@ -1,4 +1,4 @@
-"""Running a campaign until its limit has the error one wants: what is shown meanwhile, and how it ends."""
+"""A campaign that runs until its limit has the error you want: what the terminal shows meanwhile, and how it ends."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.progress import progress_bar
-from gfmd_numba.cli.sentences import say
 from gfmd_numba.cli.tables import duration
+from gfmd_numba.cli.terminal import say
+from gfmd_numba.text.input_error import InputError
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.block_work import Failures
@@ -47,9 +48,9 @@ def run_rounds(
     budget: float | None,
     show: Show,
 ) -> bool:
-    """Run a campaign until its limit has an error, and show the results; False if it has another, or some failed.
+    """Run a campaign until its limit has an error, and show the results; return False if that or some blocks failed.
 
-    Where Ctrl-C stops it, the best estimate is shown first.
+    If Ctrl-C stops it, the best estimate is shown first.
     """
     from gfmd_numba.campaign.until import InterruptedRunError, run_until
 
@@ -73,8 +74,6 @@ def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
 @contextmanager
 def options_named(target: str) -> Iterator[None]:
     """Name the options of the command in errors that name the arguments of the Python function."""
-    from gfmd_numba.text.input_error import InputError
-
     named = {"until": f"--{target}:", "budget": "--budget:"}
     try:
         yield
@@ -85,7 +84,7 @@ def options_named(target: str) -> Iterator[None]:
 
 @contextmanager
 def rounds_shown() -> Iterator[tuple[Watch, Told]]:
-    """Show the rounds of a run, each with its progress, by the two functions that are given."""
+    """Yield two functions that show the rounds of a run, each with its progress."""
     caption = ["blocks"]
 
     def told(rounds: Rounds, planned: Plan, left: int) -> None:
@@ -108,7 +107,7 @@ def levels_of(now: Round) -> str:
 
 
 def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
-    """Say what a round is about to do, and return how its bar is called."""
+    """Say what a round is about to do, and return the caption of its progress bar."""
     from gfmd_numba.campaign.cross_levels import added
     from gfmd_numba.campaign.file import is_without_levels
 

@@ -1,7 +1,7 @@
-"""The one door to files that gfmd writes: whole or not there, on the disk, and never in place of a file of others.
+"""The one door through which gfmd writes files. They are whole or not there, and never replace somebody else's file.
 
-A file may give way to another, or be removed, if it proves to be of gfmd (see `mark`). Links are not followed, and
-pipes, devices and sockets not opened: what is no regular file is nobody's business.
+A file may be replaced or removed if its content proves that gfmd wrote it (see `mark`). Links are not followed. Pipes,
+devices and sockets are not opened.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ _CAREFUL = _PLAIN | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) 
 def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o666) -> None:
     """Write a file under a temporary name in the same directory, force it to disk, then give it its name.
 
-    A file that is there has to be `ours` and passes on its permissions; a new one has `mode` less the umask. Raises
-    InputError for what is not ours, and OSError with the name of the file; what stood there is then unharmed.
+    A file that is there must be `ours`, and its permissions stay; a new file has `mode` less the umask. Raises
+    InputError for a file that is not ours, and OSError with the name of the file; the old file is then unharmed.
     """
     check(path, ours)
     unfinished = temporary(path)
@@ -74,7 +74,7 @@ def create(path: Path, content: bytes) -> None:
 
 
 def foreign(path: Path, ours: Ours = mark.is_product) -> str:
-    """What stands at a path and may not give way, as a clause; empty if nothing does, or an empty file, or `ours`."""
+    """Return what stands at a path and must stay, as a clause; empty if it is nothing, an empty file, or `ours`."""
     try:
         found = os.lstat(path)
     except (FileNotFoundError, NotADirectoryError):
@@ -93,7 +93,7 @@ def foreign(path: Path, ours: Ours = mark.is_product) -> str:
 
 
 def check(path: Path, ours: Ours) -> None:
-    """Raise InputError for what may not give way to a file of this name."""
+    """Raise InputError if something that must stay has this name."""
     if clause := foreign(path, ours):
         raise InputError(
             f"{path}: you gave a path {clause}; gfmd allows no such file, or one as gfmd wrote it (move it away)"
@@ -107,7 +107,7 @@ def remove(path: Path, ours: Ours) -> None:
 
 
 def opened(path: Path) -> IO[bytes] | None:
-    """Regular file that is there, for reading; None for a link, a folder, a pipe, or nothing."""
+    """Return the regular file at a path, for reading; None for a link, a folder, a pipe, or nothing."""
     try:
         if not stat.S_ISREG(os.lstat(path).st_mode):
             return None
@@ -117,7 +117,7 @@ def opened(path: Path) -> IO[bytes] | None:
 
 
 def read(path: Path) -> bytes | None:
-    """Content of a regular file that is there, None for anything else."""
+    """Return the content of a regular file, None for anything else."""
     file = opened(path)
     if file is None:
         return None
@@ -126,7 +126,7 @@ def read(path: Path) -> bytes | None:
 
 
 def open_own(path: Path) -> IO[bytes]:
-    """File whose name is gfmd's, new or as it is, for writing; raises InputError for what is no regular file."""
+    """Return a file whose name is gfmd's, new or as it is, for writing; raises InputError unless it is regular."""
     if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
         raise InputError(
             f"{path}: you gave a path which is not a regular file; gfmd allows no such file (move it away)"
@@ -135,7 +135,7 @@ def open_own(path: Path) -> IO[bytes]:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a folder is there, and no link to one."""
+    """Return whether a folder is there, and no link to one."""
     return path.is_dir() and not path.is_symlink()
 
 
@@ -151,7 +151,7 @@ def make_folder(path: Path) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Force the names in a folder to disk, where the system can: a rename may be lost otherwise when power fails."""
+    """Force the names in a folder to disk, if the system can. Otherwise a rename may be lost when power fails."""
     if os.name == "nt":
         return
     try:
@@ -168,16 +168,16 @@ def sync(folder: Path) -> None:
 
 
 def temporary(path: Path, token: str = "") -> Path:
-    """Name in the directory of a path for what is not finished, always the same for a `token` of 16 hexadecimal digits.
+    """Return a name next to a path for an unfinished file, always the same for a `token` of 16 hexadecimal digits.
 
-    Its last digits follow from the rest, so that no other program's file is taken for a leftover of a kill.
+    Its last digits follow from the rest, so that no other program's file is mistaken for a leftover of a kill.
     """
     token = token or uuid4().hex[:16]
     return path.with_name(f"{path.name}.{token}{_proof(path.name, token)}.tmp")
 
 
 def is_temporary(name: str) -> bool:
-    """Whether a name is one of `temporary`."""
+    """Return whether a name is one of `temporary`."""
     found = _TEMPORARY.fullmatch(name)
     return found is not None and _proof(found[1], found[2]) == found[3]
 
@@ -192,10 +192,10 @@ def write_dataset(path: Path, dataset: xr.Dataset) -> None:
 
 
 def netcdf(dataset: xr.Dataset) -> memoryview:
-    """Content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
+    """Return the content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
 
-    It is made in memory, as the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would import
-    all of dask.distributed, to ask whether a cluster is going to write the file.
+    It is made in memory, because the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would
+    import all of dask.distributed, only to ask whether a cluster is going to write the file.
     """
     import netCDF4
     from xarray.backends import NetCDF4DataStore

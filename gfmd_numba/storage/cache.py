@@ -1,4 +1,4 @@
-"""Where this machine keeps what can be made again: compiled kernels and measured run times."""
+"""The cache of this user, which holds what can be made again: compiled kernels and measured run times."""
 
 import atexit
 import os
@@ -19,8 +19,8 @@ KERNELS = "kernels"  # the folder whose files are code
 def directory() -> Path:
     """Return a folder that only this user can write; GFMD_CACHE_DIR names another.
 
-    Without home, or where it may not be written or others may write it, a temporary one for this process and those it
-    starts. Raises OSError where not even that can be had.
+    If there is no home, or it cannot be written, or others may write it, the folder is a temporary one for this process
+    and those that it starts. Raises OSError if not even that can be made.
     """
     asked = os.environ.get("GFMD_CACHE_DIR")
     try:
@@ -53,14 +53,14 @@ def make(folder: Path) -> None:
 
 
 def is_private(state: os.stat_result) -> bool:
-    """Whether what has this state belongs to this user, and nobody else may write it."""
+    """Return whether what has this state belongs to this user, and nobody else may write it."""
     if sys.platform == "win32":
         return True  # folders of users are their own there
     return state.st_uid == os.geteuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def _is_safe(folder: Path) -> bool:
-    """Whether nobody else can have put code into a cache, nor put another in its place."""
+    """Return whether nobody else can have put code into a cache, nor put another in its place."""
     above = [level.stat() for level in folder.parents]
     inside = [Path(level, name) for level, names, _ in os.walk(folder / KERNELS) for name in names]
     own = [folder.stat(), *(level.lstat() for level in (folder / KERNELS, *inside) if os.path.lexists(level))]
@@ -68,7 +68,7 @@ def _is_safe(folder: Path) -> bool:
 
 
 def _keeps(state: os.stat_result) -> bool:
-    """Whether a folder of this state, above a private one, lets nobody else put another in its place."""
+    """Return whether a folder of this state, above a private one, lets nobody else replace that one."""
     if sys.platform == "win32":
         return True
     for_all = state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX

@@ -16,7 +16,7 @@ def write(path: Path, values: Mapping[str, Any]) -> None:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Mapping that a file holds as it was written; an empty one for anything else."""
+    """Return the mapping that a file holds as it was written; an empty one for anything else."""
     try:
         content = atomic_file.read(path)
     except OSError:
@@ -29,5 +29,5 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def remove(path: Path) -> None:
-    """Remove a file that `write` wrote; any other stays."""
+    """Remove a file that `write` wrote; any other file stays."""
     atomic_file.remove(path, mark.is_note)

@@ -20,7 +20,7 @@ _HEAD = len(_MAGIC) + hashlib.sha256().digest_size
 
 @cache
 def folder() -> Path | None:
-    """Return the folder of the present kernels, None where there is no place for one."""
+    """Return the folder of the present kernels, None if there is no place for one."""
     state = hashlib.sha256(_MAGIC)
     state.update(f"{version('numba')} {version('llvmlite')} {sys.implementation.cache_tag}".encode())
     for source in sorted(_SOURCES.glob("*.py")):
@@ -34,7 +34,7 @@ def folder() -> Path | None:
 
 
 def save(name: str, code: bytes) -> None:
-    """Keep the code of a kernel under a name; without a word where that cannot be done."""
+    """Keep the code of a kernel under a name, or do nothing if that is impossible."""
     path = folder()
     if path is not None:
         with suppress(OSError, InputError):  # it is compiled again next time
@@ -42,7 +42,7 @@ def save(name: str, code: bytes) -> None:
 
 
 def load(name: str) -> bytes | None:
-    """Code kept under a name; None if there is none, if it is damaged, or if somebody else may have written it."""
+    """Return the code kept under a name; None if there is none, it is damaged, or somebody else may have written it."""
     path = folder()
     if path is None:
         return None

@@ -1,7 +1,7 @@
-"""The mark in files that gfmd wrote: the digest of all else in them. A file without it is its owner's and stays.
+"""The mark in files that gfmd wrote: a digest of all else in them. A file without a mark is its owner's and stays.
 
-Whoever changes a file makes it his own, as its digest is then another. Files of binary formats that gfmd alone writes
-and reads are known by how they begin, so that damaged ones may be written again.
+Whoever changes a file makes it his own, because the digest no longer fits. Files of binary formats that gfmd alone
+writes and reads are recognised by how they begin, so that damaged ones may be written again.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ _HEX_DIGITS = 64
 
 
 class _Form(NamedTuple):
-    """How the mark stands in content of one kind: behind all but the `ending`, in what a reader of the kind skips."""
+    """How the mark stands in content of one kind: before the `ending`, in what readers of the kind skip."""
 
     beginning: bytes
     ending: bytes
@@ -58,31 +58,31 @@ def marked(content: bytes | memoryview) -> bytes:
 
 
 def marked_table(table: bytes) -> bytes:
-    """Return the text of a table behind a line that marks it, by which any change is known."""
+    """Return the text of a table after a line that marks it, which reveals any change."""
     return _IN_TABLES + _digest(table) + b"\n" + table
 
 
 def has_mark(content: Content) -> bool:
-    """Whether there is a mark in a dataset, whatever its digest says."""
+    """Return whether there is a mark in a dataset, whatever its digest says."""
     form = _PRODUCTS[0]
     tail, blank = content[len(content) - form.length() :], form.mark(b"")
     return len(content) > form.length() and tail[: len(blank) - 1] == blank[:-1]
 
 
 def is_product(content: Content) -> bool:
-    """Whether this is a dataset, picture or table as gfmd wrote it."""
+    """Return whether this is a dataset, picture or table as gfmd wrote it."""
     if content[: len(_IN_TABLES)] == _IN_TABLES:
         return content[:] == marked_table(bytes(content[len(_IN_TABLES) + _HEX_DIGITS + 1 :]))
     return any(_is_marked(content, form) for form in _PRODUCTS)
 
 
 def is_note(content: Content) -> bool:
-    """Whether this is a note of a run, in JSON, as gfmd wrote it."""
+    """Return whether this is a note of a run, in JSON, as gfmd wrote it."""
     return _is_marked(content, _NOTE)
 
 
 def begins_with(magic: bytes) -> Callable[[Content], bool]:
-    """Test of content for the beginning of a format that gfmd alone writes; what was cut off there passes, too."""
+    """Return a test whether content begins as a format of gfmd does; content that is cut off there passes, too."""
     return lambda content: content[: len(magic)] == magic[: len(content)]
 
 

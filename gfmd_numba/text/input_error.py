@@ -1,4 +1,4 @@
-"""The one error of whatever a user gives, in words fit for a terminal."""
+"""The one error about what a user gives, in words fit for a terminal."""
 
 import reprlib
 
@@ -16,7 +16,7 @@ MOST_LINES, MOST_CHARACTERS, LONGEST_LINE = 100, 8000, 1500  # of one message
 class InputError(ValueError):
     """What is wrong with the input, one argument `FILE:LINE:COLUMN: key: you gave ...; gfmd allows ...` per line.
 
-    Its text is fit for a terminal: what is not printable is escaped, and it is short. `more` faults are not given.
+    Its text is short and fit for a terminal: what is not printable is escaped. `more` faults are only counted.
     """
 
     def __init__(self, *faults: str, more: int = 0) -> None:
@@ -34,7 +34,7 @@ class InputError(ValueError):
 
 
 def brief(value: object) -> str:
-    """What was given, short enough for a message."""
+    """Return what was given, short enough for a message."""
     if value is ABSENT:
         return "nothing"
     if value is None:
@@ -45,6 +45,6 @@ def brief(value: object) -> str:
 
 
 def _shortened(line: str) -> str:
-    """Line whose middle gives way if it is very long: its ends tell where, and what is allowed."""
+    """Return a line without its middle if it is very long, because its ends tell where, and what is allowed."""
     half = LONGEST_LINE // 2
     return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"

@@ -2,7 +2,7 @@
 
 
 def printable(text: object) -> str:
-    r"""Text of an object with everything that is not printable escaped: control characters, newlines, bidi overrides.
+    r"""Return the text of an object with control characters, newlines and all else that is not printable escaped.
 
     A reader sees `\x1b` where a terminal would have obeyed the character.
     """

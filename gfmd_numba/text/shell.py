@@ -1,4 +1,4 @@
-"""Paths as words of a shell: a command that gfmd prints can be pasted, whatever a path is called."""
+"""Paths as words of a shell, so that a command that gfmd prints can be pasted, whatever a path is called."""
 
 import shlex
 from pathlib import Path
@@ -14,7 +14,7 @@ def word(path: str | Path) -> str:
 
 
 def _escaped(character: str) -> str:
-    """Character within the quotes $'...', which bash, zsh and ksh know."""
+    """Return a character within the quotes $'...', which bash, zsh and ksh know."""
     if character in "\\'":
         return f"\\{character}"
     if character.isprintable():

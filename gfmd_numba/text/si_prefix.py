@@ -1,4 +1,4 @@
-"""Numbers with units in the SI prefix that suits them, for tables, figures and sentences: the only such choice."""
+"""The SI prefix that suits numbers with units, chosen here alone for tables, figures and sentences."""
 
 _PREFIXES = (
     (1e9, "G"),

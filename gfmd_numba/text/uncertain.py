@@ -1,4 +1,4 @@
-"""Numbers with their standard errors, for tables and sentences: the only such form."""
+"""Numbers with their standard errors, written here alone for tables and sentences."""
 
 from math import floor, isfinite, isnan, log10
 
@@ -9,7 +9,7 @@ _MOST_DIGITS = 7  # of a value, however small its error
 def with_error(value: float, error: float, digits: int = 4) -> str:
     """Return a value and its error, both to the second digit of the error: 2.41±0.11, 9300±1400, (1.24±0.05)e+06.
 
-    A value of unknown error (nan) has so many `digits`; one that is nan itself is a dash.
+    A value of unknown error (nan) has this many `digits`; a value of nan is a dash.
     """
     if isnan(value):
         return "-"

@@ -4,7 +4,7 @@ import numpy as np
 
 import gfmd_numba
 from gfmd_numba.campaign.cases import blocks
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.plan import plan
 from support.campaigns import SMALL, campaign
 
@@ -82,6 +82,6 @@ def test_a_limit_may_have_realisations_of_its_own(finished, tmp_path):
     counts = np.where(result["limit"] == "eps_f", 2, 6)
     np.testing.assert_array_equal(result["realisations"], counts)
     np.testing.assert_array_equal((result["status"] == 0).sum("realisation"), counts)
-    np.testing.assert_array_equal((result["status"] == Outcome.not_asked).sum("realisation"), 6 - counts)
+    np.testing.assert_array_equal((result["status"] == Ending.not_asked).sum("realisation"), 6 - counts)
     same = result["kappa"].notnull()
     np.testing.assert_array_equal(result["kappa"].where(same), finished["kappa"].where(same))

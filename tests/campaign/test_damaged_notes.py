@@ -7,7 +7,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import failures
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.output_directory import at_work, claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.storage import json_file
@@ -61,7 +61,7 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     before = numbers(gfmd_numba.open_campaign(out))
     for command in ("status", "collect"):
         assert gfmd(command, out).exit_code == 0
-    assert int((gfmd_numba.open_campaign(out)["status"] == Outcome.unfinished).sum()) == 2
+    assert int((gfmd_numba.open_campaign(out)["status"] == Ending.unfinished).sum()) == 2
     assert_kept(out, out / "shards" / f"{block.name}.failed")
     gfmd_numba.run(out / "campaign.yaml", out)
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)

@@ -7,9 +7,8 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import block_work, decision, execution, next_round, rounds, until
 from gfmd_numba.campaign.execution import Workers
-from gfmd_numba.campaign.failures import Failure
+from gfmd_numba.campaign.failures import Ending, Failure
 from gfmd_numba.campaign.goal import Goal, goal_of
-from gfmd_numba.campaign.outcome import Outcome
 from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.until import InterruptedRunError, run_until
 from gfmd_numba.scene import InputError
@@ -193,7 +192,7 @@ def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
     assert partial_.attrs["ended"] == "not reached: the run was interrupted"
     assert (partial_["realisations"].values >= first).all()
     assert first.sum() < partial_["realisations"].values.sum() < asked.sum()
-    assert not (partial_["status"] == Outcome.unfinished).any()
+    assert not (partial_["status"] == Ending.unfinished).any()
     assert fit_tfc(partial_, fixed={"eps_c": 1.5, "eps_f": 0.7})["fit_status"].item() == "ok"
     resumed = run_until(path, GOAL, out, HERE)
     assert opened(resumed).attrs["content_sha256"] == opened(whole).attrs["content_sha256"]

@@ -46,12 +46,8 @@ class Poison:
 
 def perform_all(tasks, folder, workers, timeout=None):
     failures = {}
-
-    def finished(blocks, failed):
+    for _, failed in execute(tasks, folder, workers, timeout):
         failures.update(failed)
-        return True
-
-    execute(tasks, folder, workers, timeout, finished)
     return failures
 
 
@@ -131,13 +127,11 @@ def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path, workers):
 @pytest.mark.long
 def test_a_lost_scheduler_is_told(tmp_path, sound):
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
-
-        def finished(blocks, failed):
-            cluster.close()
-            return True
-
+        ended = execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None)
+        next(ended)
+        cluster.close()
         with pytest.raises(OSError, match="the dask scheduler is lost"):
-            execute(sound, tmp_path, Workers(address=cluster.scheduler_address), None, finished)
+            next(ended)
 
 
 @pytest.mark.long
@@ -146,15 +140,11 @@ def test_two_runs_on_one_cluster_each_get_their_own_shards(tmp_path, sound):
     folders = [tmp_path / "first", tmp_path / "second"]
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
         workers = Workers(address=cluster.scheduler_address)
-
-        def finished(blocks, failed):
+        folders[0].mkdir()
+        for _ in execute(sound, folders[0], workers, None):
             if not folders[1].exists():
                 folders[1].mkdir()
-                execute(sound, folders[1], workers, None, lambda *_: True)
-            return True
-
-        folders[0].mkdir()
-        execute(sound, folders[0], workers, None, finished)
+                list(execute(sound, folders[1], workers, None))
     for folder in folders:
         assert all(Finished(folder).is_sound(block.name) for task in sound for block in task)
 

@@ -21,18 +21,14 @@ def test_a_frozen_worker_of_a_cluster_is_replaced(tmp_path, monkeypatch):
     blocks = list(plan(campaign(tmp_path)).blocks)
     stopped, ended = [], []
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
-
-        def finished(number, failures):
+        tasks = [(block,) for block in blocks]
+        for number, failures in execute(tasks, tmp_path, Workers(address=cluster.scheduler_address), 2.0):
             if not stopped:
                 worker = psutil.Process(cluster.workers[0].pid)
                 worker.send_signal(signal.SIGSTOP)
                 stopped.append(worker)
             assert failures == {}
             ended.append(number)
-            return True
-
-        tasks = [(block,) for block in blocks]
-        execute(tasks, tmp_path, Workers(address=cluster.scheduler_address), 2.0, finished)
         assert not stopped[0].is_running()
     assert sum(ended) == len(blocks)
     assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)

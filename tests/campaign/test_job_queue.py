@@ -10,9 +10,7 @@ import xarray as xr
 import yaml
 
 import gfmd_numba
-from gfmd_numba.campaign import job_queue, job_supply
 from gfmd_numba.campaign.execution import check, workers_of
-from gfmd_numba.campaign.queue_state import QueueState, columns_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.cli.progress import show_queue
@@ -21,7 +19,9 @@ from support.campaigns import campaign, numbers
 from support.command_line import gfmd
 from support.fake_slurm import fake_slurm, jobs_of, kill_job
 
-slurm_jobs = pytest.importorskip("dask_jobqueue.slurm", reason="the extra `cluster` is not installed")
+pytest.importorskip("dask_jobqueue.slurm", reason="the extra `cluster` is not installed")
+job_queue = pytest.importorskip("gfmd_numba.campaign.job_queue")
+QueueState, columns_of = job_queue.QueueState, job_queue.columns_of
 
 PYTHON = f"env INSIDE=1 {sys.executable}"  # of several words, as that of a container is
 CLUSTER = {"cores": 1, "memory": 2e9, "walltime": 3600.0, "jobs": {"max": 1}}
@@ -32,8 +32,8 @@ def slurm(tmp_path, monkeypatch):
     folder = tmp_path / "slurm"
     folder.mkdir()
     fake_slurm(folder, monkeypatch)
-    monkeypatch.setattr(job_supply, "_SECONDS_BETWEEN_LOOKS", 0.3)
-    monkeypatch.setattr(job_supply, "_SECONDS_TO_FIRST_LOOK", 0.3)
+    monkeypatch.setattr(job_queue, "_SECONDS_BETWEEN_LOOKS", 0.3)
+    monkeypatch.setattr(job_queue, "_SECONDS_TO_FIRST_LOOK", 0.3)
     monkeypatch.setattr(job_queue, "_INTERVAL", "0.3s")
     yield folder
     deadline = time.monotonic() + 5.0
@@ -74,13 +74,13 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
 
 def test_a_run_ends_whatever_still_holds_its_jobs(tmp_path, slurm, monkeypatch):
     """A cluster that closes asks each job that is not yet forgotten whether it has ended."""
-    held, start = [], slurm_jobs.SLURMJob.start
+    held, start = [], job_queue.SLURMJob.start
 
     async def remembered(job):
         held.append(job)
         await start(job)
 
-    monkeypatch.setattr(slurm_jobs.SLURMJob, "start", remembered)
+    monkeypatch.setattr(job_queue.SLURMJob, "start", remembered)
     _, failures = run_campaign(campaign(tmp_path), tmp_path / "out", workers_of(CLUSTER))
     assert failures == {}
     assert held
@@ -153,7 +153,7 @@ def test_a_script_of_a_job_runs_nothing_that_the_path_of_python_holds(tmp_path, 
     odd.parent.mkdir()
     odd.symlink_to(sys.executable)
     monkeypatch.setattr(sys, "executable", str(odd))
-    job = slurm_jobs.SLURMJob(
+    job = job_queue.SLURMJob(
         "tls://192.0.2.1:8786", name="test", **job_queue._options(workers_of(CLUSTER).cluster, "test")
     )
     (tmp_path / "job.sh").write_text(job.job_script().replace("-m distributed.cli.dask_worker", "-c 'print(1)' --"))

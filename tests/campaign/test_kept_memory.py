@@ -9,12 +9,12 @@ import threading
 import pytest
 
 from gfmd_numba.campaign import block_work
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.block_work import keep_freed_memory
 
 FAULTS = """
 import resource
 import numpy as np
-from gfmd_numba.campaign.kept_memory import keep_freed_memory
+from gfmd_numba.campaign.block_work import keep_freed_memory
 
 def faults():
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
@@ -50,10 +50,11 @@ def test_nothing_happens_without_a_library_that_knows_it(monkeypatch):
     keep_freed_memory.__wrapped__()
 
 
-@pytest.mark.parametrize("mortal", [True, False])
-def test_only_a_process_of_workers_keeps_memory(tmp_path, monkeypatch, mortal):
+def test_only_a_process_of_workers_keeps_memory(tmp_path, monkeypatch):
     """That of the user keeps its own ways."""
     kept = threading.Event()
     monkeypatch.setattr(block_work, "keep_freed_memory", kept.set)
-    block_work.perform((), tmp_path, None, mortal=mortal)
-    assert kept.is_set() == mortal
+    block_work.perform((), tmp_path, None)
+    assert not kept.is_set()
+    block_work.compute((), "run", {}, None)
+    assert kept.is_set()

@@ -91,7 +91,7 @@ def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_pat
     blocks = list(plan(campaign(tmp_path)).blocks)
     stopped, ended = [], []
 
-    def finished(number, failures):
+    for number, failures in execute([(block,) for block in blocks], tmp_path, Workers(1), 2.0):
         if not stopped:
             members = [child for child in psutil.Process().children(recursive=True) if child.num_threads() > 3]
             workers = [child for child in members if not child.children()]
@@ -99,9 +99,6 @@ def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_pat
             workers[0].send_signal(signal.SIGSTOP)
         assert failures == {}
         ended.append(number)
-        return True
-
-    execute([(block,) for block in blocks], tmp_path, Workers(1), 2.0, finished)
     assert not stopped[0].is_running()
     assert sum(ended) == len(blocks)
     assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)

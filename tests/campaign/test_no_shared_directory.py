@@ -10,11 +10,10 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
-from gfmd_numba.campaign.block_work import compute, expired_here
+from gfmd_numba.campaign.block_work import TooLongError, compute, expired_here
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
-from gfmd_numba.campaign.watchdog import TooLongError
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 

@@ -125,7 +125,7 @@ def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
 
     monkeypatch.setattr(block_work, "measured", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        perform(task, folder, None, together=5, mortal=False)
+        perform(task, folder, None, together=5)
     assert list(Finished(folder)) == [block.name for block in task[:3]]
     assert len(os.listdir(folder / "shards")) == 1
 

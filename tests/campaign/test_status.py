@@ -10,7 +10,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import block_work, failures, provenance, shards
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.storage import json_file
@@ -44,7 +44,7 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
     done = part["status"].values == 0
     assert done.all(axis=1).sum() == 2
     assert set(part["hurst"].values[done.all(axis=1)]) == {0.3}
-    assert (part["status"].values[~done] == Outcome.unfinished).all()
+    assert (part["status"].values[~done] == Ending.unfinished).all()
     assert json.loads(gfmd("status", out, "--json").output)["done"] == 2
     assert "2 of 10 blocks done; not running" in gfmd("status", out).output
     assert gfmd("run", path, "-o", out, "--workers=0").exit_code == 0
@@ -119,7 +119,7 @@ def test_results_are_collected_at_any_time(tmp_path):
     (out / "small.nc").unlink()
     next(out.glob("shards/*.shard")).unlink()
     assert gfmd("collect", out).exit_code == 0
-    assert (gfmd_numba.open_campaign(out)["status"].values == Outcome.unfinished).sum() == 6
+    assert (gfmd_numba.open_campaign(out)["status"].values == Ending.unfinished).sum() == 6
 
 
 def test_verify_finds_what_was_altered(tmp_path):

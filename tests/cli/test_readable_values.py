@@ -7,7 +7,7 @@ import xarray as xr
 
 from gfmd_numba.analysis.plots import style
 from gfmd_numba.cli import quantities
-from gfmd_numba.cli.readable import readable
+from gfmd_numba.cli.quantities import readable
 from gfmd_numba.scene.units import ENERGY_PER_AREA, FORCE_PER_LENGTH, LENGTH, PRESSURE
 from support.campaigns import SMALL
 from support.command_line import gfmd

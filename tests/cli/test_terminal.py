@@ -8,8 +8,7 @@ import pytest
 from click import unstyle
 
 from gfmd_numba.cli import main, progress
-from gfmd_numba.cli.columns import print_table
-from gfmd_numba.cli.sentences import say, say_command
+from gfmd_numba.cli.terminal import print_table, say, say_command
 from gfmd_numba.text.shell import word
 from support.campaigns import campaign
 from support.command_line import gfmd

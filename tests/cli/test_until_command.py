@@ -14,8 +14,8 @@ import pytest
 import gfmd_numba
 from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.outcome import Outcome
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 
@@ -162,5 +162,5 @@ def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tm
     assert "limit continuum" in stdout
     assert "interrupted; finished work is kept, the same command resumes" in stderr
     results = gfmd_numba.open_campaign(out)
-    assert not (results["status"] == Outcome.unfinished).any()
+    assert not (results["status"] == Ending.unfinished).any()
     assert (results["realisations"].values > FEWEST).any()

@@ -130,8 +130,8 @@ AXIS = Recipe(
     "campaign/axes.py",
     (
         (
-            '    Axis("width", Length, ("roughness", "width"), "b", "$b$", "width of the model", "height"),\n',
-            '    Axis(\n        "eps_c",',
+            '    Axis("width", Length, "roughness", "b", "$b$", "width of the model", "height"),\n',
+            '    Axis("eps_c",',
         ),
     ),
 )

@@ -6,7 +6,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness
-from gfmd_numba.campaign.study_points import Point, dataset
+from gfmd_numba.campaign.work_precision import Point, dataset
 from gfmd_numba.storage.atomic_file import write_dataset
 
 BODY = {"youngs_modulus": 70e9, "poissons_ratio": 0.33, "aspect_ratio": 0.3}

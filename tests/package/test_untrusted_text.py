@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.cli import progress
-from gfmd_numba.cli.columns import print_table
+from gfmd_numba.cli.terminal import print_table
 from gfmd_numba.scene import InputError, load_scene, read_document
 from gfmd_numba.scene.surface_file import load_surface
 from gfmd_numba.text.printable import printable

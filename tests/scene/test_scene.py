@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.fit_record import Fit
+from gfmd_numba.campaign.goal import Fit
 from gfmd_numba.scene import Discretisation, InputError, SceneFile, SelfAffine, load_scene, read_document
 
 NESTED = """\

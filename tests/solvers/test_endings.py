@@ -1,28 +1,28 @@
 """Every way a run may end has a name, a number in the files and a sentence that says what to do."""
 
 import gfmd_numba
-from gfmd_numba.campaign import outcome
-from gfmd_numba.campaign.outcome import Outcome
+from gfmd_numba.campaign import failures
+from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.solvers import status
 from gfmd_numba.solvers.status import Status, flag_attributes
 
 
 def test_every_ending_has_a_sentence():
     assert set(status.SENTENCES) == set(Status)
-    assert set(outcome.SENTENCES) == set(Outcome)
-    assert all(sentence.endswith(".") for sentence in outcome.SENTENCES.values())
+    assert set(failures.SENTENCES) == set(Ending)
+    assert all(sentence.endswith(".") for sentence in failures.SENTENCES.values())
 
 
 def test_a_campaign_has_the_endings_of_the_solver_and_its_own():
     """The numbers stand in files: none may change."""
-    assert {ended.name: ended.value for ended in Outcome} == {
+    assert {ended.name: ended.value for ended in Ending} == {
         **{ended.name: ended.value for ended in Status},
         "timeout": 7,
         "crashed": 8,
         "unfinished": 9,
         "not_asked": 10,
     }
-    assert flag_attributes(outcome.SENTENCES)["flag_values"].tolist() == list(range(11))
+    assert flag_attributes(failures.SENTENCES)["flag_values"].tolist() == list(range(11))
 
 
 def test_results_carry_the_sentences():

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from gfmd_numba.campaign import work_precision
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.campaign.study_points import Point
+from gfmd_numba.campaign.work_precision import Point
 from gfmd_numba.cli import main
 from gfmd_numba.storage.atomic_file import replace
 from gfmd_numba.storage.mark import is_product

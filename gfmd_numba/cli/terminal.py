@@ -1,14 +1,51 @@
-"""Tables on the terminal, within 80 columns."""
+"""Text and tables on the terminal, within 80 columns."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.sentences import COLUMNS, say
 from gfmd_numba.text.printable import printable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COLUMNS = 80
+_SPACE = "\0"  # within a command, where no line may end: printable text has none
+
+
+def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
+    """Print a text next to its label, made harmless. Only paths and commands, which are not folded, may be longer."""
+    whole = re.sub(r"`[^`]*`", lambda command: command[0].replace(" ", _SPACE), printable(text))
+    folded = wrap(whole, COLUMNS - width, break_long_words=False, break_on_hyphens=False)
+    lines = [line.replace(_SPACE, " ") for line in folded] or [""]
+    click.echo(f"{label:<{width}}{lines[0]}".rstrip(), err=err)
+    for line in lines[1:]:
+        click.echo(f"{'':{width}}{line}", err=err)
+
+
+def warn(text: str) -> None:
+    """Print a sentence of gfmd to standard error."""
+    say("gfmd:", text, width=6, err=True)
+
+
+def warn_of_doubts(dataset: xr.Dataset) -> None:
+    """Print the reasons to doubt a result, as its attribute `validity` gives them."""
+    for doubt in dataset.attrs.get("validity", "").splitlines():
+        warn(doubt)
+
+
+def say_command(command: str, *, width: int) -> None:
+    """Print a command of the shell, folded so that it can be copied."""
+    words = re.findall(r"""(?:\$'(?:\\.|[^'\\])*'|'[^']*'|"[^"]*"|\S)+""", printable(command))
+    whole = " ".join(each.replace(" ", _SPACE) for each in words)
+    lines = wrap(whole, COLUMNS - width - 2, break_long_words=False, break_on_hyphens=False)
+    click.echo(" \\\n".join(" " * width + line.replace(_SPACE, " ") for line in lines))
+
 
 _GAP = "  "
 _WIDEST_HEADING = 10
@@ -40,14 +77,14 @@ def print_table(title: str, parameters: Mapping[str, list[str]], values: Mapping
 
 
 def _column(heading: str, cells: list[str]) -> Column:
-    """Lines of a heading and cells, all of one width and aligned to the right."""
+    """Return the lines of a heading and cells, all of one width and aligned to the right."""
     lines = [*wrap(heading, _WIDEST_HEADING, break_long_words=False), *cells]
     width = max(map(len, lines))
     return [f"{line:>{width}}" for line in lines]
 
 
 def _blocks(keys: list[Column], columns: list[Column]) -> Iterator[list[Column]]:
-    """Columns that fit side by side, each time after the keys."""
+    """Yield blocks of columns that fit side by side, each after the keys."""
     block = list(keys)
     for column in columns:
         if len(block) > len(keys) and _length([*block, column]) > COLUMNS:

@@ -1,0 +1,128 @@
+"""Files that a command writes: whether it may write them, and how it says so."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gfmd_numba.cli.progress import waiting
+from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.printable import printable
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_NETCDF = (".nc", ".nc4")
+
+
+def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF) -> None:
+    """Raise InputError unless a file of this kind can be written that is none of the inputs and nobody else's."""
+    from gfmd_numba.storage.atomic_file import foreign
+
+    for file in inputs:
+        if output.exists() and file.exists() and output.samefile(file):
+            raise InputError(f"--output: you gave {output}, which is an input; gfmd allows another file")
+    if not output.parent.is_dir():
+        raise InputError(
+            f"--output: you gave {output}; gfmd allows a file in a folder that exists, unlike {output.parent}"
+        )
+    if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
+        raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
+    if output.suffix.lower() not in suffixes:
+        kind = "netCDF file" if suffixes is _NETCDF else "picture"
+        raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
+    if clause := foreign(output):
+        raise InputError(
+            f"--output: you gave {output}, {clause}; gfmd allows a new file, or one as gfmd wrote it "
+            "(move the file away, or choose another name)"
+        )
+
+
+def picture_path(output: Path) -> Path:
+    """Return the name of the picture that goes with a netCDF file; raises InputError if somebody else's file has it."""
+    return companion(output, "picture", ".png")
+
+
+def companion(output: Path, kind: str, suffix: str) -> Path:
+    """Return the name of a file that goes with a netCDF file; raises InputError if somebody else's file has it."""
+    from gfmd_numba.storage.atomic_file import foreign
+
+    if not output.name:
+        raise click.BadParameter("you gave no name; gfmd allows a file, like steel.nc", param_hint="--output")
+    file = output.with_suffix(suffix)
+    if file == output:
+        raise click.BadParameter(
+            f"the {kind} takes the name with {suffix}; give one like steel.nc", param_hint="--output"
+        )
+    if clause := foreign(file):
+        raise InputError(
+            f"{file}: you gave a path {clause}, where the {kind} would go; "
+            "gfmd allows no such file, or one as gfmd wrote it (move it away, or choose another --output)"
+        )
+    return file
+
+
+def picture_suffixes() -> list[str]:
+    """Return what the names of pictures may end in."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    return [f".{kind}" for kind in sorted(FigureCanvasBase.get_supported_filetypes())]
+
+
+def write(path: Path, dataset: xr.Dataset, label: str = "results", *, err: bool = False) -> None:
+    """Write a netCDF file and say so."""
+    from gfmd_numba.storage.atomic_file import write_dataset
+
+    write_dataset(path, dataset)
+    told(label, path, err=err)
+
+
+def write_picture(path: Path, drawing: Callable[[], Figure], *, dpi: int = 150, err: bool = False) -> None:
+    """Draw a picture, write it and say so."""
+    from gfmd_numba.storage import atomic_file
+
+    with waiting("drawing"):
+        atomic_file.write_picture(path, drawing(), dpi=dpi)
+    told("picture", path, err=err)
+
+
+def told(label: str, path: Path, *, err: bool = False) -> None:
+    """Say which file was written."""
+    click.echo(f"{label:<9}{printable(path)}", err=err)
+
+
+def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool = False) -> None:
+    """Write the picture of a campaign with its fit, or of anything else without, and say so."""
+    from gfmd_numba.analysis import plot_campaign
+    from gfmd_numba.analysis.plots.kinds import picture_of
+
+    drawing = picture_of(dataset) or plot_campaign
+
+    def figure() -> Figure:
+        if fitted is not None and drawing is plot_campaign:
+            return plot_campaign(dataset, fitted, fitted.attrs["variable"])
+        return drawing(dataset)
+
+    write_picture(path, figure, err=err)
+
+
+def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
+    """Return the name of the second picture of a dataset, made from that of the first; None if there is only one."""
+    from gfmd_numba.analysis.plots.kinds import second_picture_of
+
+    second = second_picture_of(dataset)
+    return picture.with_stem(f"{picture.stem}-{second[0]}") if second is not None else None
+
+
+def draw_second(dataset: xr.Dataset, path: Path) -> None:
+    """Write the second picture of a dataset that has one."""
+    from gfmd_numba.analysis.plots.kinds import second_picture_of
+
+    second = second_picture_of(dataset)
+    if second is not None:
+        write_picture(path, lambda: second[1](dataset))

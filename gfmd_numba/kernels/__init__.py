@@ -10,8 +10,7 @@ from gfmd_numba.kernels.active_sets import (
     open_gap,
     revise_contact,
 )
-from gfmd_numba.kernels.boundary_value_problem import Boundary, free_mean, prescribed_step, prescribed_violation
-from gfmd_numba.kernels.conditions import CoupledState, State, friction_violation, kkt_violation, wall_pressure
+from gfmd_numba.kernels.conditions import Conditions, State, wall_pressure, wall_violation
 from gfmd_numba.kernels.decay_contacts import (
     DecaySum,
     Level,
@@ -24,6 +23,7 @@ from gfmd_numba.kernels.decay_contacts import (
 )
 from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.energy_descent import (
+    Unknowns,
     descent_curvature,
     descent_direction,
     descent_norm,
@@ -52,7 +52,7 @@ from gfmd_numba.kernels.maps import (
 from gfmd_numba.kernels.near_field import near_field_pressure
 from gfmd_numba.kernels.parallel_stiffness import parallel_solve
 from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
-from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
+from gfmd_numba.kernels.steps import fire_step, friction_step, verlet_step
 from gfmd_numba.kernels.tile_newton import (
     closing_residual,
     revise_tiles,

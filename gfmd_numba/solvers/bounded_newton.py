@@ -5,29 +5,16 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.decay_model import decay_model
-from gfmd_numba.solvers.decay_newton import DecayNewton
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
-from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.split_compliance import fits
 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
 
-def newton(batch: Batch, options: Options) -> ActiveSetNewton | DecayNewton | MapNewton:
-    """Begin the method for as many bounds as the pressure has: on decays or tiles where they fit the compliance."""
-    if batch.interface.hardness is not None:
-        return BoundedNewton(batch, options)
-    shape = batch.punch.shape[1:]
-    if batch.punch.dtype == np.float64:
-        model = decay_model(batch.response.normal, shape, batch.load is not None)
-        if model is not None:
-            return DecayNewton(batch, options, model)
-    if fits(shape):
-        return MapNewton(batch, options)
-    return ActiveSetNewton(batch, options)
+def bounded_newton(batch: Batch, options: Options) -> "BoundedNewton | None":
+    """Begin under a hardness."""
+    return None if batch.interface.hardness is None else BoundedNewton(batch, options)
 
 
 class BoundedNewton(ActiveSetNewton):

@@ -15,7 +15,7 @@ from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.kernels.decay_sums import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.decay_model import DecayModel
+from gfmd_numba.solvers.decay_model import DecayModel, decay_model
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS
@@ -33,6 +33,14 @@ _WIDER = 1.0  # nodes open by at most this many times the mean misfit of the con
 _SURE = 0.5  # share of the residual within which an expected error is taken for reached
 
 
+def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
+    """Begin in double precision where a sum of decays is close to the compliance."""
+    if batch.punch.dtype != np.float64:
+        return None
+    model = decay_model(batch.response.normal, batch.punch.shape[1:], batch.load is not None)
+    return None if model is None else DecayNewton(batch, options, model)
+
+
 class DecayNewton:
     """Pressure of a batch, found by solving the contact of a sum of decays and correcting it by transforms.
 
@@ -43,7 +51,6 @@ class DecayNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
         rows, n = batch.punch.shape
@@ -51,9 +58,10 @@ class DecayNewton:
         self.field = self._level.field
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
-        self.pressure, self.displacement, self.restoring = (aligned_rows(rows, n) for _ in range(3))
+        self.pressure, self._u, self._restoring = (aligned_rows(rows, n) for _ in range(3))
+        self.state = kernels.State.of_normal(self._u, self._restoring, self.wall, self.load)
         rigid_mean = RigidMean.of(batch.punch, batch.response)
-        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
+        self.certificate = Certificate(rows, batch.interface.conditions, rigid_mean)
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
         self._steps_left = options.max_iterations if limit is None else min(options.max_iterations, limit)
@@ -118,7 +126,8 @@ class DecayNewton:
         """Residual of a row in dense contact, row k of another solver, with all that it leaves behind."""
         n = self.field.n
         residual = float(solver.residual(np.array([k]))[0])
-        self.displacement[i, :n], self.restoring[i, :n] = solver.displacement[k, :n], solver.restoring[k, :n]
+        for mine, found in zip(self.state[:2], solver.state[:2], strict=True):
+            mine[i, :, :n] = found[k, :, :n]
         self.load[i] = solver.load[k]
         for mine, found in zip(
             (self.certificate.worst, self.certificate.peak, self.certificate.imbalance, self.certificate.drift),
@@ -133,13 +142,13 @@ class DecayNewton:
         for i in active:
             field.transfer(self._model.compliance, self.pressure[i], self._level.displacement)
             kernels.touching_displacement(
-                self.pressure[i], self._level.displacement, self.wall[i], n, self._free_mean, self.displacement[i]
+                self.pressure[i], self._level.displacement, self.wall[i], n, self._free_mean, self._u[i]
             )
-            field.transfer(self._model.stiffness, self.displacement[i], self.restoring[i])
+            field.transfer(self._model.stiffness, self._u[i], self._restoring[i])
         self._transforms[active] += 4
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
+        self.certificate.look(self.state, active, n)
         return self.certificate.residual(self.load, active)
 
     def _guess(self, i: int, start: float) -> bool:

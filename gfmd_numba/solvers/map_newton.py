@@ -11,9 +11,15 @@ from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.map_contact import MapContact
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.split_compliance import fits
 from gfmd_numba.solvers.table import SOLVERS
 
 _AHEAD = 0.1  # error of the pressure aimed at, over the residual asked for
+
+
+def map_newton(batch: Batch, options: Options) -> "MapNewton | None":
+    """Begin on maps that tiles cover."""
+    return MapNewton(batch, options) if fits(batch.punch.shape[1:]) else None
 
 
 class MapNewton:
@@ -30,7 +36,6 @@ class MapNewton:
     """
 
     check_every = 1
-    tangential: tuple[Reals, Reals, Reals] | None = None
 
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness = batch.punch, batch.response.normal
@@ -38,10 +43,10 @@ class MapNewton:
         self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True)
         self.wall = punch.reshape(rows, self.field.n)
         self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
-        self.restoring = self.field.result
         self.load = batch.loads
+        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
         rigid_mean = RigidMean.of(punch, batch.response)
-        self.certificate = Certificate(rows, rigid_mean=rigid_mean)
+        self.certificate = Certificate(rows, batch.interface.conditions, rigid_mean)
         self._stiffness, self._residual = stiffness, options.residual
         # the certificate of the last iteration is looked at whatever the error
         self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
@@ -87,5 +92,5 @@ class MapNewton:
         kernels.pack_rows(contact.rows, self.field.shape[1])
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = contact.pressure.sum() / n
-        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), row, n)
+        self.certificate.look(self.state, row, n)
         return float(self.certificate.residual(self.load, row)[0])

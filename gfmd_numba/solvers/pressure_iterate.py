@@ -16,8 +16,6 @@ class PressureIterate:
     Where the displacement of the punch is prescribed, the stiffness at q = 0 may be infinite (an incompressible slab).
     """
 
-    tangential: tuple[Reals, Reals, Reals] | None = None
-
     def __init__(self, batch: Batch) -> None:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
@@ -26,7 +24,6 @@ class PressureIterate:
         self.field = Transform(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
-        self.restoring = self.field.result
         self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
         softest = stiffness[1] if self.free_mean or rigid_mean else stiffness[0]
@@ -43,9 +40,10 @@ class PressureIterate:
         self.compliance = self.field.symbol(compliance)
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n, punch.dtype)
-        self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.restoring)
+        self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.field.result)
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
-        self.certificate = Certificate(rows, self.hardness, rigid_mean)
+        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
+        self.certificate = Certificate(rows, kernels.Conditions(self.hardness), rigid_mean)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 
     @property
@@ -56,12 +54,12 @@ class PressureIterate:
     def violation(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.
 
-        Leaves it in `displacement` and its restoring traction in `restoring`; costs two transforms a row.
+        Leaves it and its restoring traction in the state; costs two transforms a row.
         """
         field, n = self.field, self.field.n
         kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement, self.hardness)
         field.apply(self._stiffness, active, source=2)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
+        self.certificate.look(self.state, active, n)
         return self.certificate.residual(self.load, active)

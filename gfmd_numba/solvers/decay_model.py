@@ -8,7 +8,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
-from gfmd_numba.kernels.decay_sums import POWERS
+from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 
 # 32 decays, within 1e-5 to 4e-5 of 1/q at 2^13 to 2^20 nodes; alternating ones, (-1)^m exp(-rate m), for the kink of

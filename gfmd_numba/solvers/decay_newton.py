@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.transform import Transform, aligned_rows
-from gfmd_numba.kernels.decay_sums import POWERS
+from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decay_model import DecayModel, decay_model

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.hardness import approach_without_free_nodes, bounded_step
+from gfmd_numba.kernels.pressures import approach_without_free_nodes, bounded_step
 
 N, HARDNESS = 40, 0.7
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
-from gfmd_numba.kernels.decay_sums import DECAYS_AT_ONCE
+from gfmd_numba.kernels.decays import DECAYS_AT_ONCE
 from gfmd_numba.solvers.preconditioners.exponential_sum import STEEPEST, ExponentialSum
 
 _FREE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave

@@ -54,7 +54,6 @@ from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, 
 from gfmd_numba.kernels.steps import fire_step, friction_step, verlet_step
 from gfmd_numba.kernels.tiles import (
     close_map,
-    closing_residual,
     gather_back,
     level_of_contact,
     list_tiles,
@@ -66,14 +65,10 @@ from gfmd_numba.kernels.tiles import (
     pack_rows,
     put_tiles,
     refine_pressure,
-    revise_tiles,
     soften_tiles,
     spread,
     sum_tiles,
     surround,
     take_tiles,
-    tile_direction,
-    tile_error,
     tile_stencil,
-    tile_update,
 )

@@ -125,14 +125,19 @@ def newton_error(
 
 
 @jit
-def newton_direction(z: Reals, last: float, energy: float, nodes: Indices, count: int, n: int, t: Reals) -> None:
-    """Direction t conjugate to the last one, whose energy is zero if there was none."""
+def newton_direction(z: Reals, step: float, last: float, nodes: Indices, count: int, iterate: Iterate) -> None:
+    """Make the direction z, conjugate to the last one; the energy `last` is zero if there was none.
+
+    Polak and Ribiere's formula, as a preconditioner may not be exactly the same from one iteration to the next.
+    """
+    t, st = iterate.t, iterate.st
     beta = 0.0
     if last > 0.0:
-        beta = energy / last
+        for k in range(count):
+            beta -= z[k] * st[nodes[k]]
+        beta *= step / last
     else:
-        for j in range(n):
-            t[j] = 0.0
+        t[:] = 0.0
     for k in range(count):
         t[nodes[k]] = z[k] + beta * t[nodes[k]]
 
@@ -140,8 +145,8 @@ def newton_direction(z: Reals, last: float, energy: float, nodes: Indices, count
 @jit
 def newton_update(
     iterate: Iterate, energy: float, nodes: Indices, count: int, n: int, r: Reals, free_mean: bool
-) -> None:
-    """Line search along the direction."""
+) -> float:
+    """Line search along the direction; the step."""
     p, gap, t, st = iterate
     curvature = 0.0
     for k in range(count):
@@ -154,6 +159,7 @@ def newton_update(
         without_mean(r, count)
     for j in range(n):
         gap[j] += step * st[j]
+    return step
 
 
 @jit
@@ -163,14 +169,14 @@ def revise_contact(
     nodes: Indices,
     count: int,
     n: int,
-    load: float,
+    total_load: float,
     rounding: float,
     free_mean: bool,
 ) -> int:
     """Nodes under tension leave the contact and lose it, nodes that overlap join; how many did.
 
-    Under a prescribed load the nodes in contact fix the approach, which is taken off the gap, and the others carry
-    what was lost.
+    Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
+    gap, and the others carry what was lost.
     """
     p, gap = iterate.p, iterate.gap
     if free_mean:
@@ -194,7 +200,7 @@ def revise_contact(
             contact[j] = True
             changed += 1
     if free_mean and changed > 0:
-        scale = load * n / total
+        scale = total_load / total
         for j in range(n):
             p[j] *= scale
     return changed

@@ -5,9 +5,8 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.pressure_iterate import PressureIterate
+from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, LastPressure, PressureIterate
 
 
 def conjugate_gradients(batch: Batch, options: Options) -> "ConjugateGradients":

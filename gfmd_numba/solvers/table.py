@@ -49,9 +49,9 @@ class Solver:
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
 _ACTIVE_SETS = (
-    "gfmd_numba.solvers.bounded_newton:bounded_newton",
+    "gfmd_numba.solvers.active_set_newton:bounded_newton",
     "gfmd_numba.solvers.decay_newton:decay_newton",
-    "gfmd_numba.solvers.map_newton:map_newton",
+    "gfmd_numba.solvers.tiles.newton:tile_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
 )
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}

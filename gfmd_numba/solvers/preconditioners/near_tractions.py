@@ -5,8 +5,8 @@ import numpy as np
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.preconditioners.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.preconditioners.near_field import NearField
-from gfmd_numba.solvers.preconditioners.profile_inverse import ProfileInverse
 
 
 class NearTractions:
@@ -25,7 +25,9 @@ class NearTractions:
         elements = response.inverse()
         normal, tangential = elements[-1], elements[0]
         if len(shape) == 1:
-            self._tangential, self._normal = ProfileInverse(tangential, *shape), ProfileInverse(normal, *shape)
+            self._tangential, self._normal = (
+                ProfileInverse(_reciprocal(each), each, *shape) for each in (tangential, normal)
+            )
         else:
             xx, xy, yy = elements[:3]
             trace = 0.5 * (xx + yy)
@@ -65,6 +67,10 @@ class NearTractions:
 
 def _inverse(compliance: Reals) -> Reals:
     """Stiffness; a mean displacement that is rigid has none, and one nearly so would reach over the whole map."""
-    stiffness = np.divide(1.0, compliance, out=np.zeros_like(compliance), where=compliance > 0.0)
+    stiffness = _reciprocal(compliance)
     stiffness.flat[0] = min(stiffness.flat[0], stiffness.flat[1])
     return stiffness
+
+
+def _reciprocal(compliance: Reals) -> Reals:
+    return np.divide(1.0, compliance, out=np.zeros_like(compliance), where=compliance > 0.0)

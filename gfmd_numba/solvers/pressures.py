@@ -1,5 +1,8 @@
 """What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
 
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,3 +66,83 @@ class PressureIterate:
             self.load[active] = self.pressure[active, :n].mean(axis=1)
         self.certificate.look(self.state, active, n)
         return self.certificate.residual(self.load, active)
+
+
+UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
+
+
+class LastPressure:
+    """Pressures between two bounds and their gaps `[realisation, x]`, up to the approach, as they last were."""
+
+    def __init__(self, pressure: Reals) -> None:
+        self.pressure, self.gap = np.zeros((2, *pressure.shape), dtype=pressure.dtype)
+        self._known = np.zeros(len(pressure), dtype=np.bool_)
+
+    def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:
+        """What `kernels.damp` does and returns for row i; 0 for its first pressure."""
+        if self._known[i]:
+            return int(kernels.damp(pressure, gap, self.pressure[i], self.gap[i], n))
+        self.remember(i, pressure, gap)
+        return 0
+
+    def remember(self, i: int, pressure: Reals, gap: Reals) -> None:
+        """Make a pressure the last one of row i."""
+        self.pressure[i], self.gap[i], self._known[i] = pressure, gap, True
+
+
+class Inverse(Protocol):
+    """What is close to the inverse of the compliance on some nodes."""
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes that about causes the displacement there."""
+        ...
+
+
+class Closing(NamedTuple):
+    """The linear problem of the pressure that closes the gap of a row on its `nodes` in contact.
+
+    `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
+    of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
+    `rounding` are closed. The `room` `[2, node]` is free.
+    """
+
+    iterate: kernels.Iterate
+    nodes: Indices
+    inverse: Inverse
+    soften: Callable[[], None]
+    uniform: Reals
+    rounding: float
+    free_mean: bool
+    room: Reals
+
+    def error(self) -> float:
+        """Relative error of the pressure."""
+        self._begin()
+        return self._change()[1]
+
+    def solve(self, tolerance: float, most: int) -> int:
+        """Go on by preconditioned conjugate gradients until the error is that small; how many, at most `most`."""
+        iterate, nodes, count, (r, z) = self.iterate, self.nodes, self.nodes.size, self.room
+        self._begin()
+        last = step = 0.0
+        for iteration in range(most):
+            energy, error = self._change()
+            if not error > tolerance:
+                return iteration
+            kernels.newton_direction(z, step, last, nodes, count, iterate)
+            last = energy
+            self.soften()
+            step = kernels.newton_update(iterate, energy, nodes, count, iterate.gap.size, r, self.free_mean)
+        return most
+
+    def _begin(self) -> None:
+        kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)
+
+    def _change(self) -> tuple[float, float]:
+        """Fill the next change of the pressure; its energy and the relative error that it tells."""
+        r, z = self.room
+        self.inverse.solve(r, z)
+        energy, error = kernels.newton_error(
+            r, z, self.uniform, self.iterate.p, self.nodes, self.nodes.size, self.rounding, self.free_mean
+        )
+        return float(energy), float(error)

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.growing_wave import growing_wave
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, tangential_shape
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.stagnation import Stagnation
+from gfmd_numba.solvers.status import Stagnation
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import SOLVERS
 
@@ -166,7 +166,7 @@ def equilibrate(
         return result
     sideways = None if result.tangential is None else result.tangential.displacement[unstable]
     growing = np.full(realisations, -1, dtype=np.int64)
-    growing[unstable] = growing_wave(result.displacement[unstable], sideways, elastic)
+    growing[unstable] = _growing_wave(result.displacement[unstable], sideways, elastic)
     return replace(result, growing_wave=growing)
 
 
@@ -269,3 +269,18 @@ def _iterate(
         result.n_iterations[where] += iterations
         active = active[~ended]
     result.n_transforms[rows] += solver.n_transforms
+
+
+def _growing_wave(displacement: Reals, sideways: Reals | None, response: SpectralResponse) -> Indices:
+    """Return the index `[realisation]` of the wave with the largest restoring traction: the run blew up from nothing.
+
+    `displacement` is normal, `[realisation, (y,) x]`; `sideways` the tangential one `[realisation, (component, y,) x]`,
+    None without any (L_x). The `response` is the one that the run has had.
+    """
+    rows, shape = len(displacement), displacement.shape[1:]
+    moved = displacement[:, np.newaxis]
+    if sideways is not None:
+        moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
+    tractions = (np.abs(grid.coefficients(moved, len(shape))) * response.diagonal[-moved.shape[1] :]).max(axis=1)
+    index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
+    return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)

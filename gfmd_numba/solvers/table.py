@@ -50,7 +50,7 @@ _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "r
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
 _ACTIVE_SETS = (
     "gfmd_numba.solvers.active_set_newton:bounded_newton",
-    "gfmd_numba.solvers.decay_newton:decay_newton",
+    "gfmd_numba.solvers.decays.newton:decay_newton",
     "gfmd_numba.solvers.tiles.newton:tile_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
 )
@@ -85,7 +85,7 @@ SOLVERS = {
             {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
         ),
         condensed=("gfmd_numba.solvers.truncated_newton:under_a_law", *_ACTIVE_SETS),
-        coupled=("gfmd_numba.solvers.frictional_newton:FrictionalNewton",),
+        coupled=("gfmd_numba.solvers.friction.newton:FrictionalNewton",),
         block_samples=2**18,
         gives_up_after=100,  # usually below 12
         successor="verlet",

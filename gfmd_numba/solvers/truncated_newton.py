@@ -14,7 +14,7 @@ from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.law_energies import law_energy
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.parallel_law import ParallelLaw
+from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.products import Products
 
 _LOOSE = 0.1  # largest part of the unbalanced traction that a Newton step may leave unbalanced

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.solvers.friction_guess import Found, FrictionGuess, middle_slip
-from gfmd_numba.solvers.minimal_residual import minimal_residual
-from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+from gfmd_numba.solvers.friction.guess import Found, FrictionGuess, middle_slip
+from gfmd_numba.solvers.friction.stick_slip import minimal_residual
+from gfmd_numba.solvers.friction.stick_slip import NearTractions
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.stick_slip import Body, StickSlip
+from gfmd_numba.solvers.friction.stick_slip import Body, StickSlip
 
 N, FRICTION = 64, 0.3
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]

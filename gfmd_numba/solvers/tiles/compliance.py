@@ -9,7 +9,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
-from gfmd_numba.solvers.preconditioners.near_field import Blocks, near_stencil
+from gfmd_numba.solvers.tiles.near_field import Blocks, near_stencil
 
 _COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
 _REACH = 5  # nodes in each direction that the stencil sees

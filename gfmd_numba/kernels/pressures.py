@@ -210,8 +210,13 @@ _ROUNDED = 1e-12  # of all that is added up
 
 
 @jit
-def approach_without_free_nodes(p: Reals, gap: Reals, n: int) -> float:
-    """Approach half way between the highest gap of a plastic node and the lowest one of an open node."""
+def approach(p: Reals, gap: Reals, free_gaps: float, count: int, n: int) -> float:
+    """Approach under a prescribed load: the mean of the gaps of `count` free nodes, which add up to `free_gaps`.
+
+    Without any it is half way between the highest gap of a plastic node and the lowest one of an open node.
+    """
+    if count > 0:
+        return free_gaps / count
     highest = -np.inf
     lowest = np.inf
     for j in range(n):
@@ -225,18 +230,13 @@ def approach_without_free_nodes(p: Reals, gap: Reals, n: int) -> float:
 @jit
 def level(p: Reals, gap: Reals, hardness: float, n: int) -> None:
     """Take the approach off the gap under a prescribed load, which the free nodes fix."""
-    approach = 0.0
+    free_gaps = 0.0
     count = 0
     for j in range(n):
         if 0.0 < p[j] < hardness:
-            approach += gap[j]
+            free_gaps += gap[j]
             count += 1
-    if count > 0:
-        approach /= count
-    else:
-        approach = approach_without_free_nodes(p, gap, n)
-    for j in range(n):
-        gap[j] -= approach
+    gap[:n] -= approach(p, gap, free_gaps, count, n)
 
 
 @jit
@@ -404,15 +404,10 @@ def wrong_gaps(iterate: Iterate, nodes: Indices, count: int, n: int, rounding: f
     """
     p, gap, t, _ = iterate
     if free_mean:
-        approach = 0.0
+        free_gaps = 0.0
         for k in range(count):
-            approach += gap[nodes[k]]
-        if count > 0:
-            approach /= count
-        else:
-            approach = approach_without_free_nodes(p, gap, n)
-        for j in range(n):
-            gap[j] -= approach
+            free_gaps += gap[nodes[k]]
+        gap[:n] -= approach(p, gap, free_gaps, count, n)
     for j in range(n):
         wrong = gap[j] > rounding if p[j] > 0.0 else gap[j] < -rounding
         t[j] = gap[j] if wrong else 0.0

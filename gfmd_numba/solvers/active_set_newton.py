@@ -9,11 +9,11 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
-from gfmd_numba.solvers.tiles.near_field import FarField
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
+from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
 _COARSEST = 256  # nodes up to which the first guess is full contact
@@ -39,6 +39,12 @@ class ActiveSetNewton(PressureIterate):
     few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
     the residual is at most `options.residual`, not when the contact stops changing: `certificate.py` measures it, the
     largest violation of a contact condition over the largest pressure.
+
+    Under a hardness nodes are guessed to be at neither bound, and two bounds may send them to and fro. So a solution of
+    the linear problem is followed by a step of all nodes along what is violated, to the nearest pressure between the
+    bounds that carries the load (a projected gradient). A step that increases the energy is cut short where the energy
+    is least. Where few nodes change sides, one that does so from its start is replaced by one towards the solution of
+    the linear problem, as far as the first node reaches a bound.
     """
 
     check_every = 1
@@ -49,6 +55,8 @@ class ActiveSetNewton(PressureIterate):
         self.changed = np.full(rows, n)  # nodes that changed sides in the last step
         self.touching = np.full(rows, n)  # nodes in contact before it
         self._coarse_transforms = np.zeros(rows)
+        self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
+        self._careful = np.zeros(rows, dtype=np.bool_)
         self._inverse = _inverse(batch.response.normal, self.compliance, self.field.shape)
         self._tuning = self._inverse.tuning
         if n > _COARSEST:
@@ -88,17 +96,37 @@ class ActiveSetNewton(PressureIterate):
 
     def _open_gap(self, row: Indices) -> None:
         """Gap under the pressure, up to the approach."""
-        i = row[0]
+        i, n = row[0], self.field.n
+        p, gap = self.pressure[i], self.gap[i]
         self.field.apply(self.compliance, row, source=0)
-        kernels.open_gap(self.field.result[i], self.wall[i], self.field.n, self.gap[i])
+        kernels.open_gap(self.field.result[i], self.wall[i], n, gap)
+        uphill = 0 if self._last is None else self._last.damp(i, p, gap, n)
+        if self._last is None or not uphill:
+            return
+        if uphill == UPHILL_FROM_THE_START and self.changed[i] <= _FEW:
+            p[:], gap[:] = self._last.pressure[i], self._last.gap[i]
+            self._careful[i] = True
+        elif uphill == UPHILL_FROM_THE_START:
+            self._last.remember(i, p, gap)
+        self._contact[i] = (p > 0.0) & (p < self.hardness)
 
     def _revise(self, row: Indices, count: int) -> int:
         """Revise the contact of a row; returns how many nodes changed sides."""
-        i, n = row[0], self.field.n
-        changed = kernels.revise_contact(
-            self.rows[i], self._contact[i], self._nodes, count, n, self.load[i] * n, self.rounding[i], self.free_mean,
-        )  # fmt: skip
-        return int(changed)
+        i, n, iterate, contact = row[0], self.field.n, self.rows[row[0]], self._contact[row[0]]
+        if self._last is None:
+            changed = kernels.revise_contact(
+                iterate, contact, self._nodes, count, n, self.load[i] * n, self.rounding[i], self.free_mean
+            )
+            return int(changed)
+        if self._careful[i]:
+            self._careful[i] = False
+            stopped = kernels.stop_at_first_bound(iterate.p, self._last.pressure[i], contact, self.hardness, n)
+            if stopped:
+                return int(stopped)
+        square = kernels.wrong_gaps(iterate, self._nodes, count, n, self.rounding[i], self.free_mean)
+        if square > 0.0:
+            self.field.apply(self.compliance, row, source=1)
+        return int(kernels.revise_bounds(iterate, square, contact, n, self.load[i], self.hardness, self.free_mean))
 
     def _opened(self, row: Indices, count: int) -> int:
         """Open the node that full contact presses least, where a body that keeps its volume has room; how many.
@@ -151,10 +179,13 @@ class ActiveSetNewton(PressureIterate):
         self._coarse_transforms = coarse.n_transforms * cost
 
     def _balance(self) -> None:
-        """Scale the pressure of each realisation to its load."""
-        if self.free_mean:
-            mean = self.pressure[:, : self.field.n].mean(axis=1)
-            self.pressure[:, : self.field.n] *= (self.load / mean)[:, np.newaxis]
+        """Scale the pressure of each realisation to its load, or move it there between its bounds."""
+        n = self.field.n
+        if self.free_mean and self._last is None:
+            self.pressure[:, :n] *= (self.load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
+        elif self.free_mean:
+            for p, load in zip(self.pressure, self.load, strict=True):
+                kernels.bound(p, np.ones(n, dtype=np.bool_), load * n, self.hardness, n)
 
 
 def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
@@ -170,58 +201,3 @@ def _interpolated_along(p: Reals, x: Reals) -> Reals:
 
 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
-
-
-def bounded_newton(batch: Batch, options: Options) -> "BoundedNewton | None":
-    """Begin under a hardness."""
-    return None if batch.interface.hardness is None else BoundedNewton(batch, options)
-
-
-class BoundedNewton(ActiveSetNewton):
-    """Pressure of a batch between 0 and the hardness, found by guessing which nodes are at neither.
-
-    Two bounds may send nodes to and fro between them. So a solution of the linear problem is followed by a step of
-    all nodes along what is violated, to the nearest pressure between the bounds that carries the load (a projected
-    gradient). A step that increases the energy is cut short where the energy is least. Where few
-    nodes change sides, one that does so from its start is replaced by one towards the solution of the linear problem,
-    as far as the first node reaches a bound.
-    """
-
-    def __init__(self, batch: Batch, options: Options) -> None:
-        super().__init__(batch, options)
-        self._last = LastPressure(self.pressure)
-        self._careful = np.zeros(len(self.pressure), dtype=np.bool_)
-
-    def _open_gap(self, row: Indices) -> None:
-        super()._open_gap(row)
-        i = row[0]
-        p, gap = self.pressure[i], self.gap[i]
-        uphill = self._last.damp(i, p, gap, self.field.n)
-        if uphill == UPHILL_FROM_THE_START and self.changed[i] <= _FEW:
-            p[:], gap[:] = self._last.pressure[i], self._last.gap[i]
-            self._careful[i] = True
-        elif uphill == UPHILL_FROM_THE_START:
-            self._last.remember(i, p, gap)
-        if uphill:
-            self._contact[i] = (p > 0.0) & (p < self.hardness)
-
-    def _revise(self, row: Indices, count: int) -> int:
-        i, n, iterate = row[0], self.field.n, self.rows[row[0]]
-        if self._careful[i]:
-            self._careful[i] = False
-            stopped = kernels.stop_at_first_bound(iterate.p, self._last.pressure[i], self._contact[i], self.hardness, n)
-            if stopped:
-                return int(stopped)
-        square = kernels.wrong_gaps(iterate, self._nodes, count, n, self.rounding[i], self.free_mean)
-        if square > 0.0:
-            self.field.apply(self.compliance, row, source=1)
-        changed = kernels.revise_bounds(
-            iterate, square, self._contact[i], n, self.load[i], self.hardness, self.free_mean
-        )
-        return int(changed)
-
-    def _balance(self) -> None:
-        if self.free_mean:
-            n = self.field.n
-            for p, load in zip(self.pressure, self.load, strict=True):
-                kernels.bound(p, np.ones(n, dtype=np.bool_), load * n, self.hardness, n)

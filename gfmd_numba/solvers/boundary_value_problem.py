@@ -14,8 +14,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.solvers.dynamics import Verlet, position_verlet
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.status import Stagnation
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Stagnation, Status
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
 _ROW = np.zeros(1, dtype=np.int64)

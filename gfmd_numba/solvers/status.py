@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any
+
 import numpy as np
-import numpy as np
+
 from gfmd_numba.arrays import Flags, Indices, Reals
 
 

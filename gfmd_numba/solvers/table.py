@@ -49,7 +49,6 @@ class Solver:
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
 _ACTIVE_SETS = (
-    "gfmd_numba.solvers.active_set_newton:bounded_newton",
     "gfmd_numba.solvers.decays.newton:decay_newton",
     "gfmd_numba.solvers.tiles.newton:tile_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
@@ -68,7 +67,7 @@ SOLVERS = {
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",
         can=_PRESSURE,
-        condensed=("gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",),
+        condensed=("gfmd_numba.solvers.conjugate_gradients:ConjugateGradients",),
     ),
     "truncated_newton": Solver(
         "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap or of gap "

@@ -10,11 +10,11 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse, diagonal
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.law_energies import law_energy
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.products import Products
 
 _LOOSE = 0.1  # largest part of the unbalanced traction that a Newton step may leave unbalanced

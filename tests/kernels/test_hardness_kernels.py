@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.pressures import approach_without_free_nodes, bounded_step
+from gfmd_numba.kernels.pressures import approach, bounded_step
 
 N, HARDNESS = 40, 0.7
 
@@ -71,7 +71,7 @@ def test_level_takes_the_mean_gap_of_free_nodes(kernel, rng):
     expected = gap - 0.5 * (gap[:9].max() + gap[9:].min())
     kernel(p, gap, HARDNESS, N)
     np.testing.assert_allclose(gap, expected, atol=1e-15)
-    assert approach_without_free_nodes(p, gap, N) == pytest.approx(0.0, abs=1e-15)
+    assert approach(p, gap, 0.0, 0, N) == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.damp))

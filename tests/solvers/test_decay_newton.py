@@ -12,8 +12,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.decays.newton import decay_model
-from gfmd_numba.solvers.decays.newton import DecayNewton
+from gfmd_numba.solvers.decays.newton import DecayNewton, decay_model
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.options import Options

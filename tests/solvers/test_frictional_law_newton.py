@@ -7,10 +7,10 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.status import Status
 from support.contact_conditions import largest_violation, sticking
 

@@ -5,10 +5,8 @@ import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers.friction.guess import Found, FrictionGuess, middle_slip
-from gfmd_numba.solvers.friction.stick_slip import minimal_residual
-from gfmd_numba.solvers.friction.stick_slip import NearTractions
+from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.friction.stick_slip import Body, StickSlip
 
 N, FRICTION = 64, 0.3
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]

@@ -2,11 +2,12 @@
 
 from functools import cached_property
 from typing import NamedTuple
+
 import numpy as np
+
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.transform import Transform
-
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
 STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself

@@ -1,30 +1,25 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
-import numpy as np
-from gfmd_numba import kernels
-from gfmd_numba.arrays import Reals
-from gfmd_numba.kernels.decays import POWERS
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
-from collections import OrderedDict
-from dataclasses import replace
 from math import sqrt
 from threading import local
 from typing import Any
+
 import numpy as np
 import numpy.typing as npt
+
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS
-
 
 # 32 decays, within 1e-5 to 4e-5 of 1/q at 2^13 to 2^20 nodes; alternating ones, (-1)^m exp(-rate m), for the kink of
 # |q| at Nyquist
@@ -157,8 +152,8 @@ _SURE = 0.5  # share of the residual within which an expected error is taken for
 
 
 def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
-    """Begin in double precision where a sum of decays is close to the compliance."""
-    if batch.punch.dtype != np.float64:
+    """Begin in double precision, without a hardness, where a sum of decays is close to the compliance."""
+    if batch.punch.dtype != np.float64 or batch.interface.hardness is not None:
         return None
     model = decay_model(batch.response.normal, batch.punch.shape[1:], batch.load is not None)
     return None if model is None else DecayNewton(batch, options, model)

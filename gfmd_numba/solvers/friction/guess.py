@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
+
 import numpy as np
+
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.interface.interactions import NormalLaw
 from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.iteration import Batch, Start
-
 
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
 

@@ -1,7 +1,9 @@
 """Semismooth Newton method for Coulomb friction on a hard wall: all displacements of profiles and maps together."""
 
 from dataclasses import dataclass, replace
+
 import numpy as np
+
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
@@ -15,13 +17,10 @@ from gfmd_numba.solvers.friction.guess import (
     middle_slip,
     on_coarser_grid,
 )
+from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin
-from gfmd_numba.solvers.friction.stick_slip import minimal_residual
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.friction.stick_slip import NearTractions
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.friction.stick_slip import Body, StickSlip
-
 
 _SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first guess of the normal contact is left, later ones
 _NORMAL_STEPS = 60  # of that, at most

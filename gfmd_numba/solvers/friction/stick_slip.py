@@ -9,22 +9,19 @@ It is solved by generalised minimal residuals, preconditioned by an approximate 
 component on the nodes in contact.
 """
 
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
-from gfmd_numba.arrays import Indices, Reals
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
-from gfmd_numba.solvers.tiles.near_field import NearField
-import math
-from collections.abc import Callable
-import numpy as np
-from gfmd_numba.arrays import Reals
-from collections.abc import Callable
-from typing import NamedTuple
-import numpy as np
-from gfmd_numba import kernels
-from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.solvers.friction.guess import FrictionGuess, Tangent
+from gfmd_numba.solvers.tiles.near_field import NearField
 
 
 class NearTractions:

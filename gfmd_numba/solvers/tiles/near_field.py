@@ -1,13 +1,14 @@
 """Near neighbours of a map, and what all contacts do to each other on a grid too coarse to see any of them."""
 
 import math
+
 import numpy as np
+
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.solvers.decays.exponential_sum import Tuning
-
 
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
 

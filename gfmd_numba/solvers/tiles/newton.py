@@ -238,8 +238,9 @@ _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked f
 
 
 def tile_newton(batch: Batch, options: Options) -> "TileNewton | None":
-    """Begin on maps that tiles cover."""
-    return TileNewton(batch, options) if fits(batch.punch.shape[1:]) else None
+    """Begin on maps that tiles cover, without a hardness."""
+    takes = batch.interface.hardness is None and fits(batch.punch.shape[1:])
+    return TileNewton(batch, options) if takes else None
 
 
 class TileNewton:
